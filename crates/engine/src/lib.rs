@@ -73,7 +73,7 @@ pub use events::{
 };
 pub use health::CovarianceHealth;
 pub use measurement::{Measurement, Repeats, Scalar};
-pub use navigator::{Navigator, PushError};
+pub use navigator::{EndError, Navigator, PushError};
 pub use not_aligned::NotAligned;
 pub use observer::Observer;
 pub use summary::{Innovations, MOST_EVENTS, Summary};

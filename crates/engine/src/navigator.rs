@@ -10,7 +10,7 @@ use crate::{
     settings::replay::Settings,
     summary::{MOST_EVENTS, Summary},
 };
-use alloc::{collections::VecDeque, vec::Vec};
+use alloc::{boxed::Box, collections::VecDeque, vec::Vec};
 use undrift_nav::{
     filter::FilterError,
     parameters::Parameter,
@@ -42,6 +42,21 @@ pub enum PushError {
     /// The filter cannot be built.
     #[error(transparent)]
     Filter(#[from] FilterError),
+}
+
+/// Why there is no result at the end.
+#[derive(Clone, Debug)]
+pub enum EndError {
+    /// There never was a solution.
+    NotAligned(Box<NotAligned>),
+    /// The filter cannot be built.
+    Filter(FilterError),
+}
+
+impl From<FilterError> for EndError {
+    fn from(error: FilterError) -> Self {
+        Self::Filter(error)
+    }
 }
 
 /// The whole state before a sample.
@@ -131,9 +146,8 @@ impl Navigator {
     ) -> Result<(), PushError> {
         let values = sample.dtheta.iter().chain(sample.dvel.iter());
         let time = sample.time;
-        if !(time.is_finite() && sample.dt > 0.0 && sample.dt.is_finite())
-            || !values.copied().all(f64::is_finite)
-        {
+        let mut numbers = [time, sample.dt].into_iter().chain(values.copied());
+        if !numbers.all(f64::is_finite) || sample.dt <= 0.0 {
             let what = "the sample";
             return Err(PushError::NotFinite { what, time });
         }
@@ -245,17 +259,18 @@ impl Navigator {
     /// tell why there was no alignment.
     ///
     /// # Errors
-    /// [`NotAligned`] inside where there never was a solution; a filter that cannot be built.
+    /// [`EndError`].
     pub fn end(
         mut self,
         later: impl Iterator<Item = f64>,
         observer: &mut dyn Observer,
-    ) -> Result<Result<Summary, NotAligned>, FilterError> {
+    ) -> Result<Summary, EndError> {
         if let Some(checked) = self.run.check_last() {
             self.run.sample(checked, &self.measured, observer)?;
         }
         let left = self.measured.fixes_from(self.run.taken());
-        Ok(self.run.end(left.chain(later), observer))
+        let ended = self.run.end(left.chain(later), observer);
+        ended.map_err(EndError::NotAligned)
     }
 
     fn step(&mut self, sample: ImuSample, observer: &mut dyn Observer) -> Result<(), FilterError> {

@@ -21,7 +21,7 @@ use crate::{
     estimator::{Estimator, STAMP_ROUNDING},
     settings::replay::{GnssUse, Settings},
 };
-use alloc::sync::Arc;
+use alloc::{boxed::Box, sync::Arc};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{
@@ -240,7 +240,7 @@ impl Run {
         mut self,
         later: impl Iterator<Item = f64>,
         observer: &mut dyn Observer,
-    ) -> Result<Summary, NotAligned> {
+    ) -> Result<Summary, Box<NotAligned>> {
         self.summary.implausible = self.plausible.findings();
         self.summary.judge_signs(&self.settings.engine.plausibility);
         self.summary.repeated = self.queue.repeated();
@@ -258,14 +258,14 @@ impl Run {
                 last: self.summary.ended,
                 count: self.summary.align_samples,
             });
-            return Err(NotAligned {
+            return Err(Box::new(NotAligned {
                 failure: self.alignment.aligner.failure(self.log.fixes),
                 times: samples.zip(fixes).map(|(imu, gnss)| {
                     let fault = compare(&imu, &gnss, &self.settings.engine.clocks);
                     ([imu, gnss], fault)
                 }),
                 implausible: self.summary.implausible,
-            });
+            }));
         }
         if let Some(solution) = &mut self.solution {
             solution.node(self.settings.nodes, observer);

@@ -135,7 +135,6 @@ impl Scenario {
             navigator.imu_watched(*sample, &mut track).unwrap();
         }
         let summary = navigator.end(core::iter::empty(), &mut track).unwrap();
-        let summary = summary.expect("aligned");
         Navigated {
             epochs: track.epochs,
             rests: track.rests,

@@ -18,7 +18,7 @@ pub use undrift_engine::{
 
 use crate::estimator::{Adjoint, Estimator};
 use std::cell::RefCell;
-use undrift_engine::{Navigator, PushError};
+use undrift_engine::{EndError, Navigator, PushError};
 use undrift_io::ReadError;
 use undrift_nav::{
     filter::{FilterError, Update},
@@ -215,9 +215,12 @@ pub fn replay(
         Ok(Measurement::Gnss(fix)) => Some(fix.time),
         _ => None,
     });
-    let summary = navigator.end(later, &mut observer)?;
+    let summary = navigator.end(later, &mut observer);
     observer.done()?;
-    summary.map_err(|why| ReplayError::NotAligned(Box::new(why.into())))
+    summary.map_err(|error| match error {
+        EndError::NotAligned(why) => ReplayError::NotAligned(Box::new((*why).into())),
+        EndError::Filter(error) => ReplayError::Filter(error),
+    })
 }
 
 #[cfg(test)]
