@@ -362,3 +362,6 @@ impl Differences<'_> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

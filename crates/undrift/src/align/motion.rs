@@ -315,3 +315,6 @@ fn filter(
     filter.check().ok()?;
     Some(filter)
 }
+
+#[cfg(test)]
+mod tests;
