@@ -426,14 +426,14 @@ fn a_covariance_grows_while_the_heading_is_known() {
         let mut receiver = Receiver::new(0.0, &settings.engine);
         let mut filter = driving_north(10.0);
         let mut after = |k: u32| {
-            let way = if k % 2 == 0 { 2.0 } else { -2.0 };
+            let way = if k.is_multiple_of(2) { 2.0 } else { -2.0 };
             let way = if k < 30 { 0.1 * way } else { way };
             let off = GnssFix {
                 velocity: None,
                 ..fix(0.2 * f64::from(k), way, 0.0, 0.5)
             };
             receiver.update(&mut *filter, &off, None, 0.0, &settings, &mut summary);
-            (u64::from(summary.faded), filter.nav_std()[8])
+            (summary.faded, filter.nav_std()[8])
         };
         (0..80).map(&mut after).collect()
     };
