@@ -251,3 +251,6 @@ fn stay_on_track(
     let aiding = Aiding::NonHolonomic(rule.lever);
     constrain(filter, &aiding, &Matrix3::from_diagonal(&noise), settings)
 }
+
+#[cfg(test)]
+mod tests;

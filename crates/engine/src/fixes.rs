@@ -365,3 +365,6 @@ impl Differences<'_> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

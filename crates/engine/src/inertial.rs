@@ -395,4 +395,113 @@ mod tests {
         assert_eq!(doubted, 29 + 8 * 30);
         assert_eq!(summary.sample_faults.len(), 9);
     }
+
+    /// An axis of numbers between −1 and 1 that has once reached ±6, a value at a time.
+    fn known_axis(set: &SampleSettings) -> (AxisWatch, f64) {
+        let mut axis = Inertial::new(Matrix3::identity(), *set).axes[0];
+        let mut time = 0.0;
+        for k in 0..2000 {
+            time += 0.01;
+            let value = match k {
+                1000 => 6.0,
+                1010 => -6.0,
+                _ => noise(k, 0),
+            };
+            assert!(!axis.is_stuck(set, (time, 0.01), value));
+            axis.learn(set, 0.01, value);
+        }
+        (axis, time)
+    }
+
+    /// How many samples of one value it takes until it is stuck.
+    fn samples_until_stuck(value: f64) -> usize {
+        let set = SampleSettings::default();
+        let (mut axis, time) = known_axis(&set);
+        (1..1000)
+            .find(|k| axis.is_stuck(&set, (time + 0.01 * *k as f64, 0.01), value))
+            .unwrap()
+    }
+
+    #[test]
+    fn an_axis_is_saturated_at_the_ends_of_what_it_has_read() {
+        // No value ever came twice: four times the usual number is four.
+        for end in [6.0, 6.1, 30.0] {
+            assert_eq!(
+                (samples_until_stuck(end), samples_until_stuck(-end)),
+                (4, 4)
+            );
+        }
+        // Inside its range, however far out, it has to last for half a second.
+        for inside in [5.9, 3.5, 0.5] {
+            assert_eq!(
+                (samples_until_stuck(inside), samples_until_stuck(-inside)),
+                (51, 51)
+            );
+        }
+    }
+
+    #[test]
+    fn what_an_axis_usually_does_is_its_mean_and_variance() {
+        let set = SampleSettings {
+            usual: 1e9,
+            ..SampleSettings::default()
+        };
+        let mut axis = AxisWatch::default();
+        // 3 and 7 in turn, of which the first counts as the mean.
+        for k in 0..10_000 {
+            axis.learn(&set, 0.01, if k % 2 == 0 { 3.0 } else { 7.0 });
+        }
+        assert!((axis.mean - 5.0).abs() < 1e-3, "{}", axis.mean);
+        // The mean on the way is off by 1/k: of ten thousand a thousandth.
+        assert!((axis.variance - 4.0).abs() < 0.02, "{}", axis.variance);
+        assert!((axis.known - 100.0).abs() < 1e-6);
+        // Over a time the past is forgotten by e.
+        let set = SampleSettings { usual: 2.0, ..set };
+        axis.learn(&set, 0.01, 5.0);
+        let (mean, span) = (axis.mean, 200);
+        for _ in 0..span {
+            axis.learn(&set, 0.01, mean + 1.0);
+        }
+        let expected = 1.0 - (1.0 - 0.01f64 / 2.0).powi(span);
+        assert!((axis.mean - mean - expected).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_spike_is_far_from_neighbours_that_agree() {
+        let set = SampleSettings::default();
+        let is = |seen: u64, step: f64, around: [f64; 2], value: f64| {
+            let mut axis = AxisWatch {
+                seen,
+                step,
+                ..AxisWatch::default()
+            };
+            axis.is_spike(&set, 1.0, around, value)
+        };
+        let known = set.least_values;
+        // Further than the least of 1, and than 25 usual steps.
+        assert!(is(known, 0.01, [0.0, 0.0], 1.01) && !is(known, 0.01, [0.0, 0.0], 0.99));
+        assert!(is(known, 0.1, [1.0, 1.0], -1.51) && !is(known, 0.1, [1.0, 1.0], -1.49));
+        // Of neighbours that are apart by less than three tenths of that.
+        assert!(is(known, 0.01, [-0.59, 0.59], 4.0) && !is(known, 0.01, [-0.61, 0.61], 4.0));
+        assert!(!is(known - 1, 0.01, [0.0, 0.0], 5.0));
+    }
+
+    /// Nine in ten distances are smaller than the step.
+    #[test]
+    fn the_step_is_a_quantile_of_nine_in_ten() {
+        let set = SampleSettings::default();
+        let mut axis = AxisWatch::default();
+        let (mut sum, mut count) = (0.0, 0);
+        for k in 0..20_000 {
+            // Distances that are uniform from 0 to 1.
+            let off = (k as f64 * 0.618_033_988_75).fract();
+            axis.is_spike(&set, 1e9, [0.0, 0.0], off);
+            if k > 2000 {
+                (sum, count) = (sum + axis.step, count + 1);
+            }
+        }
+        let mean = sum / f64::from(count);
+        // By steps of a twentieth it scatters about that.
+        assert!((mean - 0.9).abs() < 0.03, "{mean}");
+    }
 }

@@ -349,3 +349,168 @@ fn odd_input_is_refused_or_harmless() {
     assert_eq!(stepper.increments(f64::INFINITY).0, Vector3::zeros());
     assert_eq!(stepper.state().time, 0.0);
 }
+
+/// A turn: its start, end and length of its rounding \[s\], and its angle \[rad\].
+#[derive(Clone, Copy, Debug)]
+struct Turned {
+    start: f64,
+    end: f64,
+    rounding: f64,
+    angle: f64,
+}
+
+/// The turns of a trajectory: each is a step to its rate and one back to zero.
+fn turns(trajectory: &Trajectory) -> Vec<Turned> {
+    let profile = &trajectory.turn_rate;
+    let knots: Vec<f64> = profile.knots().collect();
+    let turns = knots.chunks_exact(4).map(|k| Turned {
+        start: k[0],
+        end: k[3],
+        rounding: k[1] - k[0],
+        angle: profile.at(k[3]).integral - profile.at(k[0]).integral,
+    });
+    turns.collect()
+}
+
+/// Rounding of the car's turns \[s\].
+const CAR_TURN: f64 = 1.2;
+
+#[test]
+fn cars_turn_while_their_speed_is_constant() {
+    let (mut bends, mut pairs, mut corners) = (0, 0, 0);
+    for seed in 0..100 {
+        let car = Trajectory::car(600.0, seed);
+        for turn in turns(&car) {
+            for time in [turn.start, turn.end] {
+                let rate = car.speed.at(time).rate;
+                // Rounding of 1 m/s² in 600 s.
+                assert!(rate.abs() < 1e-9, "{seed} {time}: {rate}");
+            }
+        }
+        for time in car.speed.knots() {
+            let rate = car.turn_rate.at(time).value;
+            assert!(rate.abs() < 1e-9, "{seed} {time}: {rate}");
+        }
+        let turns = turns(&car);
+        for (k, turn) in turns.iter().enumerate() {
+            let (angle, length) = (turn.angle.abs().to_degrees(), turn.end - turn.start);
+            let speed = car.speed.at(turn.start).value;
+            if angle > 40.0 {
+                corners += 1;
+                assert!((70.0..100.0).contains(&angle), "{seed} {angle}");
+                assert!((5.0..7.0).contains(&length), "{seed} {length}");
+                assert!((4.0..6.5).contains(&speed), "{seed} {speed}");
+                continue;
+            }
+            bends += 1;
+            assert!((4.0 - 1e-9..15.0).contains(&angle), "{seed} {angle}");
+            assert!((7.0..17.0).contains(&speed), "{seed} {speed}");
+            // At 2 to 4 deg/s but for the rounding.
+            let rate = angle / (length - CAR_TURN);
+            assert!((2.0 - 1e-9..4.0 + 1e-9).contains(&rate), "{seed} {rate}");
+            // One that follows at once leads back.
+            let next = turns.get(k + 1).filter(|next| next.start == turn.end);
+            if let Some(next) = next {
+                pairs += 1;
+                assert!((next.angle + turn.angle).abs() < 1e-12, "{seed} {turn:?}");
+            }
+        }
+    }
+    println!("{bends} bends, {pairs} of them with one back, {corners} corners");
+    assert!(bends > 300 && pairs > 100 && corners > 600);
+}
+
+#[test]
+fn cars_speed_up_and_brake_as_they_should() {
+    let (mut stops, mut shortest, mut longest) = (0, f64::INFINITY, 0.0f64);
+    for seed in 0..100 {
+        let car = Trajectory::car(600.0, seed);
+        let knots: Vec<f64> = car.speed.knots().collect();
+        for (from, to) in knots.iter().zip(&knots[1..]) {
+            let (from_to, middle) = ([*from, *to], 0.5 * (from + to));
+            let [before, after] = from_to.map(|time| car.speed.at(time).value);
+            let accel = car.speed.at(middle).rate.abs();
+            // Speeds up at 0.8 to 1.8 m/s², brakes at 2 m/s² at most.
+            assert!(
+                accel < if after > before { 1.8 } else { 2.0 } + 1e-9,
+                "{seed}"
+            );
+            if before == 0.0 && after == 0.0 && *to > *from {
+                stops += 1;
+                (shortest, longest) = (shortest.min(to - from), longest.max(to - from));
+            }
+        }
+        assert_eq!(knots[0], REST_BEFORE);
+    }
+    // Two in ten corners or so: 5 to 20 s each.
+    println!("{stops} stops of {shortest} to {longest} s");
+    assert!(stops > 100);
+    assert!((5.0 - 1e-9..7.0).contains(&shortest) && (18.0..20.0 + 1e-9).contains(&longest));
+}
+
+#[test]
+fn aeroplanes_roll_into_coordinated_turns_at_a_limited_rate() {
+    let (mut banks, mut angles) = (Vec::new(), Vec::new());
+    for seed in 0..40 {
+        let flight = Trajectory::flight(900.0, seed);
+        for turn in turns(&flight) {
+            let middle = 0.5 * (turn.start + turn.end);
+            let rate = flight.turn_rate.at(middle).value.abs();
+            let speed = flight.speed.at(middle).value;
+            let bank = (rate * speed / earth::STANDARD_GRAVITY).atan();
+            angles.push(turn.angle.abs().to_degrees());
+            // One that is too small for its bank goes straight from rolling in to rolling out.
+            if turn.end - turn.start - 2.0 * turn.rounding > 1e-6 {
+                banks.push(bank.to_degrees());
+                let fastest = 2.1875 * bank / turn.rounding;
+                assert!(
+                    (fastest.to_degrees() - 15.0).abs() < 1e-6,
+                    "{seed} {turn:?}"
+                );
+            }
+            assert!(
+                turn.end < flight.duration + turn.rounding,
+                "{seed} {turn:?}"
+            );
+        }
+    }
+    let ends = |values: &[f64]| {
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        (least, values.iter().copied().fold(0.0, f64::max))
+    };
+    // Of some hundred draws the extremes come near to the ends: within a fiftieth of the range.
+    let (least, most) = ends(&angles);
+    assert!((60.0 - 1e-9..64.0).contains(&least) && (266.0..270.0 + 1e-9).contains(&most));
+    let (least, most) = ends(&banks);
+    assert!((20.0 - 1e-9..22.0).contains(&least) && (43.0..45.0 + 1e-9).contains(&most));
+}
+
+#[test]
+fn aeroplanes_lift_off_and_climb_to_their_height() {
+    let mut tops = Vec::new();
+    for seed in 0..40 {
+        let flight = Trajectory::flight(300.0, seed);
+        let climb = &flight.climb.profile;
+        let knots: Vec<f64> = climb.knots().take(4).collect();
+        let [start, climbing, top, level] = knots[..] else {
+            panic!("{knots:?}");
+        };
+        let speed_at = |time: f64| flight.speed.at(time).value;
+        let speed = speed_at(climbing + 20.0);
+        // The climb begins at 70 % of the speed, and the nose has come up by then.
+        assert!((speed_at(start) / speed - 0.7).abs() < 1e-9, "{seed}");
+        let pitch = &flight.pitch.profile;
+        assert_eq!(pitch.at(start - 1.5).value, 0.0);
+        assert!((pitch.at(start + 1.5).value.to_degrees() - 3.0).abs() < 1e-9);
+        let slope = climb.at(climbing).value;
+        assert!((4.0..7.0).contains(&slope.to_degrees()), "{seed} {slope}");
+        assert!((level - top - 5.0).abs() < 1e-9 && (climbing - start - 5.0).abs() < 1e-9);
+        assert_eq!(climb.at(level).value, 0.0);
+        tops.push(speed * slope.sin() * (top - climbing));
+    }
+    let least = tops.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = tops.iter().copied().fold(0.0, f64::max);
+    // 250 to 500 m; of forty draws the extremes within a tenth of the range.
+    assert!((250.0..275.0).contains(&least), "{least}");
+    assert!((475.0..500.0).contains(&most), "{most}");
+}

@@ -408,3 +408,6 @@ impl Observer for RunWatch<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

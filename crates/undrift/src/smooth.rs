@@ -54,6 +54,13 @@ pub struct Node {
     late: f64,
 }
 
+impl Node {
+    /// Attitude of the vehicle's axes, and its standard deviations about north, east and down \[rad\].
+    pub fn vehicle_attitude(&self) -> (Quaternion, [f64; 3]) {
+        (self.nav.q_nb * self.q_bv, self.vehicle_std)
+    }
+}
+
 /// The smoothed nodes in order of time.
 #[derive(Clone, Debug)]
 pub struct Smoothed {
@@ -555,5 +562,40 @@ impl<'a> Path<'a> {
         self.nav = to.nav;
         self.node += 1;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use undrift_nav::{
+        Matrix3,
+        attitude::{from_rpy, to_rpy},
+    };
+
+    /// A sensor that heads for 30 deg in a vehicle 5 deg to the right of it.
+    #[test]
+    fn the_vehicles_attitude_is_the_sensors_turned_by_the_mounting() {
+        let yaw = |deg: f64| from_rpy(&Vector3::new(0.0, 0.0, deg.to_radians()));
+        let node = Node {
+            nav: NavState {
+                time: 1.0,
+                position: Geodetic::from_degrees(45.0, 7.0, 300.0),
+                v_n: Vector3::zeros(),
+                q_nb: yaw(30.0),
+            },
+            nav_std: [1.0; NAV],
+            q_bv: yaw(5.0),
+            vehicle_std: [0.1, 0.2, 0.3],
+            predicted: Predicted([Matrix3::identity(); 3]),
+            estimates: Vec::new(),
+            sensor_error: [0.0; AXES],
+            sensor_error_std: [0.0; AXES],
+            omega_nb_b: Vector3::zeros(),
+            late: 0.0,
+        };
+        let (q_nv, std) = node.vehicle_attitude();
+        assert!((to_rpy(&q_nv).z.to_degrees() - 35.0).abs() < 1e-9);
+        assert_eq!(std, [0.1, 0.2, 0.3]);
     }
 }

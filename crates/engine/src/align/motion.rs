@@ -318,3 +318,6 @@ fn filter(
     filter.check().ok()?;
     Some(filter)
 }
+
+#[cfg(test)]
+mod tests;

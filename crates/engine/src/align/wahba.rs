@@ -392,3 +392,6 @@ impl Minimum {
         self.guess.q_nb.angle_to(&other.guess.q_nb) < same && self.end.angle_to(&other.end) < same
     }
 }
+
+#[cfg(test)]
+mod tests;

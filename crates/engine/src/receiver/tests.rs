@@ -410,3 +410,37 @@ fn a_new_solution_keeps_what_is_known_of_the_receiver_and_nothing_of_the_old_one
     assert_eq!(receiver.position.scale.factor(), known);
     assert!(receiver.position.gate.is_in_doubt() && !receiver.repeats());
 }
+
+/// Of a heading that is hardly known nothing is gained by a covariance that grows.
+#[test]
+fn a_covariance_grows_while_the_heading_is_known() {
+    // Fixes three standard deviations off, north and south in turn. How often it grew after each, and σ of the heading.
+    let seen = |most_heading: f64| -> Vec<(u64, f64)> {
+        let mut settings = Settings::new(sensors());
+        settings.engine.fading.most_heading = most_heading;
+        settings.engine.fading.least = 1;
+        settings.engine.fading.from = 1.5;
+        let mut summary = Summary::default();
+        let mut receiver = Receiver::new(0.0, &settings.engine);
+        let mut filter = driving_north(10.0);
+        let mut after = |k: u32| {
+            let way = if k.is_multiple_of(2) { 2.0 } else { -2.0 };
+            let way = if k < 30 { 0.1 * way } else { way };
+            let off = GnssFix {
+                velocity: None,
+                ..fix(0.2 * f64::from(k), way, 0.0, 0.5)
+            };
+            receiver.update(&mut *filter, &off, None, 0.0, &settings, &mut summary);
+            (summary.faded, filter.nav_std()[8])
+        };
+        (0..80).map(&mut after).collect()
+    };
+    let never = seen(0.0);
+    assert_eq!(never[79].0, 0);
+    let first = seen(f64::INFINITY).iter().position(|(faded, _)| *faded > 0);
+    let first = first.expect("it grows");
+    // Below the limit, and not at it.
+    let heading = never[first].1;
+    assert_eq!(seen(heading)[first].0, 0);
+    assert_eq!(seen(heading * (1.0 + 1e-12))[first].0, 1);
+}

@@ -7,7 +7,7 @@ use undrift_nav::{
     covariance::AXES,
     earth::Geodetic,
     filter::{Filter, InitialStd},
-    mechanisation::{MAX_SPEED, NavState},
+    mechanisation::{MAX_LATITUDE, MAX_SPEED, NavState},
     parameters::{Parameter, Parameters, Prior},
     sample::ImuSample,
     shaping::ShapingFilter,
@@ -117,4 +117,17 @@ fn a_solution_at_the_limit_of_speed_is_refused() {
     let at = |speed: f64| nav(Vector3::new(0.0, speed, 0.0));
     assert!(at(MAX_SPEED * (1.0 - 1e-12)).is_valid());
     assert!(!at(MAX_SPEED).is_valid());
+}
+
+#[test]
+fn a_solution_at_the_limit_of_latitude_is_refused() {
+    let at = |lat: f64| {
+        let mut nav = nav(Vector3::zeros());
+        nav.position.lat = lat;
+        nav.is_valid()
+    };
+    for side in [-1.0, 1.0] {
+        assert!(at(side * MAX_LATITUDE * (1.0 - 1e-12)));
+        assert!(!at(side * MAX_LATITUDE));
+    }
 }

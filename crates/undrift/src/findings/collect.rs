@@ -496,4 +496,183 @@ mod tests {
         let turned = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
         assert_eq!(mended_axes(&turned, Some(-1), None), None);
     }
+
+    /// A model with as many outages, of which `left_out` began too early, and this share of twenty errors inside three
+    /// standard deviations.
+    fn model(outages: usize, left_out: usize, inside: usize) -> ModelErrors {
+        use crate::{
+            outages::OutageErrors,
+            reference::{Coverage, Errors},
+        };
+        let unknown = Errors::UNKNOWN;
+        let mut coverage = Coverage::default();
+        for k in 0..20 {
+            let sigmas = if k < inside { 2.9 } else { 3.1 };
+            coverage.add(&Errors([sigmas; 10]), &Errors([1.0; 10]));
+        }
+        let outage = OutageErrors {
+            start_s: 0.0,
+            max: unknown,
+            end: unknown,
+            sigma: unknown,
+            nees: [f64::NAN; 3],
+            drift: Vec::new(),
+            way: Vec::new(),
+        };
+        ModelErrors {
+            max: unknown,
+            rms: unknown,
+            median: unknown,
+            end_rms: unknown,
+            nees: [f64::NAN; 3],
+            coverage,
+            left_out,
+            per_outage: vec![outage; outages],
+            finding: None,
+        }
+    }
+
+    #[test]
+    fn a_drift_beyond_what_the_best_model_predicts_is_told() {
+        let of = |models: &[ModelErrors]| {
+            let names = ["first", "second", "third"];
+            let named: Vec<_> = names.into_iter().zip(models).collect();
+            of_drift(&named)
+        };
+        let told = |model: &str, inside: f64| {
+            Some(Finding::OptimisticDrift {
+                model: model.into(),
+                inside,
+            })
+        };
+        // Nine in ten are enough, seventeen of twenty are not.
+        assert_eq!(of(&[model(LEAST_OUTAGES, 0, 18)]), None);
+        assert_eq!(of(&[model(LEAST_OUTAGES, 0, 17)]), told("first", 0.85));
+        assert_eq!(of(&[model(LEAST_OUTAGES, 0, 0)]), told("first", 0.0));
+        // Too few outages say nothing; those that began before the solution do not count.
+        assert_eq!(of(&[model(LEAST_OUTAGES - 1, 0, 10)]), None);
+        assert_eq!(of(&[model(LEAST_OUTAGES + 2, 3, 10)]), None);
+        assert_eq!(of(&[model(LEAST_OUTAGES + 3, 3, 10)]), told("first", 0.5));
+        // The model that covers most of them.
+        let three = [10, 16, 12].map(|inside| model(9, 0, inside));
+        assert_eq!(of(&three), told("second", 0.8));
+        let sound = [10, 19, 12].map(|inside| model(9, 0, inside));
+        assert_eq!(of(&sound), None);
+        assert_eq!(of(&[]), None);
+    }
+
+    #[test]
+    fn what_fixes_show_is_told_beyond_its_threshold() {
+        let study = |repeated: u64| FixStudy {
+            interval: 0.25,
+            repeated,
+            velocity_late: None,
+            errors: FixErrors::default(),
+        };
+        let plain = FixErrors::default();
+        assert_eq!(of_fixes(&study(0), &plain), []);
+        let repeated = Finding::RepeatedFixes {
+            fixes: 1,
+            interval: 0.25,
+        };
+        assert_eq!(of_fixes(&study(1), &plain), [repeated]);
+        let told = |errors: FixErrors| of_fixes(&study(0), &errors);
+        // A twentieth of a standard deviation, more or less; of positions only more.
+        for factor in [0.94, 1.06] {
+            let modest = FixErrors {
+                velocity_factor: factor,
+                ..plain
+            };
+            assert_eq!(told(modest), [Finding::ModestVelocity { factor }]);
+        }
+        for factor in [0.96, 1.04] {
+            let usual = FixErrors {
+                velocity_factor: factor,
+                position_factor: factor,
+                ..plain
+            };
+            assert_eq!(told(usual), []);
+        }
+        let position = |factor: f64| FixErrors {
+            position_factor: factor,
+            ..plain
+        };
+        assert_eq!(told(position(0.5)), []);
+        assert_eq!(told(position(1.06)), [Finding::NoisyFixes { factor: 1.06 }]);
+        let all = FixErrors {
+            velocity_bias: Vector3::new(0.0, -0.5, 0.0),
+            step: Vector3::new(0.0, 1.0, 2.0),
+            jitter: 0.01,
+            correlated: Some(Correlated {
+                share: 0.9,
+                time: 30.0,
+            }),
+            ..plain
+        };
+        let expected = [
+            Finding::VelocityBias {
+                bias: [0.0, -0.5, 0.0],
+            },
+            Finding::RoundedFixes { step: 2.0 },
+            Finding::FixJitter { std: 0.01 },
+            Finding::CorrelatedFixes {
+                share: 0.9,
+                time: 30.0,
+            },
+        ];
+        assert_eq!(told(all), expected);
+    }
+
+    /// Missing is more than a tenth of what the fixes span, and more than a short loss.
+    #[test]
+    fn a_log_ends_early_by_a_tenth_of_the_fixes() {
+        let none = |end: f64, fixes| of_ends(end, fixes).is_none();
+        assert!(none(990.0, [900.0, 1000.0]));
+        let missing = of_ends(989.0, [900.0, 1000.0]);
+        let expected = Finding::EndsEarly {
+            end: 989.0,
+            missing: 11.0,
+        };
+        assert_eq!(missing, Some(expected));
+        assert!(none(1010.0, [900.0, 1000.0]));
+        assert!(none(10.0, [0.0, 10.0 + WITHOUT_GNSS]));
+        assert!(!none(10.0, [0.0, 10.5 + WITHOUT_GNSS]));
+    }
+
+    #[test]
+    fn rejected_spans_are_listed_up_to_three() {
+        use crate::replay::Contradiction;
+        let summary = |count: usize, more: u64| {
+            let mut summary = Summary::default();
+            summary.more_contradictions = more;
+            summary.contradictions = (0..count)
+                .map(|k| Contradiction {
+                    part: Part::Position,
+                    start: 1.0,
+                    end: 2.0,
+                    fixes: 3,
+                    first: 4.0,
+                    last: 5.0,
+                    growth: 6.0,
+                    largest: 7.0,
+                    frozen: false,
+                    gave_way: k % 2 == 0,
+                })
+                .collect();
+            summary
+        };
+        let more = |count, more| {
+            let found = of_disagreement(&summary(count, more));
+            let listed = found.iter().filter(|of| matches!(of, Finding::Rejected(_)));
+            assert_eq!(listed.count(), count.min(3));
+            found.into_iter().find_map(|of| match of {
+                Finding::MoreRejected { spans, accepted } => Some((spans, accepted)),
+                _ => None,
+            })
+        };
+        assert_eq!(more(3, 0), None);
+        // Of the fourth to the seventh the fifth and the seventh gave way.
+        assert_eq!(more(4, 0), Some((1, 0)));
+        assert_eq!(more(7, 10), Some((14, 2)));
+    }
 }

@@ -12,6 +12,7 @@ use crate::{
     outages::{Logs, ScheduleError},
     record,
     reference::COMPONENTS,
+    replay::Outage,
     results::{self, Cut, ModelErrors, Number, Numbers},
     temperature,
     tune::{
@@ -213,21 +214,27 @@ fn outages(
                 continue;
             }
         };
-        let per_outage = cuts.iter().map(Cut::from).zip(found.per_outage);
-        outcome.rows.extend(per_outage.zip(1..).map(|(of, which)| {
-            let mut values = values(&OUTAGES, &of);
-            values.extend(components(Some(&of.1.max)));
-            values.extend(components(Some(&of.1.end)));
-            Row {
-                part: name.clone(),
-                outage: Some(which),
-                finding: found.finding.clone(),
-                values,
-                ..Row::default()
-            }
-        }));
+        outcome.rows.extend(outage_rows(name, &cuts, found));
     }
     Ok(())
+}
+
+/// A row for each outage of a model.
+fn outage_rows(name: &str, cuts: &[Outage], found: ModelErrors) -> Vec<Row> {
+    let per_outage = cuts.iter().map(Cut::from).zip(found.per_outage);
+    let row = |(of, which)| {
+        let mut values = values(&OUTAGES, &of);
+        values.extend(components(Some(&of.1.max)));
+        values.extend(components(Some(&of.1.end)));
+        Row {
+            part: name.to_owned(),
+            outage: Some(which),
+            finding: found.finding.clone(),
+            values,
+            ..Row::default()
+        }
+    };
+    per_outage.zip(1..).map(row).collect()
 }
 
 fn navigate(
@@ -373,5 +380,73 @@ mod tests {
         ] {
             assert_eq!(without_folders(text, &folders), wanted);
         }
+    }
+
+    #[test]
+    fn an_outage_has_a_row_with_what_its_model_is_to_be_doubted_for() {
+        use crate::results::OutageErrors;
+        let cuts = [(10.0, 40.0), (100.0, 160.0)].map(|(start, end)| Outage { start, end });
+        let errors = |size: f64| -> Numbers {
+            let sized = COMPONENTS.iter().enumerate();
+            sized
+                .map(|(i, name)| ((*name).to_owned(), Number(size + i as f64)))
+                .collect()
+        };
+        let outage = |size: f64, cut: &Outage| OutageErrors {
+            start_s: cut.start.into(),
+            max: errors(size),
+            end: errors(0.5 * size),
+            ..OutageErrors::default()
+        };
+        let doubt = Finding::Diverged { time: 50.0 };
+        let found = ModelErrors {
+            per_outage: vec![outage(10.0, &cuts[0]), outage(20.0, &cuts[1])],
+            finding: Some(doubt.clone()),
+            ..ModelErrors::default()
+        };
+        let rows = outage_rows("arma", &cuts, found);
+        assert_eq!(rows.len(), 2);
+        for (k, (row, size)) in rows.iter().zip([10.0, 20.0]).enumerate() {
+            assert_eq!(
+                (row.part.as_str(), row.outage),
+                ("arma", Some(k as u32 + 1))
+            );
+            assert_eq!(row.finding.as_ref(), Some(&doubt));
+            let n = COMPONENTS.len();
+            assert_eq!(row.values.len(), OUTAGES.len() + 2 * n);
+            let own = &row.values[..OUTAGES.len()];
+            for expected in [cuts[k].start, cuts[k].end - cuts[k].start] {
+                assert!(own.contains(&Some(expected)), "{own:?}");
+            }
+            for i in 0..n {
+                let at = OUTAGES.len() + i;
+                assert_eq!(row.values[at], Some(size + i as f64));
+                assert_eq!(row.values[at + n], Some(0.5 * size + i as f64));
+            }
+        }
+        assert!(components(None).all(|value| value.is_none()));
+    }
+
+    #[test]
+    fn an_error_is_told_with_the_causes_that_it_does_not_say() {
+        #[derive(Debug, thiserror::Error)]
+        #[error("{text}")]
+        struct Told {
+            text: &'static str,
+            source: Option<Box<Told>>,
+        }
+        let deepest = Told {
+            text: "disk full",
+            source: None,
+        };
+        let middle = Told {
+            text: "cannot write",
+            source: Some(Box::new(deepest)),
+        };
+        let top = Told {
+            text: "a.csv: cannot write",
+            source: Some(Box::new(middle)),
+        };
+        assert_eq!(told(&top), "a.csv: cannot write: disk full");
     }
 }

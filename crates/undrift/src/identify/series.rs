@@ -151,3 +151,130 @@ fn psd(density: &Density) -> Option<Psd> {
     }
     Some(psd)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn values(numbers: &[Number]) -> Vec<f64> {
+        numbers.iter().map(|number| number.0).collect()
+    }
+
+    /// 3000 frequencies over four decades, evenly spaced in the logarithm: band k·300/2999 of each in whole numbers.
+    #[test]
+    fn a_spectrum_keeps_the_extremes_of_each_band() {
+        let last = 2999;
+        let frequency = |k: usize| 0.01 * 1e4f64.powf(k as f64 / last as f64);
+        let density = |k: usize| 1.0 + (k * 7919 % 3001) as f64;
+        // Neither the mean nor half the sample rate belongs to it.
+        let mut all = Density {
+            frequency_hz: vec![0.0],
+            density: vec![1e9],
+            segments: 1,
+        };
+        for k in 0..=last {
+            all.frequency_hz.push(frequency(k));
+            all.density.push(density(k));
+        }
+        all.frequency_hz.push(200.0);
+        all.density.push(1e-9);
+        let mut expected = Vec::new();
+        let points: Vec<usize> = (0..=last).collect();
+        for band in points.chunk_by(|a, b| a * BANDS / last == b * BANDS / last) {
+            let key = |k: &&usize| (density(**k) * 10.0) as u64;
+            let least = *band.iter().min_by_key(key).unwrap();
+            let most = *band.iter().max_by_key(key).unwrap();
+            expected.push(least.min(most));
+            if least != most {
+                expected.push(least.max(most));
+            }
+        }
+        let found = psd(&all).unwrap();
+        let rounded = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
+            expected.iter().map(|k| to_digits(of(*k))).collect()
+        };
+        assert_eq!(values(&found.frequency_hz), rounded(&frequency));
+        assert_eq!(values(&found.density), rounded(&density));
+        assert!(expected.len() > BANDS);
+        let none = Density {
+            frequency_hz: vec![0.0, 1.0],
+            density: vec![1.0, 1.0],
+            segments: 1,
+        };
+        assert_eq!(psd(&none), None);
+    }
+
+    /// Every value of −500 … 500 once: uniform, so that all bars inside are as high.
+    #[test]
+    fn a_histogram_is_a_density_over_value() {
+        let samples: Vec<f64> = (0..1001).map(|k| f64::from(k * 10 % 1001 - 500)).collect();
+        let series = RecordSeries::of(&samples, 10.0, None);
+        let deviation = (1001f64.powi(2) - 1.0).sqrt() / 12f64.sqrt();
+        assert!(series.mean.abs() < 1e-9 && (series.deviation / deviation - 1.0).abs() < 1e-12);
+        // Five standard deviations either way in eighty bars.
+        let width = 10.0 * deviation / 80.0;
+        assert!((series.width / width - 1.0).abs() < 1e-12);
+        assert!((series.first - (-5.0 * deviation + 0.5 * width)).abs() < 1e-9);
+        let whole: f64 = series.density.iter().map(|d| d * series.width).sum();
+        assert!((whole - 1.0).abs() < 1e-12, "{whole}");
+        for (bar, density) in series.density.iter().enumerate() {
+            let centre = series.first + bar as f64 * series.width;
+            let expected = match centre.abs() {
+                inside if inside < 500.0 - series.width => 1.0 / 1001.0,
+                outside if outside > 500.0 + series.width => 0.0,
+                _ => continue,
+            };
+            // A bar of 36.1 holds 36 or 37.
+            assert!(
+                (density - expected).abs() <= 1.0 / (1001.0 * series.width),
+                "{centre}"
+            );
+        }
+        let curve = series.record.curve();
+        assert_eq!(curve.time_s[1].0 - curve.time_s[0].0, 0.1);
+        assert_eq!(curve.value[1].0, -490.0);
+    }
+
+    /// Values on a grid: bars of whole steps, each with as many lines of the grid.
+    #[test]
+    fn bars_of_a_grid_hold_as_many_of_its_lines() {
+        for (step, most) in [(0.5, 120), (0.5, 200), (2.0, 30), (0.125, 3)] {
+            let count = 2 * most + 1;
+            let samples: Vec<f64> = (0..10 * count)
+                .map(|k| 0.3 + step * f64::from(k % count - most))
+                .collect();
+            let series = RecordSeries::of(&samples, 1.0, Some(step));
+            let lines = series.width / step;
+            assert!(
+                (lines - lines.round()).abs() < 1e-9 && lines > 0.5,
+                "{lines}"
+            );
+            let plain = 10.0 * series.deviation / 80.0;
+            assert!(series.width >= plain && series.width < plain + step);
+            let whole: f64 = series.density.iter().map(|d| d * series.width).sum();
+            assert!((whole - 1.0).abs() < 1e-9, "{step} {most}: {whole}");
+            let reach = f64::from(most) * step - series.width;
+            for (bar, density) in series.density.iter().enumerate() {
+                let centre = series.first + bar as f64 * series.width;
+                if (centre - 0.3).abs() < reach {
+                    let expected = 1.0 / (f64::from(count) * step);
+                    assert!(
+                        (density / expected - 1.0).abs() < 1e-9,
+                        "{step} {most}: {centre}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_record_that_stands_has_no_bars_and_what_is_not_finite_does_not_count() {
+        let still = RecordSeries::of(&[2.0; 50], 1.0, None);
+        assert_eq!((still.mean, still.deviation), (2.0, 0.0));
+        assert!(still.density.is_empty());
+        let holes = [1.0, f64::NAN, 3.0, f64::INFINITY];
+        let series = RecordSeries::of(&holes, 1.0, None);
+        assert_eq!((series.mean, series.deviation), (2.0, 1.0));
+        assert_eq!(series.record.points().count(), 2);
+    }
+}

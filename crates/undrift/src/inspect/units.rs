@@ -101,6 +101,49 @@ mod tests {
     }
 
     #[test]
+    fn gravity_is_looked_for_from_four_fifths_to_five_quarters() {
+        let is_g = |z: f64| matches!(force(&[[0.0, 0.0, z]], None), Force::Rates(("g", _)));
+        assert!(is_g(0.8) && is_g(1.249) && !is_g(0.799) && !is_g(1.25));
+        // The magnitude, whatever the axis, and its upper median.
+        assert!(is_g(-1.0));
+        let two = [[0.6, 0.8, 0.0], [2.0, 0.0, 0.0]];
+        assert!(matches!(force(&two, None), Force::Unknown(Known::NotGravity(m)) if m == 2.0));
+        let three = [[0.6, 0.8, 0.0], [2.0, 0.0, 0.0], [0.0, 0.0, 0.1]];
+        assert!(matches!(force(&three, None), Force::Rates(("g", Known::Gravity(m))) if m == 1.0));
+    }
+
+    /// An error of ±a about a constant: differences of 2a over √2.
+    #[test]
+    fn scatter_is_that_of_the_differences() {
+        let samples = |a: f64| -> Vec<[f64; 3]> {
+            (0..100)
+                .map(|k| [3.0 + a * f64::from(k % 2 * 2 - 1); 3])
+                .collect()
+        };
+        let root = 2f64.sqrt();
+        for a in [0.001, BETWEEN / root * 0.999] {
+            let (unit, Known::SmallScatter(found)) = rate(&samples(a)) else {
+                panic!("{a}");
+            };
+            assert!(unit == "rad/s" && (found / (root * a) - 1.0).abs() < 1e-9);
+        }
+        for a in [BETWEEN / root * 1.001, 0.2] {
+            let (unit, Known::LargeScatter(found)) = rate(&samples(a)) else {
+                panic!("{a}");
+            };
+            assert!(unit == "deg/s" && (found / (root * a) - 1.0).abs() < 1e-9);
+        }
+        // The quieter half counts; a stretch is fifty samples.
+        let mut both = samples(0.2);
+        both.extend(samples(0.001));
+        assert_eq!(rate(&both).0, "rad/s");
+        assert_eq!(rate(&samples(0.2)[..49]).1, Known::TooFew);
+        // 80 rad/s is faster than any sensor: beyond it, not at it.
+        assert_eq!(rate(&[[80.0, 0.0, 0.0]]).1, Known::TooFew);
+        assert_eq!(rate(&[[0.0, 48.0, -64.1]; 2]).0, "deg/s");
+    }
+
+    #[test]
     fn the_quietest_stretch_tells_the_unit_of_rates() {
         // A ramp with an alternating error of ±a scatters by √2 a.
         let samples = |a: f64| -> Vec<[f64; 3]> {

@@ -133,7 +133,7 @@ impl Recorder {
             for sample in drive.open_imu()? {
                 path.add(&sample?, |node| {
                     let (error, std) = (node.sensor_error, node.sensor_error_std);
-                    let attitude = (node.nav.q_nb * node.q_bv, node.vehicle_std);
+                    let attitude = node.vehicle_attitude();
                     let (nav, nav_std) = of_vehicle(&node.nav, node.nav_std, attitude);
                     self.record(&nav, nav_std, error, std).map(drop)
                 })?;
@@ -270,5 +270,66 @@ pub fn solution_row(
         gyro_error: Vector3::new(e[0], e[1], e[2]),
         accel_error: Vector3::new(e[3], e[4], e[5]),
         error_std,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use undrift_nav::{attitude::from_rpy, earth::Geodetic};
+
+    #[test]
+    fn a_row_is_of_the_vehicle_where_the_sensor_is() {
+        let rpy = Vector3::new(0.1, 0.2, 0.3);
+        let nav = NavState {
+            time: 5.0,
+            position: Geodetic::from_degrees(45.0, 7.0, 300.0),
+            v_n: Vector3::new(1.0, 2.0, 3.0),
+            q_nb: Quaternion::identity(),
+        };
+        let std = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
+        let (nav, std) = of_vehicle(&nav, std, (from_rpy(&rpy), [0.7, 0.8, 0.9]));
+        let errors = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6];
+        let row = solution_row(&nav, std, errors, errors.map(|e| 10.0 * e));
+        assert_eq!(
+            (row.time, row.position, row.v_n),
+            (5.0, nav.position, nav.v_n)
+        );
+        assert!((row.rpy - rpy).norm() < 1e-12);
+        assert_eq!(row.nav_std, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 0.7, 0.8, 0.9]);
+        assert_eq!(row.gyro_error, Vector3::new(0.1, 0.2, 0.3));
+        assert_eq!(row.accel_error, Vector3::new(0.4, 0.5, 0.6));
+        assert_eq!(row.error_std, errors.map(|e| 10.0 * e));
+    }
+
+    /// Errors north of 3 m and −4 m: 3.54 m of two; without a truth there are none.
+    #[test]
+    fn errors_are_root_mean_squares_over_the_samples_compared() {
+        let recorder = || {
+            let wanted = Wanted {
+                rows: true,
+                ..Wanted::default()
+            };
+            Recorder::new(wanted, None).unwrap()
+        };
+        let mut seen = recorder();
+        seen.squares[0] = 9.0 + 16.0;
+        seen.compared = 2;
+        let (rmse, compared) = seen.finish().unwrap().rmse.unwrap();
+        assert_eq!((rmse.0[0], rmse.0[1], compared), (12.5f64.sqrt(), 0.0, 2));
+        let mut alone = recorder();
+        let nav = NavState {
+            time: 5.0,
+            position: Geodetic::from_degrees(45.0, 7.0, 300.0),
+            v_n: Vector3::zeros(),
+            q_nb: Quaternion::identity(),
+        };
+        for _ in 0..3 {
+            let none = alone.record(&nav, [1.0; NAV], [0.0; AXES], [1.0; AXES]);
+            assert!(none.unwrap().is_none());
+        }
+        let seen = alone.finish().unwrap();
+        assert!(seen.rmse.is_none() && seen.recording.is_none());
+        assert_eq!(seen.rows.len(), 3);
     }
 }

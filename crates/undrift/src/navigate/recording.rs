@@ -221,3 +221,185 @@ fn named(names: &[&str], series: &[Envelope]) -> BTreeMap<String, Curve> {
     let known = named.filter(|(_, series)| !series.is_empty());
     by_name(known.map(|(name, series)| (*name, series.curve())))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::results::Number;
+    use undrift_nav::{
+        Matrix3, Vector3,
+        earth::Geodetic,
+        sample::{FixQuality, Position},
+    };
+
+    fn only(curve: &Curve) -> f64 {
+        let [Number(value)] = curve.value[..] else {
+            panic!("{curve:?}");
+        };
+        value
+    }
+
+    #[track_caller]
+    fn assert_near(found: f64, expected: f64) {
+        // Six digits are kept.
+        assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
+    }
+
+    /// Numbers that are all different, at a heading of 30 deg.
+    #[test]
+    fn a_solution_is_recorded_in_degrees_about_the_vehicles_axes() {
+        let (tilt_n, tilt_e) = (0.02, 0.01);
+        let row = SolutionRow {
+            v_n: Vector3::new(1.0, 2.0, 3.0),
+            rpy: Vector3::new(4.0, 5.0, 30.0).map(f64::to_radians),
+            nav_std: [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, tilt_n, tilt_e, 0.03],
+            gyro_error: Vector3::new(1e-3, 2e-3, 3e-3),
+            accel_error: Vector3::new(0.04, 0.05, 0.06),
+            error_std: [1e-4, 2e-4, 3e-4, 4e-4, 5e-4, 6e-4],
+            ..SolutionRow::at(7.0, Geodetic::from_degrees(45.0, -7.0, 300.0))
+        };
+        let mut recording = Recording::default();
+        recording.solution(&row);
+        let series = recording.series();
+        let track = &series.track;
+        let all = [
+            &track.time_s,
+            &track.lat_deg,
+            &track.lon_deg,
+            &track.height_m,
+        ];
+        for (numbers, expected) in all.into_iter().zip([7.0, 45.0, -7.0, 300.0]) {
+            assert_eq!(numbers[..], [Number(expected)]);
+        }
+        for (name, value) in [
+            ("vn_mps", 1.0),
+            ("ve_mps", 2.0),
+            ("vd_mps", 3.0),
+            ("roll_deg", 4.0),
+            ("pitch_deg", 5.0),
+            ("yaw_deg", 30.0),
+        ] {
+            assert_near(only(&series.motion[name]), value);
+        }
+        assert_eq!(series.motion.len(), 6);
+        // Forward is 30 deg east of north: roll is about it, pitch about what is right of it.
+        let (sin, cos) = (0.5, 0.75f64.sqrt());
+        let about = |n: f64, e: f64| ((n * tilt_n).powi(2) + (e * tilt_e).powi(2)).sqrt();
+        for (name, value) in [
+            ("north_m", 0.1),
+            ("east_m", 0.2),
+            ("down_m", 0.3),
+            ("vn_mps", 0.4),
+            ("ve_mps", 0.5),
+            ("vd_mps", 0.6),
+            ("roll_deg", about(cos, sin).to_degrees()),
+            ("pitch_deg", about(sin, cos).to_degrees()),
+            ("yaw_deg", 0.03f64.to_degrees()),
+        ] {
+            assert_near(only(&series.std[name]), value);
+        }
+        let sensors = row.gyro_error.iter().chain(&row.accel_error);
+        for ((name, value), std) in SENSORS.iter().zip(sensors).zip(row.error_std) {
+            assert_near(only(&series.sensor_error[*name]), *value);
+            assert_near(only(&series.sensor_error_std[*name]), std);
+        }
+        assert!(series.error.is_empty() && series.without_gnss_s.is_empty());
+    }
+
+    fn fix(time: f64) -> GnssFix {
+        let place = Geodetic::from_degrees(45.0, 7.0, 300.0);
+        let covariance = Matrix3::from_diagonal(&Vector3::new(4.0, 9.0, 16.0));
+        GnssFix {
+            time,
+            position: Some((Position::Geodetic(place), covariance)),
+            velocity: None,
+            quality: FixQuality::Unknown,
+        }
+    }
+
+    fn update(outcome: Outcome) -> Option<Update> {
+        Some(Update {
+            nis: 6.0,
+            dof: 3,
+            whitened: [1.0, 2.0, 1.0],
+            score: 0.0,
+            information: 0.0,
+            outcome,
+        })
+    }
+
+    #[test]
+    fn fixes_are_recorded_by_what_became_of_them() {
+        let mut recording = Recording::default();
+        for (time, outcome) in [
+            (1.0, Outcome::Used),
+            (2.0, Outcome::Weakened(2.0)),
+            (3.0, Outcome::Rejected),
+        ] {
+            recording.reached(&fix(time));
+            recording.fix(time, [update(outcome), None]);
+        }
+        // A velocity of a fix says nothing of its position; nor does an update of another time.
+        recording.reached(&fix(4.0));
+        recording.fix(4.0, [None, update(Outcome::Rejected)]);
+        recording.reached(&fix(5.0));
+        recording.fix(5.1, [update(Outcome::Used), None]);
+        recording.reached(&fix(6.0));
+        recording.fix(6.0 + 0.5 * STAMP_ROUNDING, [update(Outcome::Used), None]);
+        let series = recording.series();
+        let times = |fixes: &Fixes| fixes.time_s.iter().map(|t| t.0).collect::<Vec<_>>();
+        assert_eq!(times(&series.fixes), [1.0, 2.0, 6.0]);
+        assert_eq!(times(&series.rejected_fixes), [3.0]);
+        let of = &series.fixes;
+        let all = [&of.lat_deg, &of.lon_deg, &of.std_north_m, &of.std_east_m];
+        assert_eq!(all.map(|numbers| numbers[0].0), [45.0, 7.0, 2.0, 3.0]);
+        let position = &series.innovations["position"];
+        assert_eq!(position["left_out_nis"].time_s, [Number(3.0)]);
+        assert_eq!(only(&position["left_out_nis"]), 2.0);
+        for (name, value) in [("north", 1.0), ("east", 2.0), ("down", 1.0), ("nis", 2.0)] {
+            assert_eq!(position[name].value, [Number(value); 4]);
+        }
+        let velocity = &series.innovations["velocity"];
+        assert_eq!((velocity.len(), only(&velocity["left_out_nis"])), (1, 2.0));
+    }
+
+    /// More than five seconds are a span; what is rejected does not end one, the end of the log does.
+    #[test]
+    fn spans_without_a_fix_are_those_between_fixes_used() {
+        let mut recording = Recording::default();
+        let used = Outcome::Used;
+        for (time, outcome) in [
+            (10.0, used),
+            (10.0 + WITHOUT_GNSS, used),
+            (17.0, Outcome::Rejected),
+            (21.0, used),
+        ] {
+            recording.fix(time, [update(outcome), None]);
+        }
+        let place = Geodetic::from_degrees(45.0, 7.0, 300.0);
+        let spans = |recording: &Recording| -> Vec<(f64, f64)> {
+            let spans = recording.series().without_gnss_s.into_iter();
+            spans.map(|(from, to)| (from.0, to.0)).collect()
+        };
+        recording.solution(&SolutionRow::at(21.0 + WITHOUT_GNSS, place));
+        assert_eq!(spans(&recording), [(15.0, 21.0)]);
+        recording.solution(&SolutionRow::at(27.0, place));
+        assert_eq!(spans(&recording), [(15.0, 21.0), (21.0, 27.0)]);
+        recording.fix(27.5, [None, update(used)]);
+        assert_eq!(spans(&recording), [(15.0, 21.0), (21.0, 27.5)]);
+        for k in 0..2 * MOST_EVENTS {
+            recording.fix(100.0 + 6.0 * k as f64, [update(used), None]);
+        }
+        assert_eq!(recording.without_gnss.len(), MOST_EVENTS);
+    }
+
+    #[test]
+    fn errors_are_recorded_by_component() {
+        let mut recording = Recording::default();
+        recording.errors(2.0, &Errors(std::array::from_fn(|i| i as f64 - 3.0)));
+        let series = recording.series();
+        for (i, name) in COMPONENTS.into_iter().enumerate() {
+            assert_eq!(only(&series.error[name]), i as f64 - 3.0);
+        }
+    }
+}

@@ -78,6 +78,12 @@ const STEP: f64 = 0.05;
 /// The inverse of the first curvature.
 const FIRST: f64 = 0.05;
 
+/// Whether logarithms have come to rest from one replay to the next.
+fn is_at_rest(before: &Vector, now: &Vector) -> bool {
+    let moved = before.iter().zip(now).map(|(a, b)| (a - b).abs());
+    moved.fold(0.0, f64::max) < SETTLED
+}
+
 /// The settings of a replay under a noise.
 ///
 /// # Errors
@@ -250,11 +256,7 @@ fn fit_sized<const N: usize>(
     for replays in 1.. {
         fit.windows = linear.drives.iter().map(Objective::windows).sum();
         let z = fit.noise.ln();
-        let rest = before.is_some_and(|before| {
-            let before = before.ln();
-            let moved = before.iter().zip(z).map(|(a, b)| (a - b).abs());
-            moved.fold(0.0, f64::max) < SETTLED
-        });
+        let rest = before.is_some_and(|before| is_at_rest(&before.ln(), &z));
         fit.converged |= rest;
         if rest || fit.windows == 0 || replays > REPLAYS {
             break;
@@ -417,5 +419,80 @@ mod tests {
             assert!((least - 0.4 * COUNT as f64).abs() < 1e-9, "{least}");
             assert!(slope.amax() < 1e-9, "{slope}");
         }
+    }
+
+    #[test]
+    fn a_noise_is_at_rest_when_no_logarithm_moves_by_a_tenth() {
+        let before: Vector = std::array::from_fn(|i| i as f64 - 9.0);
+        assert!(is_at_rest(&before, &before));
+        for i in 0..COUNT {
+            for side in [-1.0, 1.0] {
+                let moved = |by: f64| {
+                    let mut now = before;
+                    now[i] += side * by;
+                    is_at_rest(&before, &now)
+                };
+                assert!(moved(0.99 * SETTLED) && !moved(1.01 * SETTLED), "{i}");
+            }
+        }
+        // As far as that, to the last bit, is not at rest.
+        assert!(!is_at_rest(&[0.0; COUNT], &[SETTLED; COUNT]));
+    }
+
+    /// Half of the prior's standard deviation.
+    #[test]
+    fn a_parameter_is_determined_by_an_interval_that_has_shrunk_by_half() {
+        let settings = Settings::new([ShapingFilter::white(0.0, 0.01).unwrap(); AXES]);
+        let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
+        let prior = Prior::new(&Start::of_model(&model, 0.01).unwrap(), &[&settings]);
+        let noise = Noise::new(&prior.centre);
+        let fit = |share: f64| Fit {
+            noise,
+            std: std::array::from_fn(|i| share * prior.std(i, noise.ln()[i])),
+            windows: 1,
+            evaluations: 1,
+            converged: true,
+        };
+        for i in 0..COUNT {
+            assert!(fit(0.49).determines(&prior, i) && !fit(0.51).determines(&prior, i));
+        }
+    }
+
+    /// White noise by its density, a random walk beside it, a turn-on constant at the start.
+    #[test]
+    fn a_replay_under_a_noise_has_its_sensors_and_its_rule() {
+        let interval = 0.01;
+        let mut settings = Settings::new([ShapingFilter::white(0.0, interval).unwrap(); AXES]);
+        settings.constraints.non_holonomic = Some(NonHolonomic::CAR);
+        let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
+        let start = Start::of_model(&model, interval).unwrap();
+        let noise = Noise::new(&std::array::from_fn(|i| 0.1 * i as f64 - 5.0));
+        let made = under(&settings, &noise, &start).unwrap();
+        for axis in 0..AXES {
+            let sensor = &made.sensors[axis];
+            let known = ShapingFilter::white(noise.white[axis], interval).unwrap();
+            assert_eq!(
+                (sensor.interval, sensor.r, sensor.order),
+                (interval, known.r, 1)
+            );
+            assert_eq!(sensor.p0[0][0], start.turn_on[axis].powi(2));
+            let walk = ShapingFilter::random_walk(noise.walk[axis], interval).unwrap();
+            assert_eq!(sensor.q[0][0], walk.q[0][0]);
+        }
+        let rule = made.constraints.non_holonomic.unwrap();
+        assert_eq!([rule.right, rule.down, rule.slip], noise.rule);
+        // Where the white noise follows the vibration the noise is the factor on it.
+        settings.vibration = Some([1.0; AXES]);
+        let made = under(&settings, &noise, &start).unwrap();
+        assert_eq!(made.vibration, Some(noise.white));
+        for axis in 0..AXES {
+            let known = ShapingFilter::white(start.white[axis], interval).unwrap();
+            assert_eq!(made.sensors[axis].r, known.r);
+        }
+        let odd = Noise {
+            walk: [f64::NAN; AXES],
+            ..noise
+        };
+        assert!(under(&settings, &odd, &start).is_err());
     }
 }

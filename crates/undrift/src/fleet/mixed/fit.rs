@@ -138,25 +138,27 @@ const STEP: f64 = 1e-3;
 /// Of the same for second derivatives, whose rounding errors are larger.
 const WIDE: f64 = 1e-2;
 
+/// Where the search begins for the ratios that are free; from a similar fit only where one of them is zero.
+pub(super) fn starts(free: [bool; 2], near: bool) -> Vec<[f64; 2]> {
+    let [of_logs, of_units] = free.map(|free| if free { &STARTS[..] } else { &STARTS[..1] });
+    let pairs = of_logs
+        .iter()
+        .flat_map(|a| of_units.iter().map(|b| [*a, *b]));
+    pairs.filter(|pair| !near || pair.contains(&0.0)).collect()
+}
+
 impl Nested {
     /// The most likely variances; from `near`, those of a similar fit, it takes less time. `None` where the rows are
     /// too few, or leave nothing beside the fixed effects.
     pub fn fit(&self, near: Option<[f64; 2]>) -> Option<Fit> {
         let sums = Sums::of(self);
         let free = [Grouping::Log, Grouping::Unit].map(|level| self.has(level));
-        let starts = |free: bool| if free { &STARTS[..] } else { &STARTS[..1] };
         let mut best = near.unwrap_or_default();
         let mut least = sums.criterion(best);
-        for a in starts(free[0]) {
-            for b in starts(free[1]) {
-                // Zero and what lies near are looked at from a similar fit too.
-                if near.is_some() && *a > 0.0 && *b > 0.0 {
-                    continue;
-                }
-                let value = sums.criterion([*a, *b]);
-                if value < least {
-                    (best, least) = ([*a, *b], value);
-                }
+        for start in starts(free, near.is_some()) {
+            let value = sums.criterion(start);
+            if value < least {
+                (best, least) = (start, value);
             }
         }
         if !least.is_finite() {

@@ -1,6 +1,10 @@
 //! Against statsmodels and dense matrices (`testdata/golden/mixed.py`), and against closed forms.
 
-use super::{Grouping, Nested, sums::Sums};
+use super::{
+    Contrast, Grouping, Nested,
+    fit::{quantile_95, starts, two_sided},
+    sums::Sums,
+};
 use nalgebra::DMatrix;
 use serde::Deserialize;
 
@@ -245,4 +249,146 @@ fn aliased_columns_are_not_estimated() {
     );
     assert!(one_way(&[vec![1.0]]).fit(None).is_none());
     assert!(Nested::new(0).fit(None).is_none());
+}
+
+#[test]
+fn from_a_similar_fit_only_the_edges_are_looked_at() {
+    let all = starts([true, true], false);
+    assert_eq!(all.len(), 25);
+    let edges = starts([true, true], true);
+    assert_eq!(edges.len(), 9);
+    for pair in all {
+        assert_eq!(edges.contains(&pair), pair[0] == 0.0 || pair[1] == 0.0);
+    }
+    for near in [false, true] {
+        assert_eq!(starts([false, false], near), [[0.0, 0.0]]);
+        assert!(
+            starts([true, false], near)
+                .iter()
+                .all(|pair| pair[1] == 0.0)
+        );
+        assert!(
+            starts([false, true], near)
+                .iter()
+                .all(|pair| pair[0] == 0.0)
+        );
+        assert_eq!(starts([true, false], near).len(), 5);
+        assert_eq!(starts([false, true], near).len(), 5);
+    }
+}
+
+/// Of balanced data the likelihood of the ratio λ is that of two mean squares, n rows a unit and k units, and all
+/// predictions are shrunk by nλ/(1 + nλ): its mean over that likelihood, here by a fine sum.
+#[test]
+fn predictions_are_means_over_the_likelihood_of_the_spread() {
+    let y: Vec<Vec<f64>> = BALANCED.iter().map(|logs| logs.to_vec()).collect();
+    let nested = one_way(&y);
+    let (n, k) = (3.0, 6.0);
+    let means: Vec<f64> = y.iter().map(|logs| logs.iter().sum::<f64>() / n).collect();
+    let all = means.iter().sum::<f64>() / k;
+    let between = n * means.iter().map(|m| (m - all).powi(2)).sum::<f64>();
+    let inside = y.iter().zip(&means);
+    let inside: f64 = inside
+        .map(|(logs, m)| logs.iter().map(|y| (y - m).powi(2)).sum::<f64>())
+        .sum();
+    let squares = |grown: f64| inside + between / grown;
+    let criterion = |grown: f64| (n * k - 1.0) * squares(grown).ln() + (k - 1.0) * grown.ln();
+    let grown = |step: u32| 1.0 + n * (0.01 * f64::from(step)).powi(2);
+    let least = (0..2000)
+        .map(|step| criterion(grown(step)))
+        .fold(f64::INFINITY, f64::min);
+    let (mut sum, mut mean, mut square, mut own) = (0.0, 0.0, 0.0, 0.0);
+    for step in 0..2000 {
+        let grown = grown(step);
+        let likelihood = (0.5 * (least - criterion(grown))).exp();
+        let ratio = (grown - 1.0) / n;
+        let shrunk = (grown - 1.0) / grown;
+        let variance = squares(grown) / (n * k - 1.0);
+        sum += likelihood;
+        mean += likelihood * shrunk;
+        square += likelihood * shrunk * shrunk;
+        // Of the intercept given the mean, and by the mean.
+        own += likelihood * variance * (ratio / grown + shrunk * shrunk * grown / (n * k));
+    }
+    let (mean, square, own) = (mean / sum, square / sum, own / sum);
+    let predicted = nested.predictions(&nested.fit(None).unwrap());
+    assert_eq!(predicted.len(), 6);
+    for ((found, variance), unit) in predicted.into_iter().zip(&means) {
+        // Sixteen steps to where a hundredth of the likelihood is left.
+        close(found, mean * (unit - all), 0.01);
+        let expected = own + (square - mean * mean) * (unit - all).powi(2);
+        close(variance, expected, 0.05);
+    }
+}
+
+/// One without a spread between units has one prediction; one set aside is its own mean.
+#[test]
+fn predictions_without_a_spread() {
+    let mut nested = one_way(&[vec![1.0], vec![2.0], vec![4.0]]);
+    let fit = nested.fit(None).unwrap();
+    for (mean, variance) in nested.predictions(&fit) {
+        assert_eq!((mean, variance), (0.0, 0.0));
+    }
+    nested.set_aside(Grouping::Unit, 2, true);
+    let fit = nested.fit(None).unwrap();
+    let predicted = nested.predictions(&fit);
+    assert!((predicted[2].0 - 2.5).abs() < 1e-9, "{predicted:?}");
+}
+
+/// Logs of one unit are compared with each other as Student's t of a new mean, set aside or not.
+#[test]
+fn a_log_against_the_others() {
+    let logs: Vec<Vec<(Vec<f64>, f64)>> = BALANCED
+        .iter()
+        .map(|rows| rows.iter().map(|y| (vec![1.0], *y)).collect())
+        .collect();
+    let mut nested = Nested::new(1);
+    nested.add(&logs);
+    assert_eq!(
+        (nested.count(Grouping::Log), nested.count(Grouping::Unit)),
+        (6, 1)
+    );
+    let within = nested.log_shifts(&nested.fit(None).unwrap());
+    assert_eq!(within.len(), 6);
+    let means: Vec<f64> = BALANCED.map(|rows| rows.iter().sum::<f64>() / 3.0).into();
+    for k in 0..6 {
+        nested.set_aside(Grouping::Log, k, true);
+        let without = nested.log_shifts(&nested.fit(None).unwrap())[k].unwrap();
+        nested.set_aside(Grouping::Log, k, false);
+        let others: Vec<f64> = (0..6)
+            .filter(|other| *other != k)
+            .map(|o| means[o])
+            .collect();
+        let middle = others.iter().sum::<f64>() / 5.0;
+        let square = others.iter().map(|m| (m - middle).powi(2)).sum::<f64>() / 4.0;
+        close(without.estimate, means[k] - middle, 1e-6);
+        close(without.spread, (square * 1.2).sqrt(), 1e-5);
+        assert!((without.freedom - 4.0).abs() < 1e-9);
+        let t = without.estimate / without.spread;
+        close(without.probability, super::fit::two_sided(t, 4.0), 1e-12);
+        let within = within[k].unwrap();
+        close(within.estimate, without.estimate, 1e-5);
+        close(within.probability, without.probability, 1e-4);
+        assert!((within.freedom - 4.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn quantiles_and_probabilities_of_t_are_those_of_tables() {
+    for (freedom, quantile) in [(1.0, 12.706), (4.0, 2.776), (30.0, 2.042), (1e9, 1.960)] {
+        assert!((quantile_95(freedom) - quantile).abs() < 5e-4, "{freedom}");
+        let outside = two_sided(quantile, freedom);
+        assert!((outside - 0.05).abs() < 1e-4, "{freedom} {outside}");
+        assert_eq!(two_sided(-quantile, freedom), outside);
+    }
+    assert!((two_sided(1.0, 1.0) - 0.5).abs() < 1e-9);
+    assert_eq!(two_sided(0.0, 3.0), 1.0);
+    assert_eq!(two_sided(f64::NAN, 3.0), 1.0);
+    let contrast = Contrast {
+        estimate: -2.0,
+        standard_error: 0.5,
+        freedom: 4.0,
+    };
+    assert!((contrast.half_width() - 0.5 * 2.776).abs() < 5e-4);
+    assert_eq!(contrast.probability(), two_sided(4.0, 4.0));
 }

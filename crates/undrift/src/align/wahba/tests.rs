@@ -1,0 +1,189 @@
+//! The linearised window against closed forms and differences.
+
+use super::*;
+use undrift_nav::{attitude::from_rpy, earth};
+
+const GYRO_NOISE: f64 = 1e-6;
+const ACCEL_NOISE: f64 = 1e-4;
+
+fn problem<'a>(set: &'a AlignmentMotionSettings, segments: &'a [Segment]) -> Problem<'a> {
+    Problem {
+        set,
+        segments,
+        reference: Vector3::zeros(),
+        place: Geodetic::from_degrees(45.0, 7.0, 300.0),
+        lever_arm: Vector3::zeros(),
+        gyro: (Vector3::zeros(), Vector3::repeat(1e-4)),
+        accel: (Vector3::zeros(), Vector3::repeat(1e-2)),
+        gyro_noise: GYRO_NOISE,
+        accel_noise: ACCEL_NOISE,
+    }
+}
+
+fn guess(rpy: Vector3) -> Guess {
+    Guess {
+        q_nb: from_rpy(&rpy),
+        gyro: Vector3::zeros(),
+        accel: Vector3::zeros(),
+    }
+}
+
+/// A level sensor at rest for twenty seconds, its velocity known at the start alone: white noise of the gyros tilts it,
+/// and gravity moves what is tilted.
+#[test]
+fn the_sensors_noise_makes_attitude_and_velocity_wander() {
+    let (dt, count, known) = (0.5, 40, 0.04);
+    let up = -earth::gravity(45f64.to_radians(), 300.0);
+    let mut segment = Segment::default();
+    segment
+        .motion
+        .add(&Vector3::zeros(), &Vector3::new(0.0, 0.0, up * dt), dt);
+    segment.variance = Vector3::repeat(1e15);
+    let start = Segment {
+        variance: Vector3::repeat(known),
+        ..Segment::default()
+    };
+    let mut segments = vec![start];
+    segments.resize(count + 1, segment);
+    let set = AlignmentMotionSettings::default();
+    let problem = problem(&set, &segments);
+    let at = problem.linearise(&guess(Vector3::zeros()), segments.len(), &Vector3::zeros());
+    let duration = dt * count as f64;
+    let near = |found: f64, expected: f64| {
+        // The Earth has turned by a milliradian: its square.
+        assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
+    };
+    for i in 3..6 {
+        near(at.wander[i][i], GYRO_NOISE * duration);
+    }
+    near(at.wander[2][2], known + ACCEL_NOISE * duration);
+    // What came in the segment j moves it in those after.
+    let squares: usize = (0..count).map(|later| later * later).sum();
+    let tilted = (up * dt).powi(2) * GYRO_NOISE * dt * squares as f64;
+    for i in 0..2 {
+        near(at.wander[i][i], known + ACCEL_NOISE * duration + tilted);
+    }
+    // Tilted about north it falls to the east, about east to the south: −∂v × gravity.
+    let sums: usize = (0..count).sum();
+    let together = up.abs() * dt * GYRO_NOISE * dt * sums as f64;
+    assert!((at.wander[0][4].abs() / together - 1.0).abs() < 1e-3);
+    assert!((at.wander[1][3] / at.wander[0][4] + 1.0).abs() < 1e-3);
+    // Constants act as long as the window is.
+    near(at.effect[3][3].abs(), duration);
+    near(at.effect[8][2].abs(), duration);
+}
+
+/// A window of a sensor that turns and shakes, with velocities that are not quite those it makes from an attitude on.
+fn shaken(mut q_nb: Quaternion) -> Vec<Segment> {
+    let mut segments = Vec::new();
+    let gravity = Vector3::new(0.0, 0.0, earth::gravity(45f64.to_radians(), 300.0));
+    let mut v = Vector3::new(3.0, -2.0, 0.5);
+    let variance = Vector3::new(0.01, 0.02, 0.03);
+    segments.push(Segment {
+        v_n: v,
+        variance,
+        ..Segment::default()
+    });
+    for k in 0..12 {
+        let mut segment = Segment {
+            variance,
+            ..Segment::default()
+        };
+        for j in 0..5 {
+            let t = f64::from(5 * k + j);
+            let turn = Vector3::new(0.02 * t.sin(), 0.03 * (0.7 * t).cos(), 0.05);
+            let push = Vector3::new((0.3 * t).sin(), (0.5 * t).cos(), -9.8) * 0.1;
+            segment.motion.add(&turn, &push, 0.1);
+            segment.omega_b = turn / 0.1;
+        }
+        v += q_nb * segment.motion.dvel + gravity * segment.motion.dt;
+        q_nb *= segment.motion.turn;
+        segment.v_n = v + Vector3::new(0.1 * f64::from(k).cos(), 0.1, 0.02);
+        segments.push(segment);
+    }
+    segments
+}
+
+/// ½ of the change of the cost with each unknown, against the gradient, which points down.
+#[test]
+fn the_gradient_is_the_slope_of_the_cost() {
+    // What wanders in the attitude is taken to first order: without it the two agree.
+    for (gyro_noise, tolerance) in [(1e-14, 1e-6), (GYRO_NOISE, 0.01)] {
+        assert_slope(gyro_noise, tolerance);
+    }
+}
+
+fn assert_slope(gyro_noise: f64, tolerance: f64) {
+    let set = AlignmentMotionSettings::default();
+    let q_nb = from_rpy(&Vector3::new(0.1, -0.05, 0.4));
+    let segments = shaken(q_nb);
+    let mut problem = problem(&set, &segments);
+    problem.gyro_noise = gyro_noise;
+    let prior = Vector3::new(1e-3, -2e-3, 1e-3);
+    let start = Guess {
+        q_nb,
+        gyro: Vector3::new(1e-3, 2e-3, -1e-3),
+        accel: Vector3::new(0.02, -0.01, 0.03),
+    };
+    problem.reference = start.gyro;
+    let cost = |unknown: usize, by: f64| {
+        let mut moved = start;
+        let step = Vector3::from_fn(|i, _| if i == unknown % 3 { by } else { 0.0 });
+        match unknown / 3 {
+            0 => moved.q_nb *= from_rotation_vector(&step),
+            1 => moved.gyro += step,
+            _ => moved.accel += step,
+        }
+        problem.linearise(&moved, segments.len(), &prior).cost
+    };
+    let at = problem.linearise(&start, segments.len(), &prior);
+    for unknown in 0..9 {
+        let h = 1e-5;
+        let slope = -0.5 * (cost(unknown, h) - cost(unknown, -h)) / (2.0 * h);
+        let gradient = at.gradient[unknown];
+        let scale = at.information[(unknown, unknown)].sqrt() * at.cost.sqrt();
+        assert!(
+            (gradient - slope).abs() < tolerance * scale,
+            "{unknown}: {gradient} {slope} {scale}"
+        );
+    }
+}
+
+/// What the priors alone say of a guess: squared misses over their variances.
+#[test]
+fn a_guess_costs_what_the_priors_say() {
+    let set = AlignmentMotionSettings::default();
+    let mut problem = problem(&set, &[]);
+    problem.gyro.1 = Vector3::new(1.0, 4.0, 9.0);
+    problem.accel = (Vector3::new(1.0, 1.0, 1.0), Vector3::new(16.0, 25.0, 36.0));
+    let at = problem.start(
+        &Guess {
+            gyro: Vector3::new(1.0, 2.0, 3.0),
+            accel: Vector3::new(5.0, 6.0, 7.0),
+            ..guess(Vector3::zeros())
+        },
+        &Vector3::new(3.0, 6.0, 9.0),
+    );
+    // Misses of 2, 4, 6 and −4, −5, −6: two standard deviations and one.
+    assert!((at.cost - (3.0 * 4.0 + 3.0)).abs() < 1e-12);
+    for i in 0..3 {
+        let n = 1.0 + i as f64;
+        assert!((at.gradient[3 + i] - 2.0 / n).abs() < 1e-12);
+        assert!((at.gradient[6 + i] + 1.0 / (3.0 + n)).abs() < 1e-12);
+        assert!((at.information[(3 + i, 3 + i)] - 1.0 / (n * n)).abs() < 1e-12);
+        assert!((at.information[(6 + i, 6 + i)] - (3.0 + n).powi(-2)).abs() < 1e-12);
+        assert_eq!((at.gradient[i], at.information[(i, i)]), (0.0, 0.0));
+    }
+}
+
+#[test]
+fn minima_are_the_same_where_start_and_end_are() {
+    let of = |start: f64, end: f64| Minimum {
+        guess: guess(Vector3::new(0.0, 0.0, start)),
+        end: from_rpy(&Vector3::new(0.0, 0.0, end)),
+        cost: 0.0,
+    };
+    let first = of(0.0, 0.0);
+    assert!(first.is_near(&of(0.09, -0.09), 0.1));
+    assert!(!first.is_near(&of(0.11, 0.0), 0.1) && !first.is_near(&of(0.0, 0.11), 0.1));
+}

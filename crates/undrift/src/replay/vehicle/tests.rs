@@ -1,0 +1,250 @@
+//! What is known of a vehicle, in closed form.
+
+use super::*;
+use crate::{
+    estimator::build,
+    replay::tests::{driving_north, sensors},
+};
+use undrift_nav::{
+    attitude::from_rpy,
+    earth::{Geodetic, earth_rate_n, gravity},
+    filter::InitialStd,
+    mechanisation::NavState,
+    parameters::Parameters,
+    sample::FixQuality,
+};
+
+/// Level, with this velocity and standard deviations of it.
+fn moving(v_n: Vector3, std: Vector3) -> Box<dyn Estimator> {
+    let nav = NavState {
+        time: 0.0,
+        position: Geodetic::from_degrees(45.0, 7.0, 300.0),
+        v_n,
+        q_nb: from_rpy(&Vector3::zeros()),
+    };
+    let std = InitialStd {
+        position: Vector3::repeat(0.5),
+        velocity: std,
+        attitude: Vector3::repeat(0.01),
+    };
+    build(nav, &std, &sensors(), Parameters::none()).unwrap()
+}
+
+#[test]
+fn a_velocity_at_rest_is_compared_with_its_own_and_the_rests_variance() {
+    let v = Vector3::new(0.3, -0.8, 0.5);
+    let std = Vector3::new(0.3, 0.4, 1.2);
+    let filter = moving(v, std);
+    let expected = 0.09 / (0.09 + 0.25) + 0.64 / (0.16 + 0.25) + 0.25 / (1.44 + 0.25);
+    assert!((nis_of_rest(&*filter, 0.5) - expected).abs() < 1e-12);
+}
+
+#[test]
+fn a_sensor_at_rest_reads_the_earth_and_gravity_and_its_own_error() {
+    let rpy = Vector3::new(0.1, -0.2, 2.0);
+    let nav = NavState {
+        time: 0.0,
+        position: Geodetic::from_degrees(45.0, 7.0, 300.0),
+        v_n: Vector3::zeros(),
+        q_nb: from_rpy(&rpy),
+    };
+    let std = InitialStd {
+        position: Vector3::repeat(1.0),
+        velocity: Vector3::repeat(1.0),
+        attitude: Vector3::repeat(0.1),
+    };
+    let mut filter = build(nav, &std, &sensors(), Parameters::none()).unwrap();
+    let error = [1e-3, 2e-3, 3e-3, 0.1, 0.2, 0.3];
+    filter.set_sensor_error(&error);
+    let (rate, force) = readings_at_rest(&*filter);
+    let to_body = nav.q_nb.inverse();
+    let place = &nav.position;
+    let earth = to_body * earth_rate_n(place.lat);
+    let up = to_body * Vector3::new(0.0, 0.0, -gravity(place.lat, place.height));
+    assert!((rate - earth - Vector3::new(1e-3, 2e-3, 3e-3)).norm() < 1e-12);
+    assert!((force - up - Vector3::new(0.1, 0.2, 0.3)).norm() < 1e-12);
+}
+
+fn block(confirmed: bool) -> RestBlock {
+    RestBlock {
+        rest: true,
+        confirmed,
+        rate: Vector3::zeros(),
+        duration: 1.0,
+    }
+}
+
+/// Stands still at the end of a block; whether it did, whether it is said to have stood, and the speed after that.
+fn stands(speed: f64, stood: bool, block: &RestBlock) -> (bool, bool, f64) {
+    let mut settings = Settings::new(sensors());
+    settings.constraints.zero_velocity = Some(0.05);
+    let mut filter = moving(Vector3::new(speed, 0.0, 0.0), Vector3::repeat(0.05));
+    let (mut stood, mut summary) = (stood, Summary::default());
+    let rest = stand_still(&mut *filter, block, &mut stood, &settings, &mut summary);
+    (rest, stood, filter.nav().v_n.x)
+}
+
+#[test]
+fn a_start_after_a_rest_is_no_rest() {
+    // NIS of v²/(0.05² + 0.05²), 21.1 at the limit.
+    let limit = (21.1f64 * 2.0 * 0.05 * 0.05).sqrt();
+    let unseen = block(false);
+    let (rest, stood, speed) = stands(1.001 * limit, true, &unseen);
+    assert!(!rest && stood && speed == 1.001 * limit);
+    let (rest, _, speed) = stands(0.999 * limit, true, &unseen);
+    assert!(rest && speed < 0.999 * limit);
+    // Before it stood, or where the fixes confirm it, there is no start: it is held.
+    assert!(stands(1.001 * limit, false, &unseen).2 < 1.001 * limit);
+    assert!(stands(1.001 * limit, true, &block(true)).2 < 0.9 * limit);
+    let moves = RestBlock {
+        rest: false,
+        ..block(true)
+    };
+    assert_eq!(stands(0.1, true, &moves), (false, false, 0.1));
+}
+
+#[test]
+fn what_only_the_sensors_see_holds_the_velocity_less() {
+    let speed = 0.01;
+    // Equal variances halve it; ten times the standard deviation takes a hundred and first part away.
+    let (rest, stood, held) = stands(speed, false, &block(true));
+    assert!(rest && stood && (held / speed - 0.5).abs() < 1e-9, "{held}");
+    let (rest, stood, held) = stands(speed, false, &block(false));
+    assert!(
+        rest && stood && (held / speed - 100.0 / 101.0).abs() < 1e-9,
+        "{held}"
+    );
+    // A solution that is sure to move: rejected beyond a NIS of 100.
+    let sure = (101.0f64 * 2.0 * 0.05 * 0.05).sqrt();
+    assert_eq!(stands(sure, false, &block(true)), (false, false, sure));
+    // One that is weakened had not known that it stands.
+    let weakened = (50.0f64 * 2.0 * 0.05 * 0.05).sqrt();
+    let (rest, stood, _) = stands(weakened, false, &block(true));
+    assert!(rest && !stood);
+}
+
+/// A fix with a velocity whose standard deviations are `std` north and east.
+fn fix(time: f64, v_n: Vector3, std: f64) -> GnssFix {
+    GnssFix {
+        time,
+        position: None,
+        velocity: Some((v_n, Matrix3::identity() * (std * std))),
+        quality: FixQuality::Unknown,
+    }
+}
+
+#[test]
+fn a_fix_leaves_speeds_within_its_error() {
+    let settings = Settings::new(sensors());
+    let mut vehicle = Vehicle::new(&settings);
+    let mut filter = driving_north(5.0);
+    let error = 2f64.sqrt() * 0.5;
+    for (v, least) in [((3.0, 4.0), 5.0 - error), ((0.3, 0.4), 0.0)] {
+        let v = Vector3::new(v.0, v.1, -9.0);
+        vehicle.fix(&mut *filter, &fix(7.0, v, 0.5), &settings);
+        let (time, (low, high)) = vehicle.last_speed.unwrap();
+        assert_eq!(time, 7.0);
+        assert!((low - least).abs() < 1e-12, "{low}");
+        assert!((high - v.xy().norm() - error).abs() < 1e-12, "{high}");
+    }
+    // A position alone says nothing of the speed at first.
+    let none = GnssFix {
+        velocity: None,
+        ..fix(8.0, Vector3::zeros(), 0.5)
+    };
+    vehicle.fix(&mut *filter, &none, &settings);
+    let moves = settings.engine.rest.moves;
+    assert_eq!(vehicle.last_speed, Some((8.0, (moves, f64::INFINITY))));
+}
+
+/// A course of 0.02 rad against a heading of 0 that is known to σ₀: its share of the whole is σ₀²/(σ₀² + R).
+#[test]
+fn a_course_has_the_noise_of_its_speed_and_of_its_slip() {
+    let heading = |min_speed: f64, speed: f64| {
+        let mut settings = Settings::new(sensors());
+        settings.constraints.course = Some((0.03, min_speed));
+        let mut filter = moving(
+            Vector3::new(speed, 0.02 * speed, 0.0),
+            Vector3::repeat(1e-9),
+        );
+        let v = Vector3::new(speed * 0.02f64.cos(), speed * 0.02f64.sin(), 0.0);
+        Vehicle::new(&settings).fix(&mut *filter, &fix(1.0, v, 0.2), &settings);
+        undrift_nav::attitude::to_rpy(&filter.nav().q_nb).z
+    };
+    let r = 0.2f64.powi(2) / 100.0 + 0.03 * 0.03;
+    let expected = 0.02 * 1e-4 / (1e-4 + r);
+    // To the second order of 0.02.
+    assert!(
+        (heading(9.0, 10.0) / expected - 1.0).abs() < 1e-3,
+        "{}",
+        heading(9.0, 10.0)
+    );
+    assert_eq!(heading(10.5, 10.0), 0.0);
+}
+
+/// A velocity of 0.1 m/s to the right is taken back by its share.
+#[test]
+fn wheels_hold_a_velocity_to_the_right_and_down() {
+    let rule = NonHolonomic {
+        right: 0.2,
+        down: 0.4,
+        slip: 0.0,
+        interval: 1.0,
+        lever: Vector3::zeros(),
+        min_speed: 1.0,
+    };
+    let mut settings = Settings::new(sensors());
+    settings.constraints.non_holonomic = Some(rule);
+    // The attitude cannot be to blame: it is known to a millionth.
+    let nav = NavState {
+        v_n: Vector3::new(10.0, 0.1, 0.2),
+        ..*moving(Vector3::zeros(), Vector3::repeat(1.0)).nav()
+    };
+    let std = InitialStd {
+        position: Vector3::repeat(0.5),
+        velocity: Vector3::repeat(0.2),
+        attitude: Vector3::repeat(1e-6),
+    };
+    let built = || build(nav, &std, &sensors(), Parameters::none()).unwrap();
+    let mut filter = built();
+    let update = stay_on_track(&mut *filter, &rule, &settings).unwrap();
+    assert_eq!(update.dof, 2);
+    let v = filter.nav().v_n;
+    // Equal variances to the right, a fifth of the whole down.
+    assert!(
+        (v.y - 0.05).abs() < 1e-5 && (v.z - 0.2 * 0.8).abs() < 1e-5,
+        "{v}"
+    );
+    assert!(
+        (update.nis - (0.01 / 0.08 + 0.04 / 0.2)).abs() < 1e-6,
+        "{}",
+        update.nis
+    );
+    // At the end of a sample, once an interval, and above its least speed.
+    let mut vehicle = Vehicle::new(&settings);
+    let mut summary = Summary::default();
+    let mut filter = built();
+    let mut applied = |time: f64, settings: &Settings| {
+        let sample = ImuSample {
+            time,
+            dt: 0.02,
+            dtheta: Vector3::zeros(),
+            dvel: Vector3::zeros(),
+        };
+        let before = summary.non_holonomic.updates;
+        vehicle.end_sample(&mut *filter, &sample, None, settings, &mut summary, &mut ());
+        summary.non_holonomic.updates - before
+    };
+    let mut slow = settings.clone();
+    slow.constraints.non_holonomic = Some(NonHolonomic {
+        min_speed: 10.5,
+        ..rule
+    });
+    assert_eq!(applied(4.0, &slow), 0);
+    // Half a sample early is as near as it comes.
+    let times = [5.0, 5.02, 5.98, 5.992, 6.98, 6.99];
+    assert_eq!(
+        times.map(|time| applied(time, &settings)),
+        [1, 0, 0, 1, 0, 1]
+    );
+}
