@@ -3,6 +3,7 @@ use crate::{
     Contradiction, RestartCause,
     tests::{DEG, Epoch, Navigated, RATE, Scenario, driving_north, imu, receiver, sensors},
 };
+use alloc::vec::Vec;
 use undrift_nav::{covariance::AXES, earth::Geodetic, sample::FixQuality, shaping::ShapingFilter};
 use undrift_simulate::{GnssNoise, Trajectory};
 

@@ -1,6 +1,7 @@
 //! The linearised window against closed forms and differences.
 
 use super::*;
+use alloc::vec;
 use undrift_nav::{attitude::from_rpy, earth};
 
 const GYRO_NOISE: f64 = 1e-6;

@@ -3,8 +3,9 @@
 use super::*;
 use crate::{
     estimator::build,
-    replay::tests::{driving_north, sensors},
+    tests::{driving_north, sensors},
 };
+use alloc::boxed::Box;
 use undrift_nav::{
     attitude::from_rpy,
     earth::{Geodetic, earth_rate_n, gravity},

@@ -1,8 +1,8 @@
 //! When a window is searched, and what of it is kept.
 
 use super::*;
-use crate::simulate::{GnssNoise, Trajectory, simulate};
 use undrift_nav::shaping::ShapingFilter;
+use undrift_simulate::{GnssNoise, Trajectory, simulate};
 
 const RATE: f64 = 50.0;
 
