@@ -40,9 +40,9 @@ impl Measurement {
     /// What it is, where a time or a value of it is not finite.
     pub(crate) fn unusable(&self) -> Option<&'static str> {
         let (what, finite) = match self {
-            Self::Gnss(fix) => ("the fix", fix.is_finite()),
-            Self::Odometer(speed) => ("the wheel speed", speed.is_finite()),
-            Self::Barometer(height) => ("the height", height.is_finite()),
+            Self::Gnss(fix) => ("fix", fix.is_finite()),
+            Self::Odometer(speed) => ("wheel speed", speed.is_finite()),
+            Self::Barometer(height) => ("height", height.is_finite()),
         };
         (!finite).then_some(what)
     }

@@ -24,7 +24,7 @@ const SNAPSHOT_SPAN: f64 = 0.2;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PushError {
     /// A time or a value is not finite, or the sample's length is not positive.
-    #[error("{what} at {time} s has a value that is not finite, or no length")]
+    #[error("the {what} at {time} s has a value that is not finite, or no length")]
     NotFinite {
         /// Sample, fix, wheel speed or height.
         what: &'static str,
@@ -148,7 +148,7 @@ impl Navigator {
         let time = sample.time;
         let mut numbers = [time, sample.dt].into_iter().chain(values.copied());
         if !numbers.all(f64::is_finite) || sample.dt <= 0.0 {
-            let what = "the sample";
+            let what = "sample";
             return Err(PushError::NotFinite { what, time });
         }
         if let Some(before) = self.last.filter(|before| time <= *before) {
