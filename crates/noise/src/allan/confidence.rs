@@ -280,10 +280,10 @@ mod tests {
                 let exact = |t: f64| by_spectrum(t, fineness, alpha, order);
                 for t in [0.3, 0.7, 1.0, 1.6, 2.2] {
                     let (ratio, expected) = (at(t) / at(0.0), exact(t) / exact(0.0));
-                    // The spectra end at f = 1000, where the shallowest are f⁻² and have lost 1/2000 of themselves.
+                    // The spectra end at f = 1000, where the shallowest are f⁻² and have lost 1/2000 of themselves; four of these.
                     let miss = (ratio - expected).abs();
                     assert!(
-                        miss < 1e-3,
+                        miss < 2e-3,
                         "{order} {alpha} {fineness} {t}: {ratio} {expected}"
                     );
                 }
