@@ -99,8 +99,7 @@ fn direct(x: &[f64], mean: f64, lags: usize) -> Vec<f64> {
 /// The same by FFT: cross spectra of each stretch with itself continued by `lags` samples.
 fn by_fft(x: &[f64], mean: f64, lags: usize) -> Vec<f64> {
     // No circular overlap: a stretch and its continuation by `lags` fit in `size`.
-    let whole = (x.len() + lags).next_power_of_two();
-    let size = (4 * (lags + 1)).next_power_of_two().max(4096).min(whole);
+    let size = (4 * lags).next_power_of_two().max(4096);
     let stretch = size - lags;
     let transform = Transform::new(size / 2, &mut RealFftPlanner::new());
     let mut room = transform.room();

@@ -249,4 +249,189 @@ mod tests {
             }
         }
     }
+
+    /// Autocovariance at lag `t` \[τ\] of differences of the phase by its spectrum, S_x ∝ f^(α−2), averaged over 1/fineness.
+    fn by_spectrum(t: f64, fineness: f64, alpha: i32, order: usize) -> f64 {
+        use std::f64::consts::PI;
+        let step = 1.0 / 32.0;
+        let term = |k: u32| {
+            let f = (f64::from(k) + 0.5) * step;
+            let filter = match fineness.is_finite() {
+                true => fineness * (PI * f / fineness).sin(),
+                false => PI * f,
+            };
+            let differences = (PI * f).sin().powi(2 * order as i32);
+            f.powi(alpha - 4) * filter * filter * differences * (2.0 * PI * f * t).cos()
+        };
+        (0..32_000).map(term).sum()
+    }
+
+    #[test]
+    fn autocovariances_are_those_of_the_spectra() {
+        for (order, alphas, fineness) in [
+            (2, -2..=2, 1.0),
+            (2, 1..=2, 3.0),
+            (2, -2..=0, f64::INFINITY),
+            (3, -4..=2, 1.0),
+            (3, -4..=0, f64::INFINITY),
+        ] {
+            for alpha in alphas {
+                let at = |t: f64| structure(t, fineness, alpha, order);
+                let exact = |t: f64| by_spectrum(t, fineness, alpha, order);
+                for t in [0.3, 0.7, 1.0, 1.6, 2.2] {
+                    let (ratio, expected) = (at(t) / at(0.0), exact(t) / exact(0.0));
+                    // The spectra end at f = 1000, where the shallowest are f⁻² and have lost 1/2000 of themselves; four of these.
+                    let miss = (ratio - expected).abs();
+                    assert!(
+                        miss < 2e-3,
+                        "{order} {alpha} {fineness} {t}: {ratio} {expected}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_short_filter_is_none_at_all_and_its_own_limit() {
+        for alpha in -4..=1 {
+            let order = if alpha < -2 { 3 } else { 2 };
+            let at = |t: f64, fineness: f64| structure(t, fineness, alpha, order);
+            for t in [0.4, 0.8, 1.3, 2.4] {
+                // Flicker phase has no variance without a filter: in the scale of lag 0.4.
+                let (long, short) = (at(t, 200.0) / at(0.4, 200.0), at(t, 1e4) / at(0.4, 1e4));
+                // The filter's next term is 1/(12·200²) of the fourth derivative; seventh powers lose ten digits.
+                assert!((long - short).abs() < 2e-4, "{alpha} {t}: {long} {short}");
+            }
+        }
+        // Flicker phase on both sides of where its second derivative takes over.
+        for t in [7.99f64, 8.01] {
+            let h = 1.0 / 2000.0;
+            let (t, exact) = (t * h, smoothed(t * h, 2000.0, 1));
+            let g = |t: f64| t * t * t.ln();
+            let differences = (2.0 * g(t) - g(t - h) - g(t + h)) / (h * h);
+            // The fourth derivative −2/t² over 12: h²/(6 t²) = 0.0026.
+            assert!((exact - differences).abs() < 0.003, "{exact} {differences}");
+        }
+    }
+
+    /// Twice the squared mean of a variance over its own variance, from weights of independent values: (tr C)²/tr C².
+    fn from_weights(weights: &[f64], values: usize) -> f64 {
+        let count = values + 1 - weights.len();
+        let covariance = |lag: usize| -> f64 {
+            let pairs = weights.iter().zip(weights.iter().skip(lag));
+            pairs.map(|(a, b)| a * b).sum()
+        };
+        let all = (0..count).flat_map(|i| (0..count).map(move |j| i.abs_diff(j)));
+        let squares: f64 = all.map(|lag| covariance(lag).powi(2)).sum();
+        (count as f64 * covariance(0)).powi(2) / squares
+    }
+
+    #[test]
+    fn degrees_of_freedom_are_those_of_the_differences_covariance() {
+        for (kind, signs) in [
+            (DeviationKind::Overlapping, &[1.0, -1.0][..]),
+            (DeviationKind::Hadamard, &[1.0, -2.0, 1.0]),
+        ] {
+            for (samples, m) in [(40, 1), (90, 4), (300, 60), (31, 9)] {
+                // White rates are independent, and so are the phases of white phase.
+                let rates: Vec<f64> = signs.iter().flat_map(|s| vec![*s; m]).collect();
+                let mut phases = vec![0.0; signs.len() * m + 1];
+                for (k, sign) in signs.iter().enumerate() {
+                    phases[k * m] -= sign;
+                    phases[(k + 1) * m] += sign;
+                }
+                let exact = from_weights(&rates, samples);
+                let found = edf(kind, 0, samples, m);
+                assert!(
+                    (found / exact - 1.0).abs() < 1e-9,
+                    "{kind:?} {m}: {found} {exact}"
+                );
+                let exact = from_weights(&phases, samples + 1);
+                let found = edf(kind, 2, samples, m);
+                // Each lag counts by its share of all pairs, in both.
+                assert!(
+                    (found / exact - 1.0).abs() < 1e-9,
+                    "{kind:?} {m}: {found} {exact}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn modified_degrees_of_freedom_are_those_of_averaged_phases() {
+        for (samples, m) in [(200usize, 20usize), (301, 50)] {
+            // Second differences of averages over m phases.
+            let mut phases = vec![0.0; 3 * m];
+            for (k, sign) in [1.0, -2.0, 1.0].into_iter().enumerate() {
+                phases[k * m..(k + 1) * m].fill(sign);
+            }
+            let exact = from_weights(&phases, samples + 1);
+            let found = edf(DeviationKind::Modified, 2, samples, m);
+            // An average over m samples is 1/(2m²) off a continuous one's covariance.
+            assert!(
+                (found / exact - 1.0).abs() < 2.0 / (m * m) as f64,
+                "{m}: {found} {exact}"
+            );
+        }
+        let of = |kind, alpha| edf(kind, alpha, 500, 1);
+        for alpha in -2..=2 {
+            let plain = of(DeviationKind::Overlapping, alpha);
+            assert_eq!(of(DeviationKind::Modified, alpha), plain);
+        }
+    }
+
+    #[test]
+    fn total_degrees_of_freedom_are_the_published_ones() {
+        // NIST SP 1065, table 8: b T/τ − c.
+        for (alpha, b, c) in [(0, 1.5, 0.0), (-1, 1.17, 0.22), (-2, 0.93, 0.36)] {
+            let found = edf(DeviationKind::Total, alpha, 310, 10);
+            assert!((found - (31.0 * b - c)).abs() < 1e-12, "{alpha}: {found}");
+            let many = edf(DeviationKind::Total, alpha, 320, 10);
+            assert_eq!(many, edf(DeviationKind::Overlapping, alpha, 320, 10));
+        }
+        for alpha in 1..=2 {
+            let phase = edf(DeviationKind::Total, alpha, 310, 10);
+            assert_eq!(phase, edf(DeviationKind::Overlapping, alpha, 310, 10));
+        }
+        assert_eq!(edf(DeviationKind::Total, -2, 10, 10), 1.0);
+        // Steeper noise than a deviation converges for is the steepest that it does.
+        for (kind, steepest) in [
+            (DeviationKind::Overlapping, -2),
+            (DeviationKind::Hadamard, -4),
+        ] {
+            assert_eq!(edf(kind, -9, 100, 3), edf(kind, steepest, 100, 3));
+            assert_eq!(edf(kind, 9, 100, 3), edf(kind, 2, 100, 3));
+            assert!(edf(kind, steepest, 100, 3) < edf(kind, steepest + 1, 100, 3));
+        }
+    }
+
+    #[test]
+    fn beyond_an_interval_is_half_of_what_is_left_on_either_side() {
+        let points = [(1, 0.5), (7, 0.2), (40, 0.3)].map(|(m, deviation)| Point {
+            m,
+            tau_s: m as f64,
+            deviation,
+            terms: 1,
+        });
+        let curve = Curve {
+            kind: DeviationKind::Overlapping,
+            rate_hz: 1.0,
+            samples: 500,
+            points: points.to_vec(),
+        };
+        let found = intervals_of(&curve, &[2, 0, -1], 0.9).unwrap();
+        for ((of, point), alpha) in found.iter().zip(points).zip([2, 0, -1]) {
+            assert_eq!(of.alpha, alpha);
+            assert_eq!(of.edf, edf(curve.kind, alpha, 500, point.m));
+            let chi = ChiSquared::new(of.edf).unwrap();
+            let below = |bound: f64| chi.cdf(of.edf * (point.deviation / bound).powi(2));
+            // The inverse is found to some eight digits.
+            assert!((below(of.upper) - 0.05).abs() < 1e-6);
+            assert!((below(of.lower) - 0.95).abs() < 1e-6);
+        }
+        for level in [0.0, 1.0, -0.5, f64::NAN] {
+            assert!(intervals_of(&curve, &[0; 3], level).is_err());
+        }
+        assert!(intervals_of(&curve, &[0; 2], 0.9).is_err());
+    }
 }

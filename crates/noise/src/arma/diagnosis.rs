@@ -148,3 +148,248 @@ fn nearest_pair(phi: &[f64], theta: &[f64]) -> Option<f64> {
         .flat_map(|a| ma.iter().map(move |m| (a - m).norm()));
     pairs.min_by(f64::total_cmp)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::likelihood::Mean;
+    use super::super::polynomial::multiply;
+    use super::*;
+
+    const PROBLEM: Problem = Problem {
+        samples: &[],
+        mean: Mean::Known(0.0),
+        centre: 0.0,
+        gaps: false,
+        bridged: None,
+        unit_root: false,
+        rest: &[],
+    };
+
+    /// A converged fit of `n` samples, examined with this inverse curvature.
+    fn examined(
+        phi: &[f64],
+        theta: &[f64],
+        n: usize,
+        covariance_z: &[f64],
+        ratio: Option<f64>,
+    ) -> ArmaFit {
+        let fit = ArmaFit {
+            ar: phi.to_vec(),
+            ma: theta.to_vec(),
+            n,
+            parameters: phi.len() + theta.len() + 1,
+            converged: true,
+            ..ArmaFit::default()
+        };
+        let d = phi.len() + theta.len();
+        let covariance = DMatrix::from_row_slice(d, d, covariance_z);
+        after(fit, phi, theta, Some(covariance), ratio)
+    }
+
+    fn after(
+        mut fit: ArmaFit,
+        phi: &[f64],
+        theta: &[f64],
+        covariance_z: Option<DMatrix<f64>>,
+        ratio: Option<f64>,
+    ) -> ArmaFit {
+        let best = Point::new(encode(phi, theta, 0.0), 100.0);
+        let lower = ratio.map(|ratio| 100.0 + 0.5 * ratio);
+        examine(&PROBLEM, &best, covariance_z, phi.len(), lower, &mut fit);
+        fit
+    }
+
+    fn assert_near(found: &[f64], exact: &[f64]) {
+        assert_eq!(found.len(), exact.len());
+        for (a, b) in found.iter().zip(exact) {
+            // Central differences of a step of 1e-5.
+            assert!(
+                (a - b).abs() < 1e-8 * (1.0 + b.abs()),
+                "{found:?} {exact:?}"
+            );
+        }
+    }
+
+    fn cancelling(fit: &ArmaFit) -> Option<(f64, Option<f64>)> {
+        fit.warnings.iter().find_map(|warning| match *warning {
+            Warning::NearCancelling {
+                distance,
+                standard_error,
+            } => Some((distance, standard_error)),
+            _ => None,
+        })
+    }
+
+    #[test]
+    fn standard_errors_follow_the_coefficients_slopes() {
+        // φ = tanh z and θ = tanh z: slopes 1 − φ² and 1 − θ².
+        let (a, b) = (1.0 - 0.8 * 0.8, 1.0 - 0.3 * 0.3);
+        let fit = examined(&[0.8], &[0.3], 1000, &[0.01, 0.004, 0.004, 0.02], None);
+        let (aa, ab, bb) = (a * a * 0.01, a * b * 0.004, b * b * 0.02);
+        assert_near(fit.covariance.as_ref().unwrap(), &[aa, ab, ab, bb]);
+        assert_near(
+            fit.standard_errors.as_ref().unwrap(),
+            &[aa.sqrt(), bb.sqrt()],
+        );
+        assert!(fit.warnings.is_empty() && !fit.near_cancelling && !fit.flat_likelihood);
+        // φ1 = κ1 (1 − κ2), φ2 = κ2 = tanh z2.
+        let (one, two) = (0.5f64, -0.4f64);
+        let fit = examined(
+            &[one * (1.0 - two), two],
+            &[],
+            1000,
+            &[0.01, 0.0, 0.0, 0.02],
+            None,
+        );
+        let slope = 1.0 - two * two;
+        let first = ((1.0 - one * one) * (1.0 - two)).powi(2) * 0.01;
+        let first = first + (one * slope).powi(2) * 0.02;
+        let cross = -one * slope * slope * 0.02;
+        let second = slope * slope * 0.02;
+        assert_near(&fit.covariance.unwrap(), &[first, cross, cross, second]);
+    }
+
+    #[test]
+    fn a_fixed_unit_root_stays_and_is_said() {
+        let fit = ArmaFit {
+            ar: multiply(&[0.4], &[1.0]),
+            n: 1000,
+            converged: true,
+            has_unit_root: true,
+            ..ArmaFit::default()
+        };
+        // φ1 = 1 + a and φ2 = −a.
+        let covariance = DMatrix::from_element(1, 1, 0.01);
+        let fit = after(fit, &[0.4], &[], Some(covariance), None);
+        let error = 0.1 * (1.0 - 0.4 * 0.4);
+        assert_near(fit.standard_errors.as_ref().unwrap(), &[error, error]);
+        assert!(fit.unit_root);
+        assert_eq!(fit.warnings, [Warning::UnitRoot { distance: 0.0 }]);
+    }
+
+    #[test]
+    fn a_pair_cancels_within_two_errors_of_its_distance_or_where_it_brings_too_little() {
+        let (a, b) = (1.0 - 0.8f64 * 0.8, 1.0 - 0.3f64 * 0.3);
+        // Half of it along the difference: an error of 0.5/2 at `scale` 1.
+        let error = (a * a + b * b - a * b).sqrt();
+        let size = (0.25 / error).powi(2);
+        for (scale, ratio, expected) in [
+            (1.02, Some(100.0), true),
+            (0.98, Some(100.0), false),
+            (0.98, None, false),
+            (0.98, Some(6.0), false),
+            (0.98, Some(5.98), true),
+        ] {
+            let v = size * scale;
+            let fit = examined(&[0.8], &[0.3], 1000, &[v, 0.5 * v, 0.5 * v, v], ratio);
+            assert_eq!(fit.near_cancelling, expected, "{scale} {ratio:?}");
+            let brought = fit.pair_likelihood_ratio.map(|r| (r * 1e6).round() / 1e6);
+            assert_eq!(brought, ratio);
+            let said = cancelling(&fit);
+            assert_eq!(said.is_some(), expected);
+            if let Some((distance, standard_error)) = said {
+                assert_near(&[distance], &[0.5]);
+                assert_near(&[standard_error.unwrap()], &[0.25 * f64::sqrt(scale)]);
+            }
+        }
+        // Without an error, 2/√n: 0.1 of 400 samples.
+        for (theta, expected) in [(0.41, true), (0.39, false), (0.59, true), (0.61, false)] {
+            let fit = ArmaFit {
+                ar: vec![0.5],
+                ma: vec![theta],
+                n: 400,
+                converged: true,
+                ..ArmaFit::default()
+            };
+            let fit = after(fit, &[0.5], &[theta], None, None);
+            assert_eq!(fit.near_cancelling, expected, "{theta}");
+            assert!(fit.standard_errors.is_none() && fit.flat_likelihood);
+            assert!(fit.warnings.contains(&Warning::NoStandardErrors));
+            assert!(cancelling(&fit).is_none_or(|(_, error)| error.is_none()));
+        }
+    }
+
+    #[test]
+    fn a_root_is_1_where_the_record_is_not_ten_of_its_correlation_times() {
+        for (phi, n, expected) in [(0.99, 999, true), (0.99, 1001, false), (-0.99, 999, false)] {
+            let fit = examined(&[phi], &[], n, &[0.01], None);
+            assert_eq!(fit.unit_root, expected, "{phi} {n}");
+            let said = fit.warnings.iter().find_map(|warning| match warning {
+                Warning::UnitRoot { distance } => Some(*distance),
+                _ => None,
+            });
+            assert_eq!(said.is_some(), expected);
+            assert!(said.is_none_or(|distance| (distance - 0.01).abs() < 1e-12));
+        }
+    }
+
+    #[test]
+    fn on_the_edge_of_the_invertible_region_there_are_no_standard_errors() {
+        for (theta, on_edge) in [
+            (1.0 - 4.9e-5, true),
+            (1.0 - 5.1e-5, false),
+            (5.1e-5 - 1.0, false),
+        ] {
+            let fit = examined(&[], &[theta], 1000, &[0.01], None);
+            assert_eq!(fit.standard_errors.is_none(), on_edge, "{theta}");
+            assert_eq!(fit.warnings.len(), if on_edge { 2 } else { 0 });
+            if on_edge {
+                assert_eq!(fit.warnings[0], Warning::NoStandardErrors);
+                let Warning::MovingAverageUnitRoot { distance } = fit.warnings[1] else {
+                    panic!("{:?}", fit.warnings);
+                };
+                assert!((distance - 4.9e-5).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_direction_is_flat_beyond_a_standard_error_of_one() {
+        for (error, flat) in [(0.99, false), (1.01, true)] {
+            let fit = examined(
+                &[0.1, 0.2],
+                &[],
+                1000,
+                &[0.01, 0.0, 0.0, error * error],
+                None,
+            );
+            assert_eq!(fit.flat_likelihood, flat);
+            assert_eq!(fit.warnings.contains(&Warning::FlatLikelihood), flat);
+        }
+        // White noise has no direction.
+        let fit = examined(&[], &[], 1000, &[], None);
+        assert!(!fit.flat_likelihood && fit.warnings.is_empty());
+    }
+
+    #[test]
+    fn a_search_that_stopped_and_a_short_record_are_said() {
+        let white = |n, converged| {
+            let fit = ArmaFit {
+                n,
+                converged,
+                parameters: 2,
+                ..ArmaFit::default()
+            };
+            after(fit, &[], &[], None, None).warnings
+        };
+        assert_eq!(white(20, true), []);
+        assert_eq!(white(19, true), [Warning::ShortRecord]);
+        assert_eq!(white(20, false), [Warning::NotConverged]);
+    }
+
+    #[test]
+    fn a_start_of_a_lower_order_is_the_same_model() {
+        let padded = |phi: &[f64], theta: &[f64], p, q, unit_root| {
+            let z = padded_start(phi, theta, p, q, unit_root)?;
+            Some(PROBLEM.coefficients(&z, p))
+        };
+        let (phi, theta) = padded(&[0.5, -0.2], &[0.3], 3, 2, false).unwrap();
+        assert_near(&phi, &[0.5, -0.2, 0.0]);
+        assert_near(&theta, &[0.3, 0.0]);
+        assert!(padded(&[0.5, -0.2], &[], 1, 2, false).is_none());
+        assert!(padded(&[], &[0.5, -0.2], 2, 1, false).is_none());
+        // The unit root is no part of the start.
+        let (phi, _) = padded(&multiply(&[0.5], &[1.0]), &[], 1, 0, true).unwrap();
+        assert_near(&phi, &[0.5]);
+    }
+}

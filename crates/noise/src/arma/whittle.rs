@@ -194,4 +194,135 @@ mod tests {
             );
         }
     }
+
+    /// A flat spectrum but for a band of `width` ordinates from the `first` on, seen through a model's gain.
+    fn banded((first, width): (usize, usize), times: f64, phi: &[f64], theta: &[f64]) -> Whittle {
+        let (samples, mut sums, mut ordinates) = (4000.0, PowerSum::default(), Vec::new());
+        for j in 1..=2000 {
+            let omega = 2.0 * PI * j as f64 / samples;
+            let of = if (first..first + width).contains(&j) {
+                times
+            } else {
+                1.0
+            };
+            let power = of * PowerSum::gain(phi, theta, omega);
+            sums.push(omega, 2.0 * power);
+            ordinates.push(power);
+        }
+        Whittle {
+            samples,
+            sums,
+            ordinates,
+        }
+    }
+
+    #[test]
+    fn what_a_model_leaves_out_of_a_band_is_found_and_the_roots_make_it_up() {
+        let step = 2.0 * PI / 4000.0;
+        for (phi, theta) in [(&[][..], &[][..]), (&[1.2, -0.5], &[0.4])] {
+            for (k, width) in WIDTHS.into_iter().enumerate() {
+                for times in [9.0, 0.04, 1e-5, 1e8] {
+                    let whittle = banded((700, width), times, phi, theta);
+                    let found = whittle.narrow(phi, theta);
+                    assert_eq!(found.len(), 2 * WIDTHS.len());
+                    let centre = step * (700.0 + 0.5 * (width as f64 - 1.0));
+                    for (of, other) in found.iter().zip(WIDTHS.iter().flat_map(|w| [w, w])) {
+                        let apart = (of.omega - centre).abs() / step;
+                        assert!(
+                            apart < 0.5 * (width + other) as f64,
+                            "{width} {other} {apart}"
+                        );
+                    }
+                    // The band's own width, as broad as its half and a fifth of that; the variance is the mean of all.
+                    let mean = times / (1.0 + width as f64 * (times - 1.0) / 2000.0);
+                    for (of, share) in found[2 * k..2 * k + 2].iter().zip([1.0, 0.2]) {
+                        // Sums of a thousand terms.
+                        assert!((of.omega - centre).abs() < 1e-12, "{width}: {}", of.omega);
+                        let near = share * 0.25 * step * width as f64;
+                        assert!((1.0 - of.ar - near).abs() < 1e-12);
+                        let far = (near * mean.sqrt()).max(0.05 * near).min(0.5);
+                        assert!((1.0 - of.ma - far).abs() < 1e-9 * far, "{width} {times}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_record_too_short_for_a_band_has_none_of_it() {
+        let whittle = Whittle {
+            samples: 100.0,
+            ..banded((5, 1), 1.0, &[], &[])
+        };
+        let short = Whittle {
+            ordinates: whittle.ordinates[..30].to_vec(),
+            ..whittle
+        };
+        // The ordinate of one cycle a record is in no band: of thirty, bands of 2, 5 and 12.
+        assert_eq!(short.narrow(&[], &[]).len(), 6);
+    }
+
+    fn some(samples: usize) -> Vec<f64> {
+        let next = |x: &f64| Some((x * 29.0 + 0.31).fract());
+        let values = std::iter::successors(Some(0.2), next);
+        values.take(samples).collect()
+    }
+
+    fn squares(whittle: &Whittle) -> f64 {
+        whittle.sums.over(&[], &[], 1.0).0
+    }
+
+    #[test]
+    fn the_power_is_that_of_the_tapered_record() {
+        // Parseval, an odd number of samples: all but the mean's.
+        let (x, centre) = (some(301), 0.3);
+        let tapered = x
+            .iter()
+            .enumerate()
+            .map(|(t, x)| 2f64.sqrt() * ((t as f64 + 0.5) * PI / 301.0).sin() * (x - centre));
+        let tapered: Vec<f64> = tapered.collect();
+        let sum: f64 = tapered.iter().sum();
+        let power = tapered.iter().map(|x| x * x).sum::<f64>() - sum * sum / 301.0;
+        let whittle = Whittle::new(&x, centre, false).unwrap();
+        assert!((squares(&whittle) / power - 1.0).abs() < 1e-12);
+        let ordinates: f64 = whittle.ordinates.iter().sum();
+        assert!((2.0 * ordinates / power - 1.0).abs() < 1e-12);
+        assert_eq!((whittle.samples, whittle.ordinates.len()), (301.0, 150));
+    }
+
+    #[test]
+    fn a_missing_sample_is_the_one_before_and_differences_begin_with_nothing() {
+        let x = some(300);
+        let (mut gappy, mut bridged) = (x.clone(), x.clone());
+        for at in [7, 8, 200] {
+            (gappy[at], bridged[at]) = (f64::NAN, bridged[at - 1]);
+        }
+        let of = |x: &[f64], differenced| Whittle::new(x, 0.4, differenced).unwrap();
+        assert_eq!(of(&gappy, false).ordinates, of(&bridged, false).ordinates);
+        let mut steps: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
+        steps.insert(0, 0.0);
+        let plain = Whittle::new(&steps, 0.0, false).unwrap();
+        let pairs = of(&x, true).ordinates.into_iter().zip(plain.ordinates);
+        for (a, b) in pairs {
+            // The centre goes in and out again: 1e-16 of it a sample.
+            assert!((a - b).abs() < 1e-13 * (1.0 + b), "{a} {b}");
+        }
+        assert!(Whittle::new(&x[..255], 0.4, false).is_none());
+        assert!(Whittle::new(&x[..256], 0.4, false).is_some());
+    }
+
+    #[test]
+    fn each_ordinate_but_the_mean_is_in_one_bin_that_is_narrow() {
+        for ordinates in [2, 129, 5000, 300_001] {
+            let mut next = 1;
+            for (first, end) in bins(ordinates) {
+                assert!(first == next && end > first && end <= ordinates);
+                let width = (end - first) as f64;
+                assert!(width <= (0.06 * first as f64).max(1.0));
+                assert!(width <= (ordinates as f64 / 384.0).ceil());
+                next = end;
+            }
+            assert_eq!(next, ordinates);
+        }
+    }
 }

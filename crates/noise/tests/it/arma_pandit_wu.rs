@@ -1,9 +1,9 @@
 //! Pandit and Wu's tests against the reference's, and the procedure on simulated orders.
 
-use crate::common::{number, reference, series};
-use undrift_noise::arma::{ArmaError, FitOptions, fit};
+use crate::common::{close, number, reference, series, white_noise};
+use undrift_noise::arma::{ArmaError, ArmaFit, FitOptions, fit};
 use undrift_noise::pandit_wu::{
-    PAPER_CRITICAL, PanditWuOptions, critical_value, f_test, pandit_wu,
+    PAPER_CRITICAL, PanditWu, PanditWuOptions, critical_value, f_test, pandit_wu,
 };
 
 #[test]
@@ -142,4 +142,190 @@ fn bad_input_is_an_error() {
     let few: Vec<f64> = (0..12).map(|k| f64::from(k * k % 7)).collect();
     let table = pandit_wu(&few, &options).unwrap();
     assert!(table.rows.len() >= 2);
+}
+
+/// A fit of which only what the F test takes is known.
+fn of_sum(p: usize, q: usize, n: usize, sum: f64) -> ArmaFit {
+    ArmaFit {
+        ar: vec![0.0; p],
+        ma: vec![0.0; q],
+        n,
+        // φ, θ, σ² and the mean.
+        parameters: p + q + 2,
+        residual_sum_of_squares: sum,
+        ..ArmaFit::default()
+    }
+}
+
+#[test]
+fn an_f_of_two_more_parameters_has_the_closed_tail() {
+    // s = 2 and ν = N − r = 101 − 5; on both sides of the paper's critical value 2.996 and of the exact 3.091.
+    for (f, significant, in_paper) in [
+        (-1.0, false, false),
+        (0.5, false, false),
+        (2.98, false, false),
+        (3.05, false, true),
+        (3.11, true, true),
+        (40.0, true, true),
+    ] {
+        let larger = of_sum(2, 2, 101, 7.0);
+        let smaller = of_sum(1, 1, 101, 7.0 * (1.0 + 2.0 * f / 96.0));
+        let test = f_test(&smaller, &larger, 0.05).unwrap();
+        assert_eq!((test.smaller, test.larger), ((1, 1), (2, 2)));
+        assert_eq!((test.added, test.remaining), (2, 96));
+        assert_eq!(
+            (test.sum_smaller, test.sum_larger),
+            (smaller.residual_sum_of_squares, 7.0)
+        );
+        close(test.f, f, 1e-12, "F");
+        let tail = (1.0 + 2.0 * f64::max(f, 0.0) / 96.0).powi(-48);
+        // The incomplete beta function to ten digits.
+        close(test.p_value, tail, 1e-9, "tail");
+        close(
+            test.critical,
+            48.0 * (0.05f64.powf(-1.0 / 48.0) - 1.0),
+            1e-9,
+            "critical",
+        );
+        assert_eq!(test.significant, significant, "{f}");
+        assert_eq!(test.significant_in_paper, in_paper, "{f}");
+        assert_eq!(test.significant, test.p_value < 0.05);
+    }
+}
+
+#[test]
+fn there_is_no_f_without_parameters_more_or_samples_left() {
+    let of = |smaller: (usize, usize), larger: (usize, usize), n| {
+        let (a, b) = (
+            of_sum(smaller.0, smaller.1, n, 2.0),
+            of_sum(larger.0, larger.1, n, 1.0),
+        );
+        f_test(&a, &b, 0.05).map(|test| (test.added, test.remaining))
+    };
+    assert_eq!(of((1, 1), (1, 1), 50), None);
+    assert_eq!(of((2, 1), (1, 1), 50), None);
+    assert_eq!(of((1, 1), (2, 1), 50), Some((1, 46)));
+    assert_eq!(of((1, 1), (2, 1), 5), Some((1, 1)));
+    assert_eq!(of((1, 1), (2, 1), 4), None);
+    assert_eq!(of((1, 1), (2, 1), 3), None);
+    for level in [0.0, 1.0, -0.1, f64::NAN] {
+        let (a, b) = (of_sum(1, 1, 50, 2.0), of_sum(2, 1, 50, 1.0));
+        assert_eq!(f_test(&a, &b, level), None);
+        assert_eq!(critical_value(1, 46, level), None);
+    }
+}
+
+#[test]
+fn a_level_or_an_order_out_of_range_is_an_error() {
+    let x = white_noise(1, 50);
+    for level in [0.0, 1.0, -0.1, 1.5, f64::NAN] {
+        let options = PanditWuOptions {
+            level,
+            ..PanditWuOptions::default()
+        };
+        let found = pandit_wu(&x, &options).unwrap_err();
+        assert_eq!(found, ArmaError::BadOption("the level of the tests"));
+    }
+    for n_max in [0, 13] {
+        let options = PanditWuOptions {
+            n_max,
+            ..PanditWuOptions::default()
+        };
+        assert_eq!(pandit_wu(&x, &options), Err(ArmaError::BadOption("n_max")));
+    }
+}
+
+/// The choices as the module says them, from the fits that were made.
+fn assert_as_described(found: &PanditWu, options: &PanditWuOptions) {
+    let test = |smaller: &ArmaFit, larger: &ArmaFit| f_test(smaller, larger, options.level);
+    let needed = |smaller: &ArmaFit, larger: &ArmaFit| {
+        test(smaller, larger).is_some_and(|test| test.significant)
+    };
+    let made = |p: usize, q: usize| found.fit((p, q)).unwrap();
+    assert_eq!((found.rows[0].order(), found.rows[0].n), ((1, 1), 0));
+    assert_eq!(found.rows[0].test, None);
+    for (n, pair) in found.rows.windows(2).enumerate() {
+        assert_eq!(
+            (pair[1].n, pair[1].order()),
+            (n + 1, (2 * n + 2, 2 * n + 1))
+        );
+        assert_eq!(pair[1].test, test(&pair[0].fit, &pair[1].fit));
+    }
+    // Up: ARMA(2,1) is taken for granted.
+    let mut n = 1;
+    let mut adequate = false;
+    while n < options.n_max && !adequate {
+        let (larger, smaller) = (made(2 * n + 2, 2 * n + 1), made(2 * n, 2 * n - 1));
+        adequate = !needed(smaller, larger);
+        n += usize::from(!adequate);
+    }
+    assert_eq!((found.n, found.adequate), (n, adequate));
+    assert_eq!(
+        found.rows.len(),
+        1 + options.table.max(n + usize::from(adequate))
+    );
+    // Down, while it costs nothing.
+    let way = || (1..2 * n).rev().map(|p| (p, (p - 1).max(1)));
+    let (mut chosen, mut step_down) = (made(2 * n, 2 * n - 1), Vec::new());
+    for (p, q) in way() {
+        step_down.extend(test(made(p, q), chosen));
+        if needed(made(p, q), chosen) {
+            break;
+        }
+        chosen = made(p, q);
+    }
+    assert_eq!((found.by_f, &found.step_down), (chosen.order(), &step_down));
+    let all = way().chain([(2 * n, 2 * n - 1)]).map(|(p, q)| made(p, q));
+    let least = all.min_by(|a, b| a.bic.total_cmp(&b.bic)).unwrap();
+    assert_eq!(found.by_bic_step_down, least.order());
+    for (by, score) in [
+        (found.by_aic, (|fit| fit.aic) as fn(&ArmaFit) -> f64),
+        (found.by_bic, |fit| fit.bic),
+    ] {
+        let chosen = score(found.fit(by).unwrap());
+        assert!(found.fits.iter().all(|fit| score(fit) >= chosen));
+    }
+    let neighbours = [((1, 1), (2, 1)), ((2, 1), (3, 2)), ((1, 1), (3, 2))];
+    let neighbours = neighbours.map(|(a, b)| test(made(a.0, a.1), made(b.0, b.1)).unwrap());
+    assert_eq!(found.neighbours, neighbours);
+}
+
+#[test]
+fn the_procedure_goes_up_and_down_as_described() {
+    let options = PanditWuOptions {
+        n_max: 2,
+        table: 4,
+        fit: FitOptions {
+            effort: 0.01,
+            ..FitOptions::default()
+        },
+        ..PanditWuOptions::default()
+    };
+    // White noise; two resonances, which need ARMA(4,3); one of them; a slow part beside white noise.
+    let models = [
+        [0.0; 4],
+        [-0.1, -0.1, 0.1, -0.9],
+        [1.2, -0.8, 0.0, 0.0],
+        [0.95, 0.0, 0.0, 0.0],
+    ];
+    let mut chosen = Vec::new();
+    for (seed, phi) in (1..).zip(models) {
+        let mut x: Vec<f64> = vec![0.0; 4];
+        for (drive, beside) in white_noise(seed, 160)
+            .into_iter()
+            .zip(white_noise(seed + 9, 160))
+        {
+            let ahead: f64 = phi.iter().zip(x.iter().rev()).map(|(phi, x)| phi * x).sum();
+            x.push(ahead + drive + if seed == 4 { 0.3 * beside } else { 0.0 });
+        }
+        let found = pandit_wu(&x[4..], &options).unwrap();
+        assert_as_described(&found, &options);
+        assert!(found.fits.iter().all(|fit| fit.order().0 <= 4));
+        chosen.push((found.n, found.adequate));
+    }
+    // Both ends of the way up are among them.
+    assert!(
+        chosen.contains(&(2, false)) && chosen.contains(&(1, true)),
+        "{chosen:?}"
+    );
 }

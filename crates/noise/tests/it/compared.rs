@@ -2,7 +2,7 @@
 
 use crate::common::{close, near, number, numbers};
 use undrift_noise::{
-    allan::{self, Curve, DeviationKind, Grid, gauss_markov::gauss_markov_variance},
+    allan::{self, Curve, DeviationKind, Grid, Point, gauss_markov::gauss_markov_variance},
     compared::{
         Method, Unfit, allan_bound, allan_minimum, autocorrelation,
         power_spectrum::{self, Octave},
@@ -287,4 +287,144 @@ fn they_are_candidates_and_never_recommended() {
         "{names:?}"
     );
     assert!(axis.not_fitted.iter().all(|n| !n.reason.is_empty()));
+}
+
+/// Octaves of a record of so many samples whose Allan variances are exactly these.
+fn exact_curve(samples: usize, octaves: u32, variance: impl Fn(f64) -> f64) -> Curve {
+    let point = |octave| {
+        let m = 1usize << octave;
+        let tau_s = m as f64 / RATE;
+        Point {
+            m,
+            tau_s,
+            deviation: variance(tau_s).sqrt(),
+            terms: samples - 2 * m + 1,
+        }
+    };
+    Curve {
+        kind: DeviationKind::Overlapping,
+        rate_hz: RATE,
+        samples,
+        points: (0..octaves).map(point).collect(),
+    }
+}
+
+#[test]
+fn what_is_a_process_beside_white_noise_is_its_own_bound() {
+    // Correlation times on the grid of ten an octave, the shortest, the longest and between; nine windows of the
+    // longest averaging time, and no more than four of those.
+    for (samples, octaves, tenths, sigma) in [
+        (72, 4, 15, 3.0),
+        (36_864, 13, 83, 0.4),
+        (9 << 12, 13, 151, 2.0),
+        (9 << 9, 10, 10, 5.0),
+    ] {
+        let tau_s = 2f64.powf(f64::from(tenths) / 10.0) / RATE;
+        let variance = |tau: f64| 1.44 / tau + gauss_markov_variance(tau, sigma, tau_s);
+        let mut curve = exact_curve(samples, octaves, variance);
+        // What the record holds fewer of, or does not have, says nothing.
+        let mut beyond = *curve.points.last().unwrap();
+        (beyond.m, beyond.tau_s) = (2 * beyond.m, 2.0 * beyond.tau_s);
+        for deviation in [1e3, f64::NAN] {
+            beyond.deviation = deviation;
+            curve.points.push(beyond);
+        }
+        let found = allan_bound::fit(&curve).unwrap();
+        // Differences of nearly equal variances: half of the digits.
+        close(found.white, 1.2, 1e-6, "N");
+        close(found.gauss_markov[0].sigma, sigma, 1e-6, "σ");
+        close(found.gauss_markov[0].tau_s, tau_s, 1e-12, "τ");
+    }
+    let variance = |tau: f64| 1.0 / tau + gauss_markov_variance(tau, 1.0, 0.4);
+    let too_few = Unfit::TooFew {
+        what: "averaging times",
+        got: 3,
+        needed: 4,
+    };
+    assert_eq!(
+        allan_bound::fit(&exact_curve(71, 4, variance)),
+        Err(too_few)
+    );
+    // What falls as τ⁻² is best bounded by white noise alone.
+    let steep = exact_curve(4608, 10, |tau| 1.0 / (tau * tau));
+    assert_eq!(allan_bound::fit(&steep), Err(Unfit::White));
+}
+
+#[test]
+fn no_other_bound_of_a_correlation_time_is_less() {
+    let shares = uniform(42, 200);
+    for (case, shares) in shares.chunks_exact(10).enumerate() {
+        let points: Vec<(f64, f64)> = shares
+            .iter()
+            .enumerate()
+            .map(|(octave, share)| {
+                let tau = 0.05 * f64::from(1 << octave);
+                (tau, (1.0 / tau + 0.1 * tau.sqrt()) * (2.0 * share).exp())
+            })
+            .collect();
+        for tau_s in [0.1, 3.0, 100.0] {
+            let found = allan_bound::bound_at(&points, tau_s);
+            let unit = |tau| gauss_markov_variance(tau, 1.0, tau_s);
+            let ratios = |white: f64, process: f64| {
+                let ratio = move |(tau, v): &(f64, f64)| (white / tau + process * unit(*tau)) / v;
+                points.iter().map(ratio).collect::<Vec<f64>>()
+            };
+            let least = ratios(found.white, found.process);
+            assert!(least.iter().all(|ratio| *ratio > 1.0 - 2e-9));
+            close(least.iter().sum(), found.excess, 1e-12, "excess");
+            assert!(found.white >= 0.0 && found.process >= 0.0);
+            // For each σ² the least N²: the sum is convex in it.
+            let most = points
+                .iter()
+                .map(|(tau, v)| v / unit(*tau))
+                .fold(0.0, f64::max);
+            let sum = |process: f64| {
+                let white = points
+                    .iter()
+                    .map(|(tau, v)| tau * (v - process * unit(*tau)));
+                ratios(white.fold(0.0, f64::max), process)
+                    .iter()
+                    .sum::<f64>()
+            };
+            let (mut low, mut high) = (0.0, most);
+            for _ in 0..120 {
+                let [left, right] = [1.0, 2.0].map(|k| low + k * (high - low) / 3.0);
+                match sum(left) < sum(right) {
+                    true => high = right,
+                    false => low = left,
+                }
+            }
+            // A bound may be 1e-9 of a point below it.
+            close(found.excess, sum(low), 1e-7, &format!("{case} {tau_s}"));
+        }
+    }
+    let none = allan_bound::bound_at(&[(1.0, f64::NAN)], 1.0);
+    assert!(none.excess.is_infinite());
+}
+
+#[test]
+fn the_lowest_of_the_dips_within_a_ninth_of_the_record_is_taken() {
+    let of = |deviations: &[f64], samples| {
+        let mut curve = exact_curve(samples, deviations.len() as u32, |_| 1.0);
+        for (point, deviation) in curve.points.iter_mut().zip(deviations) {
+            point.deviation = *deviation;
+        }
+        allan_minimum::fit(&curve, 0.7)
+    };
+    let dips = [5.0, 3.0, 4.0, 2.0, 6.0, 1.0, 7.0];
+    // The last but one is a dip where the last counts: 64 samples averaged.
+    for (samples, octave) in [(9 * 64, 5), (9 * 64 - 1, 3)] {
+        let found = of(&dips, samples).unwrap();
+        let process = found.gauss_markov[0];
+        assert_eq!((process.sigma, found.white), (dips[octave], 0.7));
+        assert_eq!(process.tau_s, f64::from(1 << octave) / RATE);
+    }
+    for (monotonic, longest) in [([4.0, 3.0, 2.0, 1.0], 8.0), ([1.0, 2.0, 3.0, 3.0], 8.0)] {
+        let longest_s = longest / RATE;
+        assert_eq!(of(&monotonic, 100), Err(Unfit::NoMinimum { longest_s }));
+    }
+    assert_eq!(
+        of(&[2.0, 1.0, 2.0], 8),
+        Err(Unfit::NoMinimum { longest_s: 0.0 })
+    );
 }

@@ -529,3 +529,93 @@ fn flicker_is_one_over_f_and_its_coefficient_is_found() {
         "{found:?}"
     );
 }
+
+/// Of one amplitude alone, with the level integrated out, −log L = (n − 1) (x + e^(−2(x − x̂))/2) in its logarithm x.
+#[test]
+fn the_interval_of_an_amplitude_is_where_its_likelihood_has_fallen() {
+    let quantisation = CompositeTerms {
+        quantisation: 0.5,
+        ..CompositeTerms::default()
+    };
+    let flicker = CompositeTerms {
+        flicker: 0.5,
+        ..CompositeTerms::default()
+    };
+    for (truth, parameter, samples, level, z) in [
+        (quantisation, Parameter::Quantisation, 20, 0.95, 1.959964),
+        (quantisation, Parameter::Quantisation, 2000, 0.683, 1.000642),
+        (flicker, Parameter::Flicker, 20, 0.95, 1.959964),
+        (flicker, Parameter::Flicker, 500, 0.95, 1.959964),
+    ] {
+        let record = draw(&truth, samples, 5);
+        let steps = (samples - 1) as f64;
+        let fall = |off: f64| steps * (off + 0.5 * (-2.0 * off).exp_m1());
+        let end = |sign: f64| {
+            let (mut near, mut far) = (0.0, 5.0);
+            for _ in 0..60 {
+                let middle = 0.5 * (near + far);
+                match fall(sign * middle) < 0.5 * z * z {
+                    true => near = middle,
+                    false => far = middle,
+                }
+            }
+            sign * near
+        };
+        let found = composite::fit(&record, T, truth.set(), &FitOptions::default()).unwrap();
+        let [of] = composite::intervals(&record, T, &found, level).unwrap()[..] else {
+            panic!("{samples}");
+        };
+        assert!(of.parameter == parameter && of.is_determined());
+        // Where the search may stop: 1e-3 of likelihood, steps · off².
+        let stopped = (1e-3 / steps).sqrt();
+        for (found, exact) in [(of.low, end(-1.0)), (of.high, end(1.0))] {
+            let off = (found / of.estimate).ln();
+            assert!(
+                (off - exact).abs() < 0.01 * exact.abs() + stopped,
+                "{parameter:?} {samples}: {off} {exact}"
+            );
+        }
+    }
+}
+
+#[test]
+fn the_interval_of_white_noise_goes_by_its_kurtosis_and_the_samples_present() {
+    let truth = CompositeTerms {
+        white: 0.01,
+        ..CompositeTerms::default()
+    };
+    let normal = draw(&truth, 20_000, 9);
+    // A cube is heavy-tailed; a sign times one is not, and counts as normal.
+    let heavy: Vec<f64> = normal.iter().map(|x| x * x.abs()).collect();
+    let light: Vec<f64> = normal.iter().map(|x| 0.1 * x.signum()).collect();
+    for (mut record, is_heavy) in [(heavy, true), (light, false)] {
+        for missing in [false, true] {
+            if missing {
+                record[3000..8000].fill(f64::NAN);
+            }
+            let present = || record.iter().filter(|x| !x.is_nan());
+            let count = present().count() as f64;
+            let squares: f64 = present().map(|x| x * x).sum();
+            let fourths: f64 = present().map(|x| x.powi(4)).sum();
+            let kurtosis = if is_heavy {
+                count * fourths / (squares * squares)
+            } else {
+                3.0
+            };
+            let found = composite::fit(&record, T, truth.set(), &FitOptions::default()).unwrap();
+            let [of] = composite::intervals(&record, T, &found, 0.9).unwrap()[..] else {
+                panic!("{is_heavy}");
+            };
+            // The variance of the logarithm of a standard deviation is (κ − 1)/(4n).
+            let half = 1.644854 * 0.5 * ((kurtosis - 1.0) / count).sqrt();
+            let sides = [(of.high / of.estimate).ln(), (of.estimate / of.low).ln()];
+            for side in sides {
+                // Of a kurtosis of 12 that of the differences scatters by some percent.
+                assert!(
+                    (side / half - 1.0).abs() < 0.05,
+                    "{is_heavy} {missing}: {side} {half}"
+                );
+            }
+        }
+    }
+}

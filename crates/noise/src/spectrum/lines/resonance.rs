@@ -192,3 +192,185 @@ impl Notch {
         y
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OF: Resonance = Resonance {
+        frequency: 0.13,
+        width: 0.004,
+        height: 30.0,
+        background: 2.0,
+    };
+
+    fn peak(frequency: f64) -> Peak {
+        Peak {
+            frequency,
+            power: 1.0,
+            background: 1.0,
+            width: 0.001,
+            is_broad: true,
+        }
+    }
+
+    /// Power gain of a series as the response to an impulse.
+    fn gain(response: &[f64], frequency: f64) -> f64 {
+        let turn = |k: usize| (TAU * frequency * k as f64).sin_cos();
+        let terms = response.iter().enumerate().map(|(k, h)| {
+            let (sin, cos) = turn(k);
+            [h * cos, h * sin]
+        });
+        let [re, im] = terms.fold([0.0; 2], |sum, term| [sum[0] + term[0], sum[1] + term[1]]);
+        re * re + im * im
+    }
+
+    #[test]
+    fn the_notch_makes_the_spectrum_flat() {
+        for of in [
+            OF,
+            Resonance {
+                frequency: 0.4,
+                ..OF
+            },
+            Resonance { height: 1.0, ..OF },
+        ] {
+            let mut whole = vec![0.0; 6000];
+            whole[3000] = 1.0;
+            let mut record = whole.clone();
+            of.notch(&whole, &mut record);
+            assert!(record[..3000].iter().all(|x| *x == 0.0));
+            let response = &record[3000..];
+            let level: f64 = response.iter().sum();
+            assert!((level - 1.0).abs() < 1e-9, "{level}");
+            for off in [-3.0, -1.0, -0.5, 0.0, 0.3, 1.0, 2.0] {
+                let f = of.frequency + off * of.width;
+                let flat = gain(response, f) * of.density(f) / of.background;
+                // The peak at −f, 0.26 and twice 0.1 away, and the width itself against f: (4 · 0.004/0.13)².
+                assert!((flat - 1.0).abs() < 0.05, "{of:?} {off}: {flat}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_notch_is_no_broader_than_half_of_the_room_about_it() {
+        // So high a resonance that its flat notch would be broader than 0.065.
+        let of = Resonance { height: 1e6, ..OF };
+        let mut whole = vec![0.0; 6000];
+        whole[3000] = 1.0;
+        let mut record = whole.clone();
+        of.notch(&whole, &mut record);
+        // The response decays as e^(−π w k): of what is left after 100 samples only the slowest, the poles.
+        let energy = |from: usize| record[3000 + from..].iter().map(|x| x * x).sum::<f64>();
+        let decay = 0.5 * (energy(1) / energy(101)).ln() / (100.0 * PI);
+        assert!((decay / (0.5 * 0.13) - 1.0).abs() < 0.2, "{decay}");
+    }
+
+    #[test]
+    fn ringing_that_the_record_begins_with_is_taken_out_from_its_first_sample_on() {
+        let level = 5.0;
+        let whole: Vec<f64> = (0..4000)
+            .map(|k| {
+                let k = f64::from(k);
+                level + (-PI * OF.width * k).exp() * (TAU * OF.frequency * k + 1.0).cos()
+            })
+            .collect();
+        let mut record = whole.clone();
+        record[7] = f64::NAN;
+        OF.notch(&whole, &mut record);
+        assert!(record[7].is_nan());
+        record[7] = level;
+        // The mean of the start, which is not quite the level: a period's share of 100 samples.
+        let worst = record.iter().map(|x| (x - level).abs()).fold(0.0, f64::max);
+        assert!(worst < 0.05, "{worst}");
+    }
+
+    #[test]
+    fn a_step_of_scoring_is_the_way_to_the_spectrum() {
+        let bands: Vec<(f64, f64, f64)> = (0..400)
+            .map(|k| {
+                let f = 0.1 + 0.06 * f64::from(k) / 400.0;
+                (f, OF.density(f), 3.0)
+            })
+            .collect();
+        let far = 1e-3;
+        let starts = [
+            Resonance {
+                frequency: OF.frequency - far * OF.width,
+                ..OF
+            },
+            Resonance {
+                width: OF.width * (1.0 - far),
+                ..OF
+            },
+            Resonance {
+                height: OF.height * (1.0 - far),
+                ..OF
+            },
+            Resonance {
+                background: OF.background * (1.0 - far),
+                ..OF
+            },
+        ];
+        for (at, start) in starts.into_iter().enumerate() {
+            let by = start.scoring(&bands).unwrap();
+            for i in 0..4 {
+                let exact = if i == at { far } else { 0.0 };
+                // The second order.
+                assert!((by[i] - exact).abs() < 20.0 * far * far, "{at} {i}: {by}");
+            }
+            let there = start.moved(&by, 1.0, 1e-6);
+            let half = start.moved(&by, 0.5, 1e-6);
+            let least = OF.deviance(&bands);
+            // A square law: a quarter is left half way, and the fourth order at the end.
+            let left = [start, half, there].map(|of| of.deviance(&bands) - least);
+            assert!((left[1] / left[0] - 0.25).abs() < 0.02, "{at}: {left:?}");
+            assert!(left[2] < 1e-3 * left[0], "{at}: {left:?}");
+        }
+    }
+
+    #[test]
+    fn a_step_goes_no_farther_than_two_widths_or_two_in_a_logarithm_and_stays_in_the_band() {
+        let moved = |by: [f64; 4]| OF.moved(&Vector4::from(by), 1.0, 0.01);
+        let up = moved([9.0; 4]);
+        assert_eq!(up.frequency, 0.13 + 2.0 * 0.004);
+        assert_eq!(up.height, 30.0 * 2f64.exp());
+        assert_eq!(up.background, 2.0 * 2f64.exp());
+        let down = moved([-9.0; 4]);
+        assert_eq!(down.frequency, 0.13 - 2.0 * 0.004);
+        // No narrower than the lowest frequency.
+        assert_eq!(down.width, 0.01);
+        assert_eq!(down.height, 30.0 * (-2f64).exp());
+        let edge = |frequency| Resonance { frequency, ..OF };
+        let by = Vector4::new(9.0, 0.0, 0.0, 0.0);
+        assert_eq!(edge(0.489).moved(&by, 1.0, 0.01).frequency, 0.49);
+        assert_eq!(edge(0.011).moved(&-by, 1.0, 0.01).frequency, 0.01);
+    }
+
+    #[test]
+    fn its_amplitude_is_that_of_a_sine_of_its_power() {
+        // Both peaks, less the background, over all frequencies.
+        let step = 1e-4;
+        let offs = (-1_000_000..1_000_000).map(|k| (f64::from(k) + 0.5) * step);
+        let power: f64 = offs
+            .map(|f| 2.0 * step * OF.height / (1.0 + (2.0 * f / OF.width).powi(2)))
+            .sum();
+        let line = OF.result(50.0);
+        // Its tails beyond 100 carry w/(π · 100) of it.
+        assert!((0.5 * line.amplitude.powi(2) / power - 1.0).abs() < 1e-4);
+        assert_eq!(
+            (line.frequency_hz, line.width_hz),
+            (0.13 * 50.0, 0.004 * 50.0)
+        );
+    }
+
+    #[test]
+    fn it_reaches_three_widths_and_sixteen_bins_at_least() {
+        for (step, reach) in [(1e-4, 3.0 * 0.004), (1e-3, 16.0 * 1e-3)] {
+            for side in [-1.0, 1.0] {
+                assert!(OF.reaches(&peak(0.13 + 0.99 * side * reach), step));
+                assert!(!OF.reaches(&peak(0.13 + 1.01 * side * reach), step));
+            }
+        }
+    }
+}
