@@ -246,6 +246,33 @@ mod tests {
     const HOSTILE: &str = "</script><img src=x onerror=alert(1)><!--\"'&";
 
     #[test]
+    fn tables_and_figures_are_counted_each_for_itself() {
+        let table = || {
+            Block::Table(Table {
+                name: "t".into(),
+                caption: "of numbers".into(),
+                head: vec!["a".into()],
+                rows: vec![vec![Cell::from("1")]],
+            })
+        };
+        let figure = || {
+            Block::Figure(Figure {
+                name: "f".into(),
+                caption: "of curves".into(),
+                columns: 1,
+                panels: Vec::new(),
+            })
+        };
+        let mut numbers = Numbers::default();
+        let blocks = [table(), figure(), table(), table(), figure()];
+        let texts: Vec<String> = blocks.iter().map(|b| block(b, &mut numbers)).collect();
+        let expected = ["Table 1", "Figure 1", "Table 2", "Table 3", "Figure 2"];
+        for (text, number) in texts.iter().zip(expected) {
+            assert!(text.contains(number), "{number}: {text}");
+        }
+    }
+
+    #[test]
     fn base64_as_in_rfc_4648() {
         for (plain, coded) in [
             ("", ""),

@@ -296,6 +296,25 @@ mod tests {
     use super::*;
 
     #[test]
+    fn points_are_values_times_a_factor_at_their_times() {
+        let numbers = |values: [f64; 2]| values.map(Number);
+        let (x, y) = (numbers([1001.5, 1002.5]), numbers([3.0, -4.0]));
+        assert_eq!(points(&x, &y, 10.0), [(1001.5, 30.0), (1002.5, -40.0)]);
+        let curve = Curve {
+            time_s: x.to_vec(),
+            value: y.to_vec(),
+        };
+        let clock = Clock::starting(1001.5);
+        assert_eq!(clock.points(&curve, 2.0), [(0.5, 6.0), (1.5, -8.0)]);
+        assert_eq!((clock.zero(), clock.at(1003.0)), (1001.0, 2.0));
+        // Short times stay as they are.
+        for start in [0.0, 999.0, f64::NAN] {
+            assert_eq!(Clock::starting(start).zero(), 0.0);
+        }
+        assert_eq!(Clock::starting(-2000.5).zero(), -2001.0);
+    }
+
+    #[test]
     fn lines_break_in_spans() {
         let points = broken(vec![(0.0, 1.0), (1.0, 1.0), (5.0, 2.0)], &[(1.0, 5.0)]);
         assert_eq!(points.len(), 4);

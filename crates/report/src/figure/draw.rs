@@ -213,8 +213,7 @@ fn axes(panel: &Panel, window: &Window) -> (String, String) {
 
 /// Scale bar, of a fifth of the width at most, and north arrow of a map.
 fn map_marks(window: &Window) -> String {
-    let places = window.x.pixel(0.0).zip(window.x.pixel(1e3));
-    let pixels = places.map_or(f64::NAN, |(zero, far)| (far - zero).abs() / 1e3);
+    let pixels = window.x.length / (window.x.range.end - window.x.range.start).abs();
     let metres = 0.2 * window.x.length / pixels;
     let power = 10f64.powf(metres.log10().floor());
     let length = [5.0, 2.0, 1.0].map(|m| m * power);
@@ -226,10 +225,10 @@ fn map_marks(window: &Window) -> String {
         return String::new();
     }
     let (wide, bottom) = (px(wide), px(window.y.length - 12.0));
-    let label = if length >= 1e3 {
-        format!("{} km", length / 1e3)
-    } else {
-        format!("{length} m")
+    let label = match length {
+        1e3.. => format!("{} km", length / 1e3),
+        1.0.. => format!("{length} m"),
+        _ => format!("{} cm", (1e4 * length).round() / 100.0),
     };
     let soft = style().ink("soft");
     let middle = "text-anchor=\"middle\"";
@@ -380,7 +379,44 @@ fn text((left, top): (f64, f64), content: &str, attributes: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figure::panel::{PlotAxis, Series};
+    use crate::figure::{
+        panel::{PlotAxis, Series},
+        scale::{Along, Scale},
+    };
+
+    /// A map of so many metres in five hundred pixels.
+    fn map(metres: f64) -> Window {
+        let axis = PlotAxis::new("");
+        Window {
+            x: Scale::new(&axis, Along::X, 0.0..metres, 500.0),
+            y: Scale::new(&axis, Along::Y, 0.0..metres, 400.0),
+        }
+    }
+
+    #[test]
+    fn a_scale_bar_is_round_and_a_fifth_of_the_map_at_most() {
+        for (metres, label, wide) in [
+            (1000.0, "200 m", 100.0),
+            (1200.0, "200 m", 250.0 / 3.0),
+            (900.0, "100 m", 500.0 / 9.0),
+            (26_000.0, "5 km", 2500.0 / 26.0),
+            (5.0, "1 m", 100.0),
+            (2.6, "50 cm", 250.0 / 2.6),
+            (4e6, "500 km", 62.5),
+        ] {
+            let marks = map_marks(&map(metres));
+            assert!(marks.contains(&format!(">{label}<")), "{metres}: {marks}");
+            // From 12 pixels on, twelve above the lower edge, its length in the middle.
+            let bar = format!("M12 {}v5h{}v-5", px(383.0), px(wide));
+            assert!(marks.contains(&bar), "{bar}: {marks}");
+            let middle = text(
+                (12.0 + 0.5 * px(wide), 382.0),
+                label,
+                "text-anchor=\"middle\"",
+            );
+            assert!(marks.contains(&middle), "{middle}: {marks}");
+        }
+    }
 
     fn panel(names: &[&str]) -> Panel {
         let x = if names.is_empty() {

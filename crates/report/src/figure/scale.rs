@@ -285,6 +285,21 @@ mod tests {
     use crate::figure::panel::Series;
 
     #[test]
+    fn an_axis_that_begins_and_ends_at_a_round_number_has_ticks_there() {
+        assert_eq!(linear(&(2.0..10.0), 7), [2.0, 4.0, 6.0, 8.0, 10.0]);
+        // A range that is a rounding beside one.
+        let ticks = linear(&(0.1 * 3.0..0.7), 7);
+        assert!(
+            (ticks[0] - 0.3).abs() < 1e-12 && ticks.len() == 5,
+            "{ticks:?}"
+        );
+        // As many as are asked for and no more, of steps 1, 2, 5.
+        assert_eq!(linear(&(0.0..6.0), 6).len(), 7);
+        assert_eq!(linear(&(0.0..6.0), 5), [0.0, 2.0, 4.0, 6.0]);
+        assert_eq!(linear(&(0.0..40.0), 4), [0.0, 10.0, 20.0, 30.0, 40.0]);
+    }
+
+    #[test]
     fn ticks_are_short() {
         for (value, text) in [
             (0.0, "0"),

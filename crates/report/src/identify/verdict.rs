@@ -84,3 +84,44 @@ fn doubt(name: &str, axis: &Axis) -> Option<String> {
 pub(crate) fn is_allan(result: &Identify) -> bool {
     result.axes.values().all(|axis| axis.candidates.is_empty())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use undrift::results::Number;
+
+    #[test]
+    fn an_axis_is_doubted_for_the_first_reason_that_holds() {
+        let sound = Axis {
+            noise_shown: Some(Number(MOSTLY_SHOWN)),
+            ..Axis::default()
+        };
+        assert_eq!(doubt("gyro_x", &sound), None);
+        let hidden = Axis {
+            noise_shown: Some(Number(0.99 * MOSTLY_SHOWN)),
+            ..Axis::default()
+        };
+        let why = |axis: &Axis| doubt("gyro_x", axis).unwrap_or_default();
+        assert!(why(&hidden).ends_with(": rounding hides most of the noise"));
+        let moving = Axis {
+            moving: Some(true),
+            ..hidden.clone()
+        };
+        assert!(why(&moving).ends_with(": the recording is not static"));
+        let still = Axis {
+            moving: Some(false),
+            ..sound
+        };
+        assert_eq!(doubt("gyro_x", &still), None);
+        let failed = Axis {
+            error: Some("too short".into()),
+            ..moving
+        };
+        assert!(why(&failed).ends_with(": too short"));
+        let constant = Axis {
+            error: Some(RecordError::Constant.to_string()),
+            ..failed
+        };
+        assert!(why(&constant).contains("is constant and was left out"));
+    }
+}

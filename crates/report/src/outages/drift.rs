@@ -32,7 +32,7 @@ pub(super) fn drift(models: &[Model<'_>]) -> Option<Section> {
 
 /// Models whose curves lie on each other, as one line: of the last of them, under all their names. A model's line has its
 /// colour and its pattern, that of another run than the first is thin.
-fn lines(models: &[(&Model<'_>, Vec<(f64, f64)>)]) -> Vec<Series> {
+pub(super) fn lines(models: &[(&Model<'_>, Vec<(f64, f64)>)]) -> Vec<Series> {
     let curves: Vec<&[(f64, f64)]> = models.iter().map(|m| m.1.as_slice()).collect();
     let groups = coinciding(&curves).into_iter();
     let line = |group: Vec<usize>| {

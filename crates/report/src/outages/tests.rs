@@ -208,3 +208,38 @@ fn each_table_of_a_report_has_the_statistic_of_its_name() {
     });
     assert!(said, "{least}");
 }
+
+#[test]
+fn a_drift_is_a_line_under_the_name_of_each_model_that_has_it() {
+    let errors = ModelErrors::default();
+    let model = |name: &str, run, colour, drift: &[(f64, f64)]| Model {
+        name: name.into(),
+        key: "arma",
+        run,
+        errors: &errors,
+        drift: drift.to_vec(),
+        colour,
+        usable: true,
+    };
+    let grown = |k: f64| [(1.0, k), (2.0, 4.0 * k)];
+    let models = [
+        model("a", 0, 1, &grown(1.0)),
+        model("b", 0, 2, &grown(1.5)),
+        // Within a hundredth of the first.
+        model("c", 1, 3, &grown(1.002)),
+    ];
+    let drawn: Vec<_> = models.iter().map(|m| (m, m.drift.clone())).collect();
+    let lines = drift::lines(&drawn);
+    let seen: Vec<_> = lines
+        .iter()
+        .map(|line| (line.name.as_str(), line.colour, &line.x[..], &line.y[0][..]))
+        .collect();
+    let expected: [(&str, usize, &[f64], &[f64]); 2] = [
+        ("a = c", 3, &[1.0, 2.0], &[1.002, 4.008]),
+        ("b", 2, &[1.0, 2.0], &[1.5, 6.0]),
+    ];
+    assert_eq!(seen, expected);
+    // The line of another run is thin.
+    assert_eq!(lines[0].drawn, crate::Series::thin("", 0, Vec::new()).drawn);
+    assert_eq!(lines[1].drawn, crate::Series::line("", 0, Vec::new()).drawn);
+}
