@@ -202,4 +202,156 @@ mod tests {
         // 1 − φ has twelve digits.
         assert!((found - theta).abs() < 1e-10, "{found}");
     }
+
+    use super::super::polynomial::inverse_roots;
+    use realfft::num_complex::Complex64;
+
+    /// White noise of unit variance.
+    fn white(seed: u64, samples: usize) -> Vec<f64> {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+        let mut uniform = || 12f64.sqrt() * (rng.random::<f64>() - 0.5);
+        (0..samples).map(|_| uniform()).collect()
+    }
+
+    #[test]
+    fn theta_gives_the_autocorrelation_of_the_sum() {
+        for (phi, bias, white) in [(0.9, 2.0, 1.0), (0.5, 0.1, 3.0), (0.999, 0.01, 1.0)] {
+            let theta = moving_average(phi, bias, white).unwrap();
+            // ρ1 of an ARMA(1,1), Box, Jenkins & Reinsel, equation 3.4.8.
+            let arma =
+                (1.0 - phi * theta) * (phi - theta) / (1.0 - 2.0 * phi * theta + theta * theta);
+            assert!((arma - phi * bias / (bias + white)).abs() < 1e-12);
+            assert!(theta < phi);
+        }
+    }
+
+    #[test]
+    fn a_pair_laid_over_a_model_adds_its_roots_and_no_others() {
+        let (phi, theta) = (multiply(&[0.7], &[-0.4]), vec![0.2]);
+        let z = encode(&phi, &theta, 0.0);
+        let has = |c: &[f64], root: Complex64| {
+            let nearest = inverse_roots(c).into_iter().map(|r| (r - root).norm());
+            nearest.fold(f64::INFINITY, f64::min) < 1e-9
+        };
+        let real = |x: f64| Complex64::new(x, 0.0);
+        let found = with_real_pair(&z, 2, 0.95, -0.6);
+        let (ar, ma) = (from_search(&found[..3]), from_search(&found[3..]));
+        assert!(
+            [0.7, -0.4, 0.95]
+                .into_iter()
+                .all(|root| has(&ar, real(root)))
+        );
+        assert!([0.2, -0.6].into_iter().all(|root| has(&ma, real(root))));
+        assert_eq!((ar.len(), ma.len()), (3, 2));
+        let found = with_complex_pair(&z, 2, 1.1, 0.9, 0.8);
+        let (ar, ma) = (from_search(&found[..4]), from_search(&found[4..]));
+        for sign in [1.0, -1.0] {
+            assert!(has(&ar, Complex64::from_polar(0.9, sign * 1.1)));
+            assert!(has(&ma, Complex64::from_polar(0.8, sign * 1.1)));
+        }
+        assert!(has(&ar, real(0.7)) && has(&ar, real(-0.4)) && has(&ma, real(0.2)));
+        assert_eq!((ar.len(), ma.len()), (4, 3));
+    }
+
+    #[test]
+    fn pairs_are_at_every_distance_from_1_that_the_record_tells_apart() {
+        for (n, per_decade) in [(1000, 1.0), (100_000, 2.0)] {
+            let pairs = real_pairs(n, per_decade);
+            assert!(
+                pairs
+                    .iter()
+                    .all(|(a, m)| a != m && a.abs() < 1.0 && m.abs() < 1.0)
+            );
+            let above: Vec<_> = pairs
+                .iter()
+                .filter(|(a, m)| *a > 0.0 && *m > 0.0 && a.min(*m) > 0.4)
+                .collect();
+            for (alpha, mu) in &above {
+                let apart = ((1.0 - alpha) / (1.0 - mu)).log10().abs();
+                assert!(apart < 2.0 + 1e-6 && apart > 1.0 / per_decade - 1e-6);
+                assert!(pairs.contains(&(*mu, *alpha)));
+            }
+            let nearest = above
+                .iter()
+                .map(|(alpha, _)| 1.0 - alpha)
+                .fold(1.0, f64::min);
+            // To three quarters of a decade beyond 1/n, less the grid's step.
+            let beyond = -(nearest * n as f64).log10();
+            let range = 0.75 - 1.0 / per_decade - 1e-6..0.75 + 1e-6;
+            assert!(range.contains(&beyond), "{beyond}");
+            for k in 0..(2.0 * per_decade) as i32 {
+                let root = 10f64.powf(-0.25 - f64::from(k) / per_decade) - 1.0;
+                assert!(pairs.iter().any(|(alpha, _)| (alpha - root).abs() < 1e-12));
+                assert!(pairs.iter().any(|(_, mu)| (mu - root).abs() < 1e-12));
+            }
+        }
+        // Four places: twelve pairs less the two that are three decades apart; three mirrored places; six others.
+        assert_eq!(real_pairs(1000, 1.0).len(), 10 + 6 + 6);
+    }
+
+    #[test]
+    fn random_partial_autocorrelations_are_uniform_and_the_same_each_time() {
+        let points = random(3, 2000);
+        assert_eq!(points, random(3, 2000));
+        let values: Vec<f64> = points.iter().flatten().map(|z| z.tanh()).collect();
+        assert_eq!(values.len(), 6000);
+        assert!(values.iter().all(|kappa| kappa.abs() < 0.99 + 1e-12));
+        let mean = values.iter().sum::<f64>() / 6000.0;
+        let square = values.iter().map(|kappa| kappa * kappa).sum::<f64>() / 6000.0;
+        // Standard errors 0.0074 and 0.0038; four of them.
+        assert!(mean.abs() < 0.03, "{mean}");
+        assert!((square - 0.99 * 0.99 / 3.0).abs() < 0.015, "{square}");
+    }
+
+    #[test]
+    fn least_squares_on_past_and_innovations_find_the_model() {
+        // Roots 0.6 ± 0.6i, θ = −0.7, about 5.
+        let (mut one, mut two, mut before) = (0.0, 0.0, 0.0);
+        let mut next = |drive: f64| {
+            let x = 1.2 * one - 0.72 * two + drive + 0.7 * before;
+            (two, one, before) = (one, x, drive);
+            5.0 + x
+        };
+        let mut x: Vec<f64> = white(4, 20_000).into_iter().map(&mut next).collect();
+        x[500] = f64::NAN;
+        let z = hannan_rissanen(&x, 5.0, 2, 1).unwrap();
+        let found = [from_search(&z[..2]), from_search(&z[2..])].concat();
+        for (found, exact) in found.iter().zip([1.2, -0.72, -0.7]) {
+            // Standard errors up to √(0.5/20 000), twice that by this method; four of them, and the missing sample.
+            assert!((found - exact).abs() < 0.04, "{found} {exact}");
+        }
+        // As many rows as coefficients and two at least: 12 samples have a long autoregression of 3.
+        assert!(hannan_rissanen(&x[..12], 5.0, 2, 1).is_none());
+        assert!(hannan_rissanen(&x[..40], 5.0, 2, 1).is_some());
+    }
+
+    #[test]
+    fn a_slow_part_under_white_noise_is_among_the_starts() {
+        let mut slow = 0.0;
+        let drive = white(5, 100_000).into_iter().zip(white(6, 100_000));
+        // An AR(1) of 100 samples, as large as the noise.
+        let step = (1.0 - 0.99 * 0.99f64).sqrt();
+        let mut x: Vec<f64> = drive
+            .map(|(drive, white)| {
+                slow = 0.99 * slow + step * drive;
+                3.0 + slow + white
+            })
+            .collect();
+        x[70] = f64::NAN;
+        let theta = moving_average(0.99, 1.0, 1.0).unwrap();
+        let starts = slow_bias(&x, 3.0);
+        let miss = |(phi, mu): &(f64, f64)| {
+            let distance = |found: f64, exact: f64| ((1.0 - found) / (1.0 - exact)).ln().abs();
+            distance(*phi, 0.99).max(distance(*mu, theta))
+        };
+        // A thousand correlation times give the correlation time to √(2/1000), the variances likewise; four of these.
+        let best = starts.iter().map(miss).fold(f64::INFINITY, f64::min);
+        assert!(best < 0.18, "{best} {starts:?}");
+        // Those of the scales below the correlation time are none of them far.
+        assert!(
+            starts.iter().filter(|start| miss(start) < 0.5).count() >= 3,
+            "{starts:?}"
+        );
+        assert!(slow_bias(&x[..63], 3.0).is_empty());
+    }
 }

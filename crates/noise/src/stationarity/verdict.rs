@@ -114,3 +114,96 @@ pub fn verdict(
         sentence: format!("{numbers}: {both}{reading}."),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Critical;
+    use super::*;
+
+    fn judged(
+        adf_rejects: bool,
+        pp_rejects: bool,
+        kpss_rejects: bool,
+        root: Option<f64>,
+    ) -> Verdict {
+        // Between the critical values of 5 % and of the others, which decide nothing.
+        let of = |five: f64| Critical {
+            one: 2.0 * five,
+            five,
+            ten: 0.5 * five,
+        };
+        let adf = Adf {
+            statistic: if adf_rejects { -3.0 } else { -2.8 },
+            critical: of(-2.9),
+            ..Adf::default()
+        };
+        let perron = PhillipsPerron {
+            z_tau: if pp_rejects { -3.0 } else { -2.8 },
+            critical: of(-2.9),
+            ..PhillipsPerron::default()
+        };
+        let kpss = Kpss {
+            statistic: if kpss_rejects { 0.5 } else { 0.4 },
+            critical: of(0.46),
+            ..Kpss::default()
+        };
+        verdict(&adf, &kpss, &perron, root)
+    }
+
+    #[test]
+    fn every_combination_of_the_tests_has_its_conclusion() {
+        use Conclusion::*;
+        for (adf, pp, kpss, expected, word) in [
+            (
+                true,
+                true,
+                false,
+                Stationary,
+                "tests reject a unit root; the recording is stationary",
+            ),
+            (
+                false,
+                false,
+                true,
+                UnitRoot,
+                "tests do not reject a unit root; the recording has",
+            ),
+            (
+                false,
+                false,
+                false,
+                Undecided,
+                "tests do not reject a unit root; neither",
+            ),
+            (true, true, true, Conflict, "tests reject a unit root; both"),
+            (
+                true,
+                false,
+                true,
+                Conflict,
+                "(Dickey-Fuller rejects, Phillips-Perron accepts) and KPSS rejects",
+            ),
+            (
+                false,
+                true,
+                true,
+                Conflict,
+                "(Dickey-Fuller accepts, Phillips-Perron rejects) and KPSS rejects",
+            ),
+            (true, false, false, Conflict, "and KPSS does not reject"),
+            (false, true, false, Conflict, "and KPSS does not reject"),
+        ] {
+            // A root of no more than 0.8 leaves the tests their say.
+            for root in [None, Some(0.8), Some(-0.99)] {
+                let found = judged(adf, pp, kpss, root);
+                assert_eq!(found.conclusion, expected);
+                assert!(found.sentence.contains(word), "{}", found.sentence);
+                assert_eq!(found.sentence.contains("disagree"), adf != pp);
+            }
+            let seen = if kpss { SlowPartSeen } else { NothingSlowSeen };
+            let found = judged(adf, pp, kpss, Some(0.81));
+            assert_eq!(found.conclusion, seen);
+            assert!(found.sentence.contains("no information") && found.sentence.contains("0.8100"));
+        }
+    }
+}

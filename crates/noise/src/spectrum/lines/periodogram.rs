@@ -227,3 +227,94 @@ impl Periodogram {
 fn lobe(peak: f64, distance: f64) -> f64 {
     0.15 * peak / distance.powi(6)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{PI, TAU};
+
+    fn sine(samples: usize, cycles: f64, amplitude: f64) -> Vec<f64> {
+        let of = |k: usize| amplitude * (TAU * cycles * k as f64 / samples as f64 + 1.0).cos();
+        (0..samples).map(of).collect()
+    }
+
+    #[test]
+    fn a_sine_of_whole_cycles_has_a_sixth_of_its_square_a_sample_and_a_quarter_of_that_beside() {
+        // Hann's window: half of the amplitude in its bin, a quarter in the next, of Σw² = 3n/8.
+        for samples in [2000, 2001] {
+            for bin in [30, 700, 998] {
+                let of = Periodogram::of(&sine(samples, bin as f64, 3.0));
+                assert_eq!(of.power.len(), samples / 2 + 1);
+                let exact = 9.0 / 6.0 * samples as f64;
+                for (off, share) in [(0usize, 1.0), (1, 0.25), (2, 0.0)] {
+                    for k in [bin - off, bin + off] {
+                        // The straight line from end to end: a trend of 3/n a sample at most.
+                        let miss = of.power[k] / exact - share;
+                        // The bin at half the sample rate has the power of both sides.
+                        let at_end = 2 * k + 1 >= samples;
+                        assert!(miss.abs() < 1e-3 || at_end, "{samples} {bin} {off}: {miss}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn white_noise_has_its_variance_in_every_bin_and_a_line_from_end_to_end_has_none() {
+        let next = |x: &u32| Some(x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+        let states = std::iter::successors(Some(7), next);
+        let uniform = states.map(|x: u32| f64::from(x) / f64::from(u32::MAX) - 0.5);
+        let noise: Vec<f64> = uniform.take(20_000).collect();
+        let of = Periodogram::of(&noise);
+        let mean = of.power[2..9999].iter().sum::<f64>() / 9997.0;
+        // Correlated neighbours: √(35/18/10 000) = 0.014; four of these.
+        assert!((12.0 * mean - 1.0).abs() < 0.056, "{mean}");
+        let drifting: Vec<f64> = (0..)
+            .zip(&noise)
+            .map(|(k, x)| x + 7.0 - 0.01 * f64::from(k))
+            .collect();
+        let drifting = Periodogram::of(&drifting);
+        for (a, b) in of.power[2..].iter().zip(&drifting.power[2..]) {
+            // The line goes in and out again, 200 units high; what is left of the mean is in bins 0 and 1.
+            assert!((a - b).abs() < 1e-6 * (1.0 + a), "{a} {b}");
+        }
+        let median = upper_median(&mut of.power[2..9999].to_vec());
+        assert!((median / mean - 2f64.ln()).abs() < 0.05);
+        for bin in [1, 77, 9000] {
+            let frequency = of.frequency(bin as f64);
+            assert!((frequency - bin as f64 / 20_000.0).abs() < 1e-15);
+            assert_eq!(of.bin(frequency + 0.4 / 20_000.0), bin);
+        }
+    }
+
+    #[test]
+    fn between_two_bins_a_sine_is_where_the_parabola_says() {
+        for off in [-0.4, -0.2, 0.0, 0.3] {
+            let of = Periodogram::of(&sine(4000, 900.0 + off, 1.0));
+            // Known of the parabola through a Hann window's logarithms: a sixtieth of a bin.
+            assert!(
+                (of.offset(900) - off).abs() < 0.02,
+                "{off}: {}",
+                of.offset(900)
+            );
+        }
+    }
+
+    #[test]
+    fn a_lobe_is_the_most_that_a_sine_has_there() {
+        // |sin(πd)/(πd(1 − d²))|² of the window, against the peak's bin.
+        let power = |d: f64| match d == 0.0 {
+            true => 1.0,
+            false => ((PI * d).sin() / (PI * d * (1.0 - d * d))).powi(2),
+        };
+        for distance in [6, 9, 20] {
+            let shares = (-50..=50).map(|k| f64::from(k) / 100.0).map(|off| {
+                let away = f64::from(distance) - off;
+                power(away) / power(off) / lobe(1.0, away)
+            });
+            let most = shares.fold(0.0, f64::max);
+            assert!((0.9..1.05).contains(&most), "{distance}: {most}");
+        }
+        assert!((lobe(5.0, 7.0) / lobe(1.0, 7.0) - 5.0).abs() < 1e-12);
+    }
+}

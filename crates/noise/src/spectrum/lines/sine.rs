@@ -110,3 +110,60 @@ fn rotate(samples: usize, frequency: f64, mut with: impl FnMut(usize, f64, f64, 
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sine(samples: usize, frequency: f64, amplitude: f64, phase: f64) -> Vec<f64> {
+        let of = |k: usize| amplitude * (TAU * frequency * k as f64 + phase).cos();
+        (0..samples).map(of).collect()
+    }
+
+    #[test]
+    fn a_sine_is_found_from_within_half_a_step_and_nothing_is_left() {
+        for samples in [200, 1001] {
+            for off in [-0.45, 0.0, 0.2, 0.45] {
+                for phase in [-2.5, 0.0, 1.0, 3.0] {
+                    let (frequency, amplitude) = (0.2345, 3.0);
+                    let mut record = sine(samples, frequency, amplitude, phase);
+                    record[17..40].fill(f64::NAN);
+                    let of = Sine::fitted(&record, frequency + off / samples as f64, 4.0);
+                    let line = of.result(samples, 50.0);
+                    // Newton's steps end at 1e-6 of a step.
+                    assert!(
+                        (line.frequency_hz - 50.0 * frequency).abs() < 1e-8,
+                        "{off} {phase}"
+                    );
+                    assert!((line.amplitude - amplitude).abs() < 1e-6);
+                    let turn = (line.phase.unwrap() - phase) / TAU;
+                    assert!((turn - turn.round()).abs() < 1e-6);
+                    assert!(line.phase.unwrap().abs() <= 0.5 * TAU);
+                    // Bounds of white noise of the variance 4.
+                    let n = samples as f64;
+                    let omega = (24.0 * 4.0 / (9.0 * n.powi(3))).sqrt();
+                    let error = line.frequency_error_hz.unwrap() / (50.0 * omega / TAU);
+                    assert!((error - 1.0).abs() < 1e-6);
+                    assert!((line.amplitude_error.unwrap() - (8.0 / n).sqrt()).abs() < 1e-12);
+                    let twice = sine(samples, frequency, 2.0 * amplitude, phase);
+                    let mut added = sine(samples, frequency, amplitude, phase);
+                    of.add_to(&mut added, 1.0);
+                    of.add_to(&mut record, -1.0);
+                    for k in 0..samples {
+                        assert!((added[k] - twice[k]).abs() < 1e-5);
+                        assert!(record[k].is_nan() || record[k].abs() < 1e-5);
+                    }
+                    assert_eq!(record.iter().filter(|x| x.is_nan()).count(), 23);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_step_leaves_the_lobe() {
+        // A sine five steps away is no part of this one.
+        let record = sine(400, 0.2 + 5.0 / 400.0, 1.0, 0.3);
+        let of = Sine::fitted(&record, 0.2, 1.0);
+        assert!((of.frequency - 0.2).abs() <= STEPS as f64 * 0.5 / 400.0 + 1e-12);
+    }
+}
