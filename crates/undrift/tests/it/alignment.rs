@@ -410,7 +410,8 @@ fn ublox_drives_from_any_start() {
             let Some(drive) = example("ublox-drives.toml", &folder, cut, &[]) else {
                 return;
             };
-            let output = std::env::temp_dir().join(format!("undrift-alignment-{name}-{cut}.csv"));
+            let folder = tempfile::tempdir().unwrap();
+            let output = folder.path().join("nav.csv");
             let csv = SolutionFormat::Csv;
             let file = SolutionFile::create(&output, csv, &SolutionOptions::default());
             let wanted = Wanted {
@@ -420,7 +421,6 @@ fn ublox_drives_from_any_start() {
             let report = navigate(&drive, BiasModel::Arma, wanted).unwrap();
             let reference = drive.imu.0.with_file_name("reference_attitude.csv.gz");
             let heading = heading_error(&output, &reference, usable);
-            std::fs::remove_file(&output).unwrap();
             let (errors, _) = report.rmse.unwrap();
             println!(
                 "{name} from {cut} s: {:.2} m RMS, heading {heading:.2} deg median; {:?}\n  {:?}",
