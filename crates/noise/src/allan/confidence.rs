@@ -434,4 +434,16 @@ mod tests {
         }
         assert!(intervals_of(&curve, &[0; 2], 0.9).is_err());
     }
+
+    #[test]
+    fn a_short_filter_is_seen_where_it_is_as_long_as_the_lag() {
+        let h = 1.0 / 2000.0;
+        let g = |t: f64| if t == 0.0 { 0.0 } else { t * t * t.abs().ln() };
+        for steps in [0.0, 0.5, 1.0, 3.0] {
+            let t = steps * h;
+            let exact = (2.0 * g(t) - g(t - h) - g(t + h)) / (h * h);
+            // Logarithms of 8 in units of which twelve digits are left.
+            assert!((smoothed(t, 2000.0, 1) - exact).abs() < 1e-9, "{steps}");
+        }
+    }
 }

@@ -208,3 +208,99 @@ pub(super) fn common_tau<'a>(axes: impl Iterator<Item = &'a EquivalentAxis>) -> 
 pub(super) fn driven(drive: f64, tau: f64) -> f64 {
     drive * (0.5 * tau).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn axis(processes: &[(f64, f64)], walk: Option<f64>) -> EquivalentAxis {
+        let process = |&(sigma, tau_s): &(f64, f64)| GaussMarkov { sigma, tau_s };
+        EquivalentAxis {
+            slow: Slow {
+                processes: processes.iter().map(process).collect(),
+                walk,
+            },
+            ..EquivalentAxis::default()
+        }
+    }
+
+    #[test]
+    fn a_walk_that_is_not_seen_reaches_the_white_noise_at_a_tenth_of_the_record() {
+        let (white, length) = (0.03, 5000.0);
+        let walk = unseen_walk(white, length);
+        // Allan variances: K² τ/3 and N²/τ.
+        let tau = 0.1 * length;
+        let ratio = (walk * walk * tau / 3.0) / (white * white / tau);
+        assert!((ratio - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_driven_process_moves_as_its_walk_at_short_times() {
+        let (walk, tau_s) = (0.2, 300.0);
+        let sigma = driven(walk, tau_s);
+        assert!((GaussMarkov { sigma, tau_s }.drive() / walk - 1.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn the_common_time_is_the_longest_and_a_walk_is_an_hour() {
+        let common = |axes: &[EquivalentAxis]| common_tau(axes.iter());
+        let still = || axis(&[], None);
+        assert_eq!(common(&[still(), still()]), None);
+        assert_eq!(
+            common(&[
+                axis(&[(1.0, 50.0)], None),
+                still(),
+                axis(&[(1.0, 200.0)], None)
+            ]),
+            Some(200.0)
+        );
+        assert_eq!(
+            common(&[axis(&[(1.0, 50.0)], Some(0.1)), still()]),
+            Some(UNIT_ROOT_TAU)
+        );
+        assert_eq!(common(&[axis(&[], Some(0.1))]), Some(UNIT_ROOT_TAU));
+        assert_eq!(common(&[axis(&[(1.0, 9000.0)], Some(0.1))]), Some(9000.0));
+    }
+
+    #[test]
+    fn the_three_axes_have_the_root_of_their_mean_square() {
+        let mut axes: [EquivalentAxis; 3] = Default::default();
+        for (axis, white) in axes.iter_mut().zip([1.0, 2.0, 4.0]) {
+            axis.white = white;
+        }
+        assert!((rms(&axes, |axis| axis.white) - 7f64.sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_short_correlation_time_is_white_noise_of_its_density() {
+        let process = |sigma, tau_s| GaussMarkov { sigma, tau_s };
+        let model = AxisModel {
+            white: Some(0.3),
+            turn_on: 7.0,
+            instability: vec![process(0.5, 0.5 * SLOW), process(0.2, SLOW)],
+            ..AxisModel::default()
+        };
+        let mut remarks = Vec::new();
+        let found = equivalent("gyro_x", &model, &mut remarks);
+        let density = 0.09 + 2.0 * 0.25 * 0.5 * SLOW;
+        assert!((found.white * found.white / density - 1.0).abs() < 1e-14);
+        assert_eq!(found.slow.processes, [process(0.2, SLOW)]);
+        assert_eq!(found.turn_on, 7.0);
+        assert!(
+            remarks.len() == 1 && remarks[0].contains("white noise"),
+            "{remarks:?}"
+        );
+        // A second slow one, and nothing that is fast.
+        let model = AxisModel {
+            instability: vec![process(0.5, 9.0 * SLOW), process(0.2, SLOW)],
+            ..model
+        };
+        let mut remarks = Vec::new();
+        let found = equivalent("gyro_x", &model, &mut remarks);
+        assert_eq!((found.white, found.slow.processes.len()), (0.3, 2));
+        assert!(
+            remarks.len() == 1 && remarks[0].contains("but the slowest"),
+            "{remarks:?}"
+        );
+    }
+}

@@ -117,4 +117,37 @@ mod tests {
         assert_eq!(bound(vec![0.0; 100], 8.0), 8.0);
         assert_eq!(bound(Vec::new(), 8.0), 8.0);
     }
+
+    #[test]
+    fn the_freedom_of_a_tail_is_found_back() {
+        for share in SHARES {
+            for inverse in [0.05, 0.1, 0.25, 0.45] {
+                let ratio = quantile_of(inverse, share) / quantile_of(inverse, 0.5);
+                // Twenty halvings of ½.
+                assert!((inverse_freedom(ratio, share) - inverse).abs() < 1e-6);
+            }
+            let of = |inverse| quantile_of(inverse, share) / quantile_of(inverse, 0.5);
+            assert_eq!(inverse_freedom(of(0.99 * LIGHT), share), 0.0);
+            assert!(inverse_freedom(of(1.01 * LIGHT), share) > LIGHT);
+            assert!((inverse_freedom(1e6, share) - HEAVY).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn the_bound_scales_with_the_samples_and_grows_with_their_number_and_weight() {
+        let of = |freedom, n, scale: f64| {
+            let distances = ideal(freedom, n).into_iter().map(|x| scale * x);
+            bound(distances.collect(), 0.0)
+        };
+        for freedom in [2.5, 4.0] {
+            assert!((of(freedom, 2000, 7.0) / of(freedom, 2000, 1.0) - 7.0).abs() < 1e-6);
+        }
+        assert!(of(2.5, 2000, 1.0) > of(4.0, 2000, 1.0));
+        assert!(of(4.0, 4000, 1.0) > of(4.0, 2000, 1.0));
+        // Too few samples beyond any quantile: as heavy as may be.
+        let few = ideal(4.0, 299);
+        let heaviest = few.iter().copied().fold(0.0, f64::max);
+        assert!(bound(few, 0.0) > 20.0 * heaviest);
+        assert_eq!(bound(ideal(3.0, 2000), 1e9), 1e9);
+    }
 }

@@ -180,7 +180,24 @@ fn the_steady_state_does_not_depend_on_the_unit() {
         gauss_markov: [process(1e-10, 0.1), process(1.0, 0.101)],
         ..CompositeTerms::default()
     };
-    assert_free_of_the_unit::<3>(&terms.to_shaping(0.01).unwrap());
+    let filter = terms.to_shaping(0.01).unwrap();
+    assert_free_of_the_unit::<3>(&filter);
+    // Nor on that of the states.
+    let (model, v) = steady_state::<3>(&filter).unwrap();
+    let factor = 2f64.powi(30);
+    let mut scaled = filter;
+    scaled.h.iter_mut().for_each(|h| *h /= factor);
+    scaled.s.iter_mut().for_each(|s| *s *= factor);
+    for rows in [&mut scaled.q, &mut scaled.p0] {
+        rows.iter_mut()
+            .flatten()
+            .for_each(|v| *v *= factor * factor);
+    }
+    let (scaled, variance) = steady_state::<3>(&scaled).unwrap();
+    assert_eq!(
+        (variance, scaled.gain),
+        (v, model.gain.map(|gain| gain * factor))
+    );
 }
 
 #[test]

@@ -125,4 +125,115 @@ mod tests {
             relative * edf / 2.0
         );
     }
+
+    /// By the definition: the coefficients' cross-covariances from the autocovariance of the terms, squared and summed over
+    /// all lags.
+    fn plainly(autocovariance: &[f64], (m, n): (usize, usize)) -> f64 {
+        let filter = |m: usize| -> Vec<f64> {
+            let half = 0.5 / m as f64;
+            (0..2 * m)
+                .map(|i| if i < m { half } else { -half })
+                .collect()
+        };
+        let (a, b) = (filter(m), filter(n));
+        let reach = autocovariance.len() as i64;
+        let at = |lag: i64| {
+            autocovariance
+                .get(lag.unsigned_abs() as usize)
+                .copied()
+                .unwrap_or(0.0)
+        };
+        let lags = -reach - 2 * m as i64..=reach + 2 * n as i64;
+        let covariance = |lag: i64| -> f64 {
+            let terms = a.iter().enumerate().flat_map(|(i, a)| {
+                let of = move |(j, b): (usize, &f64)| a * b * at(lag + i as i64 - j as i64);
+                b.iter().enumerate().map(of)
+            });
+            terms.sum()
+        };
+        lags.map(|lag| covariance(lag).powi(2)).sum()
+    }
+
+    #[test]
+    fn coloured_noise_has_the_covariance_of_its_definition() {
+        let interval = 0.5;
+        let terms = CompositeTerms {
+            white: 0.3,
+            quantisation: 0.2,
+            gauss_markov: [
+                GaussMarkov {
+                    sigma: 0.7,
+                    tau_s: 2.0,
+                },
+                GaussMarkov {
+                    sigma: 0.4,
+                    tau_s: 0.6,
+                },
+            ],
+            ..CompositeTerms::default()
+        };
+        let mut autocovariance = [0.0; 100];
+        let filter = terms.to_shaping(interval).unwrap();
+        filter.autocovariance(&mut autocovariance);
+        let point = |m| WaveletPoint {
+            m,
+            scale_s: m as f64 * interval,
+            variance: 1.0,
+            edf: 1.0,
+            coefficients: 1,
+        };
+        let points = [1, 2, 4].map(point);
+        let found = covariance(&points, &terms, interval, 1000);
+        for j in 0..3 {
+            for k in 0..=j {
+                let longer = points[j].m;
+                let coefficients = (1001 - 2 * longer) as f64;
+                let exact = 2.0 / coefficients * plainly(&autocovariance, (points[k].m, longer));
+                // A few dozen points an octave by the midpoint rule.
+                assert!((found[(j, k)] / exact - 1.0).abs() < 1e-3, "{j} {k}");
+                assert_eq!(found[(j, k)], found[(k, j)]);
+            }
+        }
+    }
+
+    #[test]
+    fn the_mean_of_a_spectrum_is_the_variance_and_that_of_a_walks_steps_its_drive() {
+        let interval = 0.5;
+        let mean = |terms: &CompositeTerms, times: &dyn Fn(f64) -> f64| {
+            let slow = terms.slow();
+            let at = |k: usize| (PI * (k as f64 + 0.5) / 20_000.0).sin().powi(2);
+            let of = |sine2: f64| spectrum(terms, &slow, sine2, interval) * times(sine2);
+            (0..20_000).map(|k| of(at(k))).sum::<f64>() / 20_000.0
+        };
+        let none = CompositeTerms::default();
+        let process = |sigma, tau_s| [GaussMarkov { sigma, tau_s }, GaussMarkov::default()];
+        for (terms, variance) in [
+            (CompositeTerms { white: 0.3, ..none }, 0.09 / 0.5),
+            (
+                CompositeTerms {
+                    quantisation: 0.2,
+                    ..none
+                },
+                2.0 * 0.16,
+            ),
+            (
+                CompositeTerms {
+                    gauss_markov: process(0.7, 4.0),
+                    ..none
+                },
+                0.49,
+            ),
+        ] {
+            assert!(
+                (mean(&terms, &|_| 1.0) / variance - 1.0).abs() < 1e-9,
+                "{terms:?}"
+            );
+        }
+        // Differences have the gain 4 sin²(πf).
+        let walk = CompositeTerms {
+            random_walk: 0.6,
+            ..none
+        };
+        assert!((mean(&walk, &|sine2| 4.0 * sine2) / (0.36 * 0.5) - 1.0).abs() < 1e-12);
+    }
 }

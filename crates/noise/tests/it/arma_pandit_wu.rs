@@ -3,7 +3,7 @@
 use crate::common::{close, number, reference, series, white_noise};
 use undrift_noise::arma::{ArmaError, ArmaFit, FitOptions, fit};
 use undrift_noise::pandit_wu::{
-    PAPER_CRITICAL, PanditWu, PanditWuOptions, critical_value, f_test, pandit_wu,
+    OrderRow, PAPER_CRITICAL, PanditWu, PanditWuOptions, critical_value, f_test, pandit_wu,
 };
 
 #[test]
@@ -328,4 +328,16 @@ fn the_procedure_goes_up_and_down_as_described() {
         chosen.contains(&(2, false)) && chosen.contains(&(1, true)),
         "{chosen:?}"
     );
+}
+
+#[test]
+fn akaikes_criterion_of_a_sample_counts_the_coefficients_and_the_mean() {
+    // ln(A/N) = 2, and 2 · (2 + 1 + 1)/100.
+    let row = OrderRow {
+        n: 1,
+        fit: of_sum(2, 1, 100, 100.0 * 2f64.exp()),
+        test: None,
+    };
+    close(row.aic_per_sample(), 2.08, 1e-14, "AIC");
+    assert_eq!(row.order(), (2, 1));
 }

@@ -220,3 +220,119 @@ fn bad_records_are_errors() {
     assert!(portmanteau(&alternating, &[], 0).unwrap().is_empty());
     assert!(portmanteau(&alternating, &[30], 0).is_err());
 }
+
+/// An AR(2) about a mean, and its autocovariances by their sums.
+fn with_sums(count: usize, lags: usize) -> (Vec<f64>, f64, Vec<f64>) {
+    let (mut one, mut two) = (0.0, 0.0);
+    let mut next = |drive: f64| {
+        (one, two) = (0.9 * one - 0.5 * two + drive, one);
+        4.0 + one
+    };
+    let x: Vec<f64> = white_noise(8, count).into_iter().map(&mut next).collect();
+    let mean = x.iter().sum::<f64>() / count as f64;
+    let sum = |lag: usize| -> f64 {
+        let products = (lag..count).map(|t| (x[t] - mean) * (x[t - lag] - mean));
+        products.sum()
+    };
+    let sums = (0..=lags).map(sum).collect();
+    (x, mean, sums)
+}
+
+#[test]
+fn few_lags_are_the_sums_across_the_blocks() {
+    // Blocks of 2048 samples: shorter than one, whole ones, and one that the lags reach beyond.
+    for (count, lags) in [(30, 29), (2048, 5), (4096, 47), (4100, 10), (5000, 0)] {
+        let (x, _, sums) = with_sums(count, lags);
+        let ours = autocovariance(&x, lags).unwrap();
+        assert_eq!(ours.len(), lags + 1);
+        for (ours, sum) in ours.iter().zip(&sums) {
+            // Sums in another order.
+            near(
+                *ours,
+                sum / count as f64,
+                1e-12 * sums[0] / count as f64,
+                "covariance",
+            );
+        }
+        for (ours, sum) in autocorrelation(&x, lags).unwrap().iter().zip(&sums) {
+            near(*ours, sum / sums[0], 1e-12, "correlation");
+        }
+    }
+}
+
+#[test]
+fn partial_autocorrelations_are_the_last_coefficients_of_the_yule_walker_equations() {
+    let (count, lags) = (200usize, 6);
+    let (x, _, sums) = with_sums(count, lags);
+    let adjusted = |lag: usize| sums[lag] / (count - lag) as f64;
+    let biased = |lag: usize| sums[lag] / count as f64;
+    let methods: [(Partial, &dyn Fn(usize) -> f64); 2] = [
+        (Partial::YuleWalker, &biased),
+        (Partial::YuleWalkerAdjusted, &adjusted),
+    ];
+    for (method, covariance) in methods {
+        let found = partial_autocorrelation(&x, lags, method).unwrap();
+        assert_eq!((found.len(), found[0]), (lags + 1, 1.0));
+        for k in 1..=lags {
+            let matrix = nalgebra::DMatrix::from_fn(k, k, |i, j| covariance(i.abs_diff(j)));
+            let right = nalgebra::DVector::from_fn(k, |i, _| covariance(i + 1));
+            let exact = matrix.lu().solve(&right).unwrap()[k - 1];
+            near(found[k], exact, 1e-11, "partial");
+        }
+    }
+}
+
+#[test]
+fn burgs_reflections_leave_the_least_errors_both_ways() {
+    let (x, mean, _) = with_sums(200, 0);
+    let found = partial_autocorrelation(&x, 5, Partial::Burg).unwrap();
+    let mut ahead: Vec<f64> = x[1..].iter().map(|x| x - mean).collect();
+    let mut back: Vec<f64> = x[..199].iter().map(|x| x - mean).collect();
+    for reflection in &found[1..] {
+        let pairs = || ahead.iter().zip(&back);
+        let squares = |by: f64| -> f64 {
+            pairs()
+                .map(|(a, b)| (a - by * b).powi(2) + (b - by * a).powi(2))
+                .sum()
+        };
+        // A parabola: its least is where it is the same on both sides.
+        let sides = [-0.1, 0.1].map(|by| squares(reflection + by));
+        close(sides[0], sides[1], 1e-11, "errors");
+        assert!(squares(*reflection) < sides[0]);
+        let next: (Vec<f64>, Vec<f64>) = pairs()
+            .map(|(a, b)| (a - reflection * b, b - reflection * a))
+            .unzip();
+        // The error back is of one sample earlier.
+        ahead = next.0[1..].to_vec();
+        back = next.1[..next.1.len() - 1].to_vec();
+    }
+}
+
+#[test]
+fn portmanteau_statistics_are_their_sums() {
+    let (x, _, sums) = with_sums(100, 6);
+    let found = portmanteau(&x, &[6, 1, 3], 1).unwrap();
+    for (test, lags) in found.iter().zip([6usize, 1, 3]) {
+        assert_eq!((test.lags, test.freedom), (lags, lags - 1));
+        let square = |k: usize| (sums[k] / sums[0]).powi(2);
+        let box_pierce: f64 = (1..=lags).map(|k| 100.0 * square(k)).sum();
+        let weighted = (1..=lags).map(|k| 100.0 * 102.0 * square(k) / (100.0 - k as f64));
+        close(test.box_pierce, box_pierce, 1e-11, "Box-Pierce");
+        close(test.ljung_box, weighted.sum(), 1e-11, "Ljung-Box");
+        assert_eq!(test.ljung_box_p.is_nan(), lags == 1);
+        assert_eq!(test.box_pierce_p.is_nan(), lags == 1);
+        if lags == 3 {
+            close(test.box_pierce_p, (-0.5 * box_pierce).exp(), 1e-9, "tail");
+        }
+    }
+    // Bartlett's bound, by hand: 1 + 2 (¼ + 1/16).
+    let bounds = bartlett_bounds(&[1.0, 0.5, -0.25, 0.1], 50);
+    assert_eq!(bounds.len(), 3);
+    close(
+        bounds[2],
+        1.959_963_984_540_054 * (1.625f64 / 50.0).sqrt(),
+        1e-12,
+        "bound",
+    );
+    close(white_bound(50), bounds[0], 1e-12, "of white noise");
+}

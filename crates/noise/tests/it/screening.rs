@@ -228,6 +228,50 @@ fn motion_is_told_from_rest() {
 }
 
 #[test]
+fn motion_is_the_change_of_the_means_over_what_the_noise_allows() {
+    // Windows of four samples of the variance 4/3 about means of 0, 0, 6 and 2: ½ Δ² of 0, 18 and 8, allowed 1/3.
+    let x: Vec<f64> = [0.0, 0.0, 6.0, 2.0]
+        .iter()
+        .flat_map(|mean| [1.0, -1.0, 1.0, -1.0].map(|by| mean + by))
+        .collect();
+    let rule = |factor, share, step| MotionRule {
+        window: 4,
+        factor,
+        share,
+        step,
+    };
+    for (factor, share, step, windows, moving) in [
+        (53.0, 0.5, 0.0, &[8][..], false),
+        (53.0, 0.3, 0.0, &[8], true),
+        (55.0, 0.0, 0.0, &[], false),
+        (23.0, 0.7, 0.0, &[8, 12], false),
+        (23.0, 0.6, 0.0, &[8, 12], true),
+        // A step of 3 allows 9 whatever the noise.
+        (1.0, 0.0, 3.0, &[8], true),
+        (1.0, 0.0, 4.5, &[], false),
+    ] {
+        let found = motion(&x, rule(factor, share, step)).unwrap();
+        assert_eq!(found.moving_windows, windows, "{factor} {step}");
+        assert_eq!(
+            (found.windows, found.moving),
+            (3, moving),
+            "{factor} {share}"
+        );
+        let allowed = f64::max(1.0 / 3.0, step * step / factor);
+        close(found.ratio, 26.0 / 3.0 / allowed, 1e-12, "ratio");
+    }
+    assert!(motion(&x, rule(0.0, 0.1, 0.0)).is_err());
+    assert!(motion(&x, rule(f64::NAN, 0.1, 0.0)).is_err());
+    assert!(motion(&x[..11], rule(1.0, 0.1, 0.0)).is_err());
+    assert!(motion(&x[..12], rule(1.0, 0.1, 0.0)).is_ok());
+    let narrow = MotionRule {
+        window: 1,
+        ..MotionRule::default()
+    };
+    assert!(motion(&x, narrow).is_err());
+}
+
+#[test]
 fn public_records_are_at_rest_and_a_drive_is_not() {
     for name in ["run1", "run2", "run4"] {
         let Some(axes) = record(&format!("adis16405-static/{name}.csv.gz")) else {

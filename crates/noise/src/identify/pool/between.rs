@@ -137,4 +137,72 @@ mod tests {
         assert_eq!((found.sigma, found.low), (0.0, 0.0));
         assert!(found.for_filter(&[found], 0.0) >= 1.0);
     }
+
+    #[test]
+    fn what_is_not_known_does_not_count_and_one_record_bounds_nothing() {
+        let levels = [
+            (1.0, 0.5),
+            (f64::NAN, 0.1),
+            (3.0, 0.5),
+            (9.0, f64::INFINITY),
+        ];
+        let found = Between::of(levels.into_iter());
+        assert_eq!((found.records, found.mean, found.within), (2, 2.0, 0.5));
+        assert!((found.scatter - 2f64.sqrt()).abs() < 1e-15);
+        let one = Between::of([(4.0, 0.5)].into_iter());
+        assert_eq!(
+            (one.records, one.mean, one.scatter, one.sigma),
+            (1, 4.0, 0.0, 0.0)
+        );
+        assert_eq!((one.low, one.high), (f64::INFINITY, f64::INFINITY));
+        assert_eq!(one.for_filter(&[one], 1.0), f64::INFINITY);
+        let none = Between::of(std::iter::empty());
+        assert_eq!(
+            (none.records, none.degrees_of_freedom(), none.mean),
+            (0, 0, 0.0)
+        );
+    }
+
+    #[test]
+    fn the_standard_errors_are_taken_out_of_every_bound() {
+        let of = |by: &[f64], error| Between::of(by.iter().map(|x| (*x, error)));
+        for levels in [
+            &[1.0, -2.0, 3.0, 0.0, 1.5][..],
+            &[1.0, -2.0, 3.0],
+            &[1.0, 4.0],
+        ] {
+            let (exact, vague) = (of(levels, 0.0), of(levels, 0.4));
+            for (a, b) in [
+                (exact.sigma, vague.sigma),
+                (exact.low, vague.low),
+                (exact.high, vague.high),
+                (
+                    exact.for_filter(&[exact], 0.0),
+                    vague.for_filter(&[vague], 0.0),
+                ),
+            ] {
+                assert!(
+                    (a * a - b * b - 0.16).abs() < 1e-9 * (1.0 + a * a),
+                    "{a} {b}"
+                );
+            }
+            assert_eq!(exact.scatter, exact.sigma);
+            let common = vague.for_filter(&[vague], 3.0).powi(2);
+            assert!((common - vague.for_filter(&[vague], 0.0).powi(2) - 9.0).abs() < 1e-9 * common);
+        }
+    }
+
+    #[test]
+    fn a_small_scatter_gives_at_least_the_uncertainty() {
+        // Three records or two: the bound of the scatter, or where that is less, what each is uncertain.
+        let levels = [(1.0, 50.0), (2.0, 50.0), (3.0, 50.0)];
+        let found = Between::of(levels.into_iter());
+        assert_eq!(found.for_filter(&[found], 0.0), 50.0);
+        // Four: the upper bound by χ² with 3 degrees of freedom at 5 %, 0.351846 (tables), s² = 4/3.
+        let levels = [-1.0, -1.0, 1.0, 1.0].map(|x| (x, 1.2));
+        let found = Between::of(levels.into_iter());
+        assert_eq!(found.sigma, 0.0);
+        let bound = (4.0f64 / 0.351_846 - 1.44).sqrt();
+        assert!((found.for_filter(&[found], 0.0) / bound - 1.0).abs() < 1e-5);
+    }
 }

@@ -317,4 +317,29 @@ mod tests {
         }
         assert!((lobe(5.0, 7.0) / lobe(1.0, 7.0) - 5.0).abs() < 1e-12);
     }
+
+    #[test]
+    fn it_is_the_transform_of_the_windowed_record_up_to_half_the_sample_rate() {
+        for n in [64usize, 65] {
+            let x: Vec<f64> = (0..n)
+                .map(|k| ((k * k * 7 % 31) as f64).sqrt() + 0.1 * k as f64)
+                .collect();
+            // The line through the means of a tenth at either end.
+            let (first, last) = (mean(&x[..6]), mean(&x[n - 6..]));
+            let slope = (last - first) / (n - 6) as f64;
+            let of = Periodogram::of(&x);
+            assert_eq!(of.power.len(), n / 2 + 1);
+            for (k, power) in of.power.iter().enumerate().skip(1) {
+                let (mut re, mut im) = (0.0, 0.0);
+                for (t, x) in x.iter().enumerate() {
+                    let turn = TAU * t as f64 / n as f64;
+                    let value = (x - first - slope * t as f64) * (0.5 - 0.5 * turn.cos());
+                    re += value * (turn * k as f64).cos();
+                    im += value * (turn * k as f64).sin();
+                }
+                let exact = (re * re + im * im) / (0.375 * n as f64);
+                assert!((power - exact).abs() < 1e-10, "{n} {k}: {power} {exact}");
+            }
+        }
+    }
 }
