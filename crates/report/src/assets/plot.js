@@ -120,7 +120,7 @@ class Plot extends Gestures {
 
   resize() {
     // On paper a plot is not shown: it has no size, and asks for no other tiles.
-    if (!this.holder.clientWidth) return;
+    if (!this.box.clientWidth) return;
     const { width, height } = this.size();
     if (width === this.u.width && height === this.u.height) return;
     this.u.setSize({ width, height });
