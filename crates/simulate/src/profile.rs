@@ -48,7 +48,7 @@ pub struct ProfileValue {
 /// A piecewise polynomial function of time \[s\], three times continuously differentiable.
 ///
 /// ```
-/// use undrift::simulate::profile::Profile;
+/// use undrift_simulate::profile::Profile;
 /// let mut speed = Profile::hold(0.0);
 /// speed.step_to(2.0, 4.0, 10.0); // from 0 at 2 s to 10 at 6 s
 /// assert_eq!(speed.at(1.0).value, 0.0);
