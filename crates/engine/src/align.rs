@@ -17,8 +17,7 @@ pub(crate) mod settings;
 mod wahba;
 
 pub(crate) use clocks::compare;
-pub use clocks::rounded;
-pub use clocks::{ClockFault, Stamps};
+pub use clocks::{ClockFault, Stamps, rounded};
 pub use result::{
     Alignment, AlignmentFailure, AttitudeSource, HeadingSource, MotionFailure, RestFailure,
 };
@@ -56,7 +55,6 @@ pub(crate) struct Aligned {
 type Rested = (Quaternion, Vector3, f64, f64);
 
 /// A fix as an alignment takes it, each part with its covariance.
-#[derive(Clone)]
 struct Seen {
     time: f64,
     position: (Geodetic, Matrix3),

@@ -2,14 +2,14 @@
 
 use crate::{align::Alignment, settings::replay::Doubt};
 
-/// What happened while navigating. One that lasts is told when it is seen first.
+/// An event of the navigation. One that lasts is reported at its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
     /// Navigation began at this time \[s\], aligned like this.
     Started(f64, Alignment),
     /// Samples of an axis could not be right.
     SampleFault(SampleFault),
-    /// Fixes were rejected; told when the run of them has ended.
+    /// Consecutive fixes were rejected; reported when the last of them has passed.
     Rejected(Contradiction),
     /// The solution accepted fixes that contradict it, and doubts itself by so much.
     Doubted(Doubt),
@@ -23,7 +23,7 @@ pub enum Event {
     Resumed(f64),
     /// The solution diverged at this time \[s\].
     Diverged(f64),
-    /// A measurement of this time \[s\] came later than the horizon and was left out.
+    /// A measurement of this time \[s\] came later than the horizon and was rejected.
     TooLate(f64),
 }
 

@@ -72,7 +72,7 @@ pub use events::{
     SampleFault,
 };
 pub use health::CovarianceHealth;
-pub use measurement::{Measurement, Repeats, Scalar};
+pub use measurement::{Measurement, Scalar};
 pub use navigator::{EndError, Navigator, PushError};
 pub use not_aligned::NotAligned;
 pub use observer::Observer;

@@ -133,7 +133,7 @@ pub(super) struct Queue {
 
 /// Tells fixes that repeat the one before.
 #[derive(Clone, Default)]
-pub struct Repeats {
+pub(crate) struct Repeats {
     set: ReceiverSettings,
     /// The last fix that did not repeat the one before.
     last: Option<GnssFix>,
@@ -143,8 +143,7 @@ pub struct Repeats {
 }
 
 impl Repeats {
-    /// Of fixes of this receiver.
-    pub fn new(set: ReceiverSettings) -> Self {
+    pub(crate) fn new(set: ReceiverSettings) -> Self {
         Self {
             set,
             ..Self::default()
@@ -152,7 +151,7 @@ impl Repeats {
     }
 
     /// Whether a fix is the one before again.
-    pub fn is(&mut self, fix: &GnssFix) -> bool {
+    pub(crate) fn is(&mut self, fix: &GnssFix) -> bool {
         let again = self.last.is_some_and(|last| {
             let position = last.position.map(|p| p.0) == fix.position.map(|p| p.0);
             let velocity = last.velocity.map(|v| v.0) == fix.velocity.map(|v| v.0);
@@ -177,7 +176,7 @@ impl Repeats {
     }
 
     /// How many did so far.
-    pub fn count(&self) -> u64 {
+    pub(crate) fn count(&self) -> u64 {
         self.count
     }
 }

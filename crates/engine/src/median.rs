@@ -1,8 +1,8 @@
-//! Medians, without reordering what they are of and without allocating where they need not.
+//! Medians. As `undrift_noise::order_statistics`, which this crate may not depend on.
 
 use alloc::vec::Vec;
 
-/// Median, the mean of the two in the middle; NaN of none. What is not finite is left out.
+/// Median, the mean of the two in the middle; ignores values that are not finite, NaN without any.
 pub(crate) fn median(values: &[f64]) -> f64 {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     sorted.sort_unstable_by(f64::total_cmp);
@@ -13,7 +13,7 @@ pub(crate) fn median(values: &[f64]) -> f64 {
         .map_or(f64::NAN, |(a, b)| f64::midpoint(*a, *b))
 }
 
-/// Upper one of the two in the middle, so always one of the values; NaN of none. The values are reordered.
+/// Upper one of the two in the middle, so always one of the values; NaN without any. The values are reordered.
 pub(crate) fn upper_median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return f64::NAN;

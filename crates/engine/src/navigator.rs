@@ -83,14 +83,14 @@ pub struct Navigator {
     /// End of the last sample \[s\].
     last: Option<f64>,
     too_late: u64,
-    /// Those, until they are handed out.
-    left_out: Vec<Event>,
+    /// Those, until they are handed out as events.
+    rejected: Vec<Event>,
     /// Events that were handed out.
-    told: Vec<Event>,
+    handed_out: Vec<Event>,
 }
 
 impl Navigator {
-    /// A navigator that has seen nothing; a measurement that comes late is left out ([`Navigator::with_horizon`]).
+    /// A navigator without data; late measurements are rejected ([`Navigator::with_horizon`]).
     pub fn new(settings: Settings) -> Self {
         let most = settings.engine.receiver.most_late;
         let offset = |kind| {
@@ -108,8 +108,8 @@ impl Navigator {
             past: VecDeque::new(),
             last: None,
             too_late: 0,
-            left_out: Vec::new(),
-            told: Vec::new(),
+            rejected: Vec::new(),
+            handed_out: Vec::new(),
         }
     }
 
@@ -165,7 +165,7 @@ impl Navigator {
         Ok(())
     }
 
-    /// Takes in a fix. Whether it came in time: what is too late for the horizon is counted and left out.
+    /// Takes in a fix. Returns whether it came within the horizon; later ones are counted and rejected.
     ///
     /// # Errors
     /// [`PushError`]; nothing is taken in then.
@@ -213,8 +213,8 @@ impl Navigator {
             .rposition(|snapshot| snapshot.run.asked() < time);
         let Some(since) = since else {
             self.too_late += 1;
-            if self.left_out.len() < MOST_EVENTS {
-                self.left_out.push(Event::TooLate(time));
+            if self.rejected.len() < MOST_EVENTS {
+                self.rejected.push(Event::TooLate(time));
             }
             return Ok(false);
         };
@@ -233,14 +233,14 @@ impl Navigator {
         self.run.summary()
     }
 
-    /// What happened since this was asked last, in order of time. A measurement that came late may have undone or changed
-    /// what was told before: what is new with it is told, nothing is taken back.
+    /// The events since the last call, in order of time. A late measurement may undo or change earlier ones: new events are
+    /// handed out, none is retracted.
     pub fn events(&mut self) -> Vec<Event> {
-        let told = &self.told;
-        let is_new = |event: &Event| !told.iter().any(|before| before.is_same(event));
+        let before = &self.handed_out;
+        let is_new = |event: &Event| !before.iter().any(|before| before.is_same(event));
         let mut new: Vec<Event> = self.run.summary().events().filter(is_new).collect();
-        self.told.extend_from_slice(&new);
-        new.append(&mut self.left_out);
+        self.handed_out.extend_from_slice(&new);
+        new.append(&mut self.rejected);
         new.sort_by(|a, b| a.time().total_cmp(&b.time()));
         new
     }
@@ -285,16 +285,7 @@ impl Navigator {
 
     /// Keeps a sample, and the state before it where that is due; lets go of what is beyond the horizon.
     fn keep(&mut self, sample: ImuSample) {
-        let next = self.gone + self.samples.len() as u64;
-        let start = sample.time - sample.dt;
-        let newest = self.past.back();
-        if newest.is_none_or(|newest| start - newest.time >= SNAPSHOT_SPAN) {
-            self.past.push_back(Snapshot {
-                run: self.run.clone(),
-                next,
-                time: start,
-            });
-        }
+        self.snapshot_before(&sample, self.gone + self.samples.len() as u64);
         self.samples.push_back(sample);
         // The last snapshot that is older than the horizon stays: from it what is just within can be done again.
         while self.past.len() > 1 && self.past[1].time < sample.time - self.horizon {
@@ -309,6 +300,16 @@ impl Navigator {
         }
     }
 
+    /// Keeps the state before the sample of this number, where the last snapshot is old enough.
+    fn snapshot_before(&mut self, sample: &ImuSample, next: u64) {
+        let time = sample.time - sample.dt;
+        let newest = self.past.back();
+        if newest.is_none_or(|newest| time - newest.time >= SNAPSHOT_SPAN) {
+            let run = self.run.clone();
+            self.past.push_back(Snapshot { run, next, time });
+        }
+    }
+
     /// Does again what was done since a snapshot.
     fn again(&mut self, since: usize) -> Result<(), FilterError> {
         self.past.truncate(since + 1);
@@ -316,21 +317,10 @@ impl Navigator {
             return Ok(());
         };
         self.run = snapshot.run.clone();
-        let (from, mut newest) = (snapshot.next, snapshot.time);
-        for next in from..self.gone + self.samples.len() as u64 {
-            let Ok(at) = usize::try_from(next - self.gone) else {
-                return Ok(());
-            };
+        let from = (snapshot.next - self.gone) as usize;
+        for at in from..self.samples.len() {
             let sample = self.samples[at];
-            let start = sample.time - sample.dt;
-            if start - newest >= SNAPSHOT_SPAN {
-                newest = start;
-                self.past.push_back(Snapshot {
-                    run: self.run.clone(),
-                    next,
-                    time: start,
-                });
-            }
+            self.snapshot_before(&sample, self.gone + at as u64);
             self.step(sample, &mut ())?;
         }
         Ok(())

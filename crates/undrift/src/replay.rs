@@ -218,7 +218,10 @@ pub fn replay(
     let summary = navigator.end(later, &mut observer);
     observer.done()?;
     summary.map_err(|error| match error {
-        EndError::NotAligned(why) => ReplayError::NotAligned(Box::new((*why).into())),
+        EndError::NotAligned(why) => ReplayError::NotAligned(Box::new(NotAligned {
+            why: *why,
+            skipped: Vec::new(),
+        })),
         EndError::Filter(error) => ReplayError::Filter(error),
     })
 }

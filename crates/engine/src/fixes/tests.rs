@@ -83,7 +83,7 @@ fn a_correlation_time_is_that_at_which_a_power_law_has_grown() {
         );
         assert!((found.share - (1.0 - g).min(set.most_share)).abs() < 1e-9);
     }
-    // Sooner than five seconds it is none.
+    // Ignores correlation times below five seconds.
     assert!(of(0.025, 600, 1.0).is_some() && of(0.027, 600, 1.0).is_none());
     assert_eq!(of(1e-3, 1200, 50.0).unwrap().time, set.longest);
     // Not grown by a quarter of the log, at lag 16: from what has come an exponential tells the time.
@@ -166,7 +166,7 @@ fn a_velocity_that_is_late_is_found_by_its_changes_and_taken_out() {
             assert!((left - expected).norm() < 1e-9);
         }
     }
-    // Below three standard errors it is none, and nothing is taken out.
+    // Ignores a latency below three standard errors: no correction is applied.
     let mut of = steady(&set, &time, Vector3::zeros());
     for (k, error) in of.error.iter_mut().enumerate() {
         *error = Vector3::from_fn(|i, _| noise(k, i));

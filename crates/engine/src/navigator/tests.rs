@@ -7,23 +7,15 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift_nav::{Vector3, parameters::Prior};
 use undrift_simulate::Trajectory;
 
-/// Everything of a solution that a number can tell.
+/// Every number of the filter, to the bit.
 #[derive(Debug, PartialEq)]
 struct State(Vec<u64>);
 
 fn state(navigator: &Navigator) -> Option<State> {
-    let filter = navigator.filter()?;
-    let (nav, p) = (filter.nav(), filter.covariance());
-    let place = [
-        nav.time,
-        nav.position.lat,
-        nav.position.lon,
-        nav.position.height,
-    ];
-    let rest = nav.v_n.iter().chain(nav.q_nb.coords.iter());
-    let rest = rest.chain(filter.estimates());
-    let numbers = place.iter().chain(rest).chain(p.iter());
-    Some(State(numbers.map(|v| v.to_bits()).collect()))
+    let mut bits = Vec::new();
+    let mut filter = navigator.filter()?.boxed();
+    filter.numbers(&mut |number| bits.push(number.to_bits()));
+    Some(State(bits))
 }
 
 /// A drive whose receiver stamps fixes late, with wheel speeds.
@@ -116,7 +108,7 @@ fn what_is_later_than_the_horizon_is_counted_and_does_no_harm() {
         let (states, too_late) = navigate(&drive, &late, horizon);
         assert_eq!((too_late, states.last()), (1, without.last()), "{horizon}");
     }
-    // It is told once.
+    // Reported once.
     let mut navigator = Navigator::new(drive.settings.clone());
     navigator.imu(drive.log.imu[20]).unwrap();
     navigator.imu(drive.log.imu[21]).unwrap();
@@ -206,15 +198,15 @@ fn events_are_handed_out_once_in_order_of_time() {
         let mut navigator = Navigator::new(drive.settings.clone()).with_horizon(horizon);
         let arrivals = shuffled(&all, late, 3);
         let mut arriving = arrivals.iter().peekable();
-        let mut told = Vec::new();
+        let mut events = Vec::new();
         for sample in &drive.log.imu {
             while let Some((_, m)) = arriving.next_if(|(at, _)| *at <= sample.time) {
                 navigator.measure(*m).unwrap();
             }
             navigator.imu(*sample).unwrap();
-            told.extend(navigator.events());
+            events.extend(navigator.events());
         }
-        let kinds: Vec<_> = told
+        let kinds: Vec<_> = events
             .iter()
             .map(|event| match event {
                 Event::Started(..) => "started",
@@ -225,7 +217,7 @@ fn events_are_handed_out_once_in_order_of_time() {
                 _ => "other",
             })
             .collect();
-        assert_eq!(kinds, ["started", "rejected"], "{told:?}");
+        assert_eq!(kinds, ["started", "rejected"], "{events:?}");
         assert!(navigator.events().is_empty());
     }
 }

@@ -347,7 +347,7 @@ mod tests {
         // A thousand correlation times give the correlation time to √(2/1000), the variances likewise; four of these.
         let best = starts.iter().map(miss).fold(f64::INFINITY, f64::min);
         assert!(best < 0.18, "{best} {starts:?}");
-        // Those of the scales below the correlation time are none of them far.
+        // Every scale below the correlation time gives a start near it.
         assert!(
             starts.iter().filter(|start| miss(start) < 0.5).count() >= 3,
             "{starts:?}"

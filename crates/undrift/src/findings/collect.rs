@@ -671,7 +671,7 @@ mod tests {
             })
         };
         assert_eq!(more(3, 0), None);
-        // Of the fourth to the seventh the fifth and the seventh gave way.
+        // Of runs four to seven, the solution was reset to the fixes after five and seven.
         assert_eq!(more(4, 0), Some((1, 0)));
         assert_eq!(more(7, 10), Some((14, 2)));
     }

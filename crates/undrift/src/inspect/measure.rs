@@ -206,7 +206,7 @@ impl Span {
             self.gaps.add(Gap {
                 start: self.last,
                 length: time - self.last,
-                line: 0, // not told
+                line: 0, // unknown
             });
         }
         self.records += 1;
@@ -306,9 +306,9 @@ mod tests {
         let plain = ReadError::new(Path::new("log"), "");
         assert_eq!(missing(&Err(plain.into()), csv, &part), None);
         // Fixes are read all the same where only their velocities have no standard deviation.
-        let read = |untold: u64| {
+        let read = |without_std: u64| {
             let mut of = Span::default().measured(&Skipped::default(), None);
-            of.untold_velocities = untold;
+            of.untold_velocities = without_std;
             Ok((of, None))
         };
         assert_eq!(missing(&read(1), csv, &part), Some(velocity.clone()));

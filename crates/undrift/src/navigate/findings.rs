@@ -120,11 +120,11 @@ impl NavigateError {
 impl ReplayError {
     /// What was found out about the logs before it ended.
     pub fn findings(&self) -> Vec<Finding> {
-        let Self::NotAligned(why) = self else {
+        let Self::NotAligned(ended) = self else {
             return Vec::new();
         };
-        let logs: Vec<_> = why.skipped.iter().map(|(log, s)| (*log, s)).collect();
-        let implausible = why.implausible.iter().map(|what| (*what).into());
+        let logs: Vec<_> = ended.skipped.iter().map(|(log, s)| (*log, s)).collect();
+        let implausible = ended.why.implausible.iter().map(|what| (*what).into());
         implausible.chain(findings::of_skipped(&logs)).collect()
     }
 }

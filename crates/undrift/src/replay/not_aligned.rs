@@ -2,48 +2,34 @@
 
 use super::{Implausible, Log};
 use crate::align::{AlignmentFailure, ClockFault, RestFailure, Stamps, rounded};
+use undrift_engine as engine;
 use undrift_io::skipped::Skipped;
 
 /// A log without an alignment, and what is known of why.
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{}", self.reason())]
 pub struct NotAligned {
-    /// What was missing.
-    pub failure: AlignmentFailure,
-    /// The stamps of samples and fixes, where there were both, and how their clocks differ if they do not overlap.
-    pub times: Option<([Stamps; 2], ClockFault)>,
-    /// Units, axes, signs or times that cannot be right.
-    pub implausible: Vec<Implausible>,
+    /// What the navigator knows of it.
+    pub why: engine::NotAligned,
     /// What was skipped in each log.
     pub skipped: Vec<(Log, Skipped)>,
-}
-
-impl From<undrift_engine::NotAligned> for NotAligned {
-    fn from(why: undrift_engine::NotAligned) -> Self {
-        Self {
-            failure: why.failure,
-            times: why.times,
-            implausible: why.implausible,
-            skipped: Vec::new(),
-        }
-    }
 }
 
 impl NotAligned {
     fn reason(&self) -> Reason {
         let of_velocity = |what: &Implausible| matches!(what, Implausible::Velocity(_));
         let slow = matches!(
-            self.failure,
+            self.why.failure,
             AlignmentFailure::NoAttitude(
                 RestFailure::TooSlow { .. } | RestFailure::NeverMoved { .. },
                 _
             )
         );
-        match (self.failure, self.times) {
+        match (self.why.failure, self.why.times) {
             (AlignmentFailure::NoOverlap, Some(([imu, gnss], fault))) => {
                 Reason::of_clocks(imu, gnss, fault)
             }
-            (failure, _) if slow && self.implausible.iter().any(of_velocity) => {
+            (failure, _) if slow && self.why.implausible.iter().any(of_velocity) => {
                 Reason::ByVelocity(failure)
             }
             (failure, _) if slow => Reason::Slow(failure),

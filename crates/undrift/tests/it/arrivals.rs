@@ -32,7 +32,7 @@ fn read(drive: &Drive) -> (Vec<ImuSample>, Vec<Measurement>, Settings) {
     (imu.unwrap(), Measurement::of_fixes(&fixes), settings)
 }
 
-/// Every number of the state at the end, to the bit, and how many measurements came too late.
+/// Every number of the filter at the end, to the bit, and how many measurements came too late.
 fn end(
     (imu, measured, settings): &(Vec<ImuSample>, Vec<Measurement>, Settings),
     late: impl Fn() -> Option<u64>,
@@ -63,22 +63,10 @@ fn end(
     for (_, m) in arriving.filter(|(_, m)| m.time() < last) {
         navigator.measure(*m).unwrap();
     }
-    let filter = navigator.filter().expect("aligned");
-    let nav = filter.nav();
-    let place = [
-        nav.time,
-        nav.position.lat,
-        nav.position.lon,
-        nav.position.height,
-    ];
-    let covariance = filter.covariance();
-    let rest = nav
-        .v_n
-        .iter()
-        .chain(nav.q_nb.coords.iter())
-        .chain(filter.estimates());
-    let numbers = place.iter().chain(rest).chain(covariance.iter());
-    (numbers.map(|v| v.to_bits()).collect(), navigator.too_late())
+    let mut bits = Vec::new();
+    let mut filter = navigator.filter().expect("aligned").boxed();
+    filter.numbers(&mut |number| bits.push(number.to_bits()));
+    (bits, navigator.too_late())
 }
 
 fn in_any_order(drive: &Drive) {
