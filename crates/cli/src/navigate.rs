@@ -15,7 +15,7 @@ use undrift::{
     drive::Drive,
     findings::Finding,
     io::write::{SolutionFile, SolutionFormat, SolutionOptions},
-    navigate::{self, Wanted},
+    navigate::{self, Hindsight, Wanted},
     noise::{BiasModel, ImuModel},
     results,
 };
@@ -55,6 +55,9 @@ pub struct Arguments {
     /// Smooth: use the whole log for the estimate at every sample
     #[arg(long)]
     smooth: bool,
+    /// Look ahead: study the errors of all fixes first. Default: as while driving, from the fixes so far
+    #[arg(long)]
+    look_ahead: bool,
     #[command(flatten)]
     result: ResultOutput,
 }
@@ -101,7 +104,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         );
         let wanted = Wanted {
             files: outputs(arguments, &drive)?,
-            smooth: arguments.smooth,
+            hindsight: Hindsight::asked(arguments.look_ahead, arguments.smooth),
             recording,
             ..navigate::Wanted::default()
         };

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use undrift::{
     fleet::Choice,
     io::write::{SolutionFile, SolutionFormat, SolutionOptions, solution::SolutionRow},
+    navigate::Hindsight,
     noise::BiasModel,
     outages::{Logs, Schedule, ScheduleError},
     replay::{Outage, STAMP_ROUNDING},
@@ -48,6 +49,9 @@ pub struct Arguments {
     /// Smooth: measure the errors when the fixes after an outage are used too
     #[arg(long)]
     smooth: bool,
+    /// Look ahead: study the errors of all fixes first. Default: as while driving, from the fixes so far
+    #[arg(long)]
+    look_ahead: bool,
     /// Write outages.json and outages.svg into this folder
     #[arg(short, long, value_name = "DIR", help_heading = "Output")]
     out: Option<PathBuf>,
@@ -99,14 +103,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         note(sentences::estimated(&sentences::mounting(mounting)));
     }
     let cuts = logs.plan(&plan, length).map_err(refused)?;
+    let hindsight = Hindsight::asked(arguments.look_ahead, arguments.smooth);
     let outcomes = stage("navigation", || {
         let total = logs.imu.len() * arguments.bias_models.len();
         let bar = Bar::new("navigated", total as u64, "samples");
         let done = |more| bar.add(more);
-        logs.run(&arguments.bias_models, &cuts, arguments.smooth, &done)
+        logs.run(&arguments.bias_models, &cuts, hindsight, &done)
             .map_err(anyhow::Error::from)
     })?;
-    let result = sentences::cut(logs.result(&arguments.drive, &cuts, &outcomes, arguments.smooth));
+    let result = sentences::cut(logs.result(&arguments.drive, &cuts, &outcomes, hindsight));
     print::judge(&result.findings);
     let json = results::text(&result);
     if !arguments.result.write(&files, &json)? {

@@ -13,7 +13,7 @@ use undrift_nav::{
     attitude,
     covariance::{AXES, NAV, Sensors},
     earth::Geodetic,
-    filter::{Each, Filter, FilterError, Gate, InitialStd, Outcome, Update},
+    filter::{Carried, Each, Filter, FilterError, Gate, InitialStd, Lasting, Outcome, Update},
     mechanisation::NavState,
     parameters::{Parameter, Parameters},
     sample::{ImuSample, Position},
@@ -290,6 +290,14 @@ pub trait Estimator: Send + Sync {
     fn numbers(&mut self, each: &mut Each);
     /// A copy, which records nothing.
     fn boxed(&self) -> Box<dyn Estimator>;
+    /// A copy, which records nothing and from now on estimates the lasting errors of position and velocity as given.
+    ///
+    /// # Errors
+    /// As [`Filter::with_lasting`].
+    fn with_lasting(
+        &self,
+        lasting: &[Option<Lasting>; 2],
+    ) -> Result<Box<dyn Estimator>, FilterError>;
 }
 
 /// A filter of the smallest size that holds the states of `sensors` and `parameters`, as
@@ -304,25 +312,49 @@ pub fn build(
     parameters: Parameters,
 ) -> Result<Box<dyn Estimator>, FilterError> {
     let behind: usize = sensors.iter().map(|axis| axis.order).sum();
-    let build = match NAV + behind + parameters.states() {
-        // Four columns go at a time: one that is left costs nearly as much.
-        ..=16 => sized::<16>,
-        17..=21 => sized::<21>,
-        22..=28 => sized::<28>,
-        29..=33 => sized::<33>,
-        34..=45 => sized::<45>,
-        _ => sized::<73>,
-    };
-    build(nav, std, sensors, parameters)
+    let start = Start::New(nav, std, sensors, parameters);
+    sized(NAV + behind + parameters.states(), start)
 }
 
-fn sized<const N: usize>(
-    nav: NavState,
-    std: &InitialStd,
-    sensors: &[ShapingFilter; AXES],
-    parameters: Parameters,
-) -> Result<Box<dyn Estimator>, FilterError> {
-    let filter = Filter::<N>::new(nav, std, *sensors, parameters)?;
+/// What a filter is made of.
+enum Start<'a> {
+    New(
+        NavState,
+        &'a InitialStd,
+        &'a [ShapingFilter; AXES],
+        Parameters,
+    ),
+    /// Another one, with the lasting errors as given.
+    Lasting(
+        Carried,
+        &'a [f64],
+        DMatrixView<'a, f64>,
+        &'a [Option<Lasting>; 2],
+    ),
+}
+
+/// A filter of the smallest size that holds so many states.
+fn sized(states: usize, start: Start) -> Result<Box<dyn Estimator>, FilterError> {
+    match states {
+        // Four columns go at a time: one that is left costs nearly as much.
+        ..=16 => of_size::<16>(start),
+        17..=21 => of_size::<21>(start),
+        22..=28 => of_size::<28>(start),
+        29..=33 => of_size::<33>(start),
+        34..=45 => of_size::<45>(start),
+        _ => of_size::<73>(start),
+    }
+}
+
+fn of_size<const N: usize>(start: Start) -> Result<Box<dyn Estimator>, FilterError> {
+    let filter = match start {
+        Start::New(nav, std, sensors, parameters) => {
+            Filter::<N>::new(nav, std, *sensors, parameters)
+        }
+        Start::Lasting(carried, x, p, lasting) => {
+            Filter::with_lasting(carried, x, &|i, j| p[(i, j)], lasting)
+        }
+    }?;
     Ok(Box::new(Sized {
         filter,
         tape: None,
@@ -663,6 +695,16 @@ impl<const N: usize> Estimator for Sized<N> {
             tape: None,
             log: None,
         })
+    }
+
+    fn with_lasting(
+        &self,
+        lasting: &[Option<Lasting>; 2],
+    ) -> Result<Box<dyn Estimator>, FilterError> {
+        let carried = self.filter.carried();
+        let states = self.sensors().states() + carried.parameters(lasting).states();
+        let start = Start::Lasting(carried, self.estimates(), self.covariance(), lasting);
+        sized(states, start)
     }
 }
 

@@ -1,6 +1,9 @@
 //! What can happen in a replay that is worth telling, as values.
 
-use crate::{align::Alignment, settings::replay::Doubt};
+use crate::{
+    align::Alignment,
+    settings::{fix_errors::FixErrors, replay::Doubt},
+};
 
 /// An event of the navigation. One that lasts is reported at its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +22,8 @@ pub enum Event {
     Leant(Lean),
     /// The solution is aligned again from this time \[s\] on, and why.
     AlignsAgain(f64, RestartCause),
+    /// From this time \[s\] on the fixes are taken to be wrong by this beyond what they state, as they have shown it.
+    FixErrors(f64, FixErrors),
     /// Another solution began at this time \[s\].
     Resumed(f64),
     /// The solution diverged at this time \[s\].
@@ -33,6 +38,7 @@ impl Event {
         match self {
             Self::Started(time, _)
             | Self::AlignsAgain(time, _)
+            | Self::FixErrors(time, _)
             | Self::Resumed(time)
             | Self::Diverged(time)
             | Self::TooLate(time) => *time,

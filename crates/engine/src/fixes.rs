@@ -12,6 +12,10 @@
 //! and jumps do not count. The velocities' own error grows with L, so γ never says more of the whole than the fixes do:
 //! white and correlated part together have the stated variance, unless the white part alone is larger.
 
+mod watch;
+
+pub(crate) use watch::FixWatch;
+
 use crate::median::median;
 use crate::{
     measurement::Repeats,
@@ -46,6 +50,34 @@ const MEDIAN: f64 = 0.455;
 /// From the median absolute deviation to the standard deviation.
 const MAD: f64 = 1.4826;
 
+/// What is looked at of a fix.
+#[derive(Clone, Copy)]
+struct Seen {
+    time: f64,
+    position: Position,
+    velocity: Vector3,
+    /// Stated variances of position and velocity.
+    stated: Vector3,
+    stated_velocity: Vector3,
+}
+
+impl Seen {
+    /// Of a fix with position and velocity.
+    fn of(fix: &GnssFix) -> Option<Self> {
+        let ((position, r), (velocity, r_v)) = (fix.position?, fix.velocity?);
+        let (stated, stated_velocity) = (r.diagonal(), r_v.diagonal());
+        let mut variances = stated.iter().chain(stated_velocity.iter());
+        let usable = variances.all(|r| *r > 0.0 && r.is_finite());
+        usable.then_some(Self {
+            time: fix.time,
+            position,
+            velocity,
+            stated,
+            stated_velocity,
+        })
+    }
+}
+
 /// Fixes with position and velocity in order of time.
 #[derive(Default)]
 struct Track {
@@ -69,7 +101,16 @@ pub fn study(
     let set = &settings.fix_study;
     let mut repeats = Repeats::new(settings.receiver);
     let own = fixes.into_iter().filter(|fix| !repeats.is(fix));
-    let track = Track::of(own.take(set.most));
+    let track = Track::of(own.take(set.most).filter_map(|fix| Seen::of(&fix)));
+    let study = study_track(&track, set)?;
+    Some(FixStudy {
+        repeated: repeats.count(),
+        ..study
+    })
+}
+
+/// As [`study`], of fixes that repeat none before.
+fn study_track(track: &Track, set: &FixStudySettings) -> Option<FixStudy> {
     let n = track.time.len();
     if n < set.least {
         return None;
@@ -94,7 +135,8 @@ pub fn study(
         error: track.less_velocity(interval),
         time: &track.time,
     };
-    let velocity_late = differences.take_out_latency(&track.velocity);
+    let (velocity_late, unknown) =
+        differences.take_out_latency(&track.velocity, &track.stated_velocity);
     let jitter = differences.jitter(&track.velocity);
     let one = differences.gamma(1, jitter > 0.0)?;
     // Variance of a velocity over that of a position; by the trapezoidal rule γ has a quarter of it times dt².
@@ -108,8 +150,17 @@ pub fn study(
         known: true,
         ..FixErrors::default()
     };
-    // Were all of it the velocities' white noise.
-    let bound = (one / from_velocity).sqrt();
+    // Were all of it the velocities' white noise. What a latency that nothing shows would make of them when the vehicle
+    // accelerates is not in it.
+    let stated = median(
+        &track
+            .stated_velocity
+            .iter()
+            .map(Vector3::min)
+            .collect::<Vec<_>>(),
+    );
+    let hidden = (unknown * set.accelerates).powi(2) / stated;
+    let bound = (one / from_velocity + hidden).sqrt();
     if bound < set.modest {
         errors.velocity_factor = bound.max(set.least_velocity);
         errors.velocity_correlated = Some(Correlated {
@@ -125,21 +176,18 @@ pub fn study(
     }
     Some(FixStudy {
         interval,
-        repeated: repeats.count(),
+        repeated: 0,
         velocity_late,
         errors,
     })
 }
 
 impl Track {
-    fn of(fixes: impl Iterator<Item = GnssFix>) -> Self {
+    fn of(fixes: impl Iterator<Item = Seen>) -> Self {
         let mut track = Self::default();
         let mut before: Option<(Position, Vector3)> = None;
         for fix in fixes {
-            let (Some((position, r)), Some((v, r_v))) = (fix.position, fix.velocity) else {
-                continue;
-            };
-            let (place, written, metres) = match (position, before) {
+            let (place, written, metres) = match (fix.position, before) {
                 (Position::Geodetic(here), last) => {
                     let place = match last {
                         Some((Position::Geodetic(last), place)) => place + last.offset_to(&here),
@@ -156,20 +204,12 @@ impl Track {
                 }
                 (Position::Baseline { ned, .. }, _) => (ned, ned, Vector3::repeat(1.0)),
             };
-            let (r, r_v) = (r.diagonal(), r_v.diagonal());
-            if !r
-                .iter()
-                .chain(r_v.iter())
-                .all(|r| *r > 0.0 && r.is_finite())
-            {
-                continue;
-            }
-            before = Some((position, place));
+            before = Some((fix.position, place));
             track.time.push(fix.time);
             track.place.push(place);
-            track.velocity.push(v);
-            track.stated.push(r);
-            track.stated_velocity.push(r_v);
+            track.velocity.push(fix.velocity);
+            track.stated.push(fix.stated);
+            track.stated_velocity.push(fix.stated_velocity);
             track.written.push(written);
             track.metres = metres;
         }
@@ -251,18 +291,24 @@ impl Differences<'_> {
         Some(gamma[usize::from(!least)])
     }
 
-    /// A velocity that holds `δ` later than the position makes `δ Δv` of a difference; taken out where it shows.
-    fn take_out_latency(&mut self, velocity: &[Vector3]) -> Option<(f64, f64)> {
+    /// A velocity that holds `δ` later than the position makes `δ Δv` of a difference; taken out where it shows. With it
+    /// the standard error that δ has by what the velocity changes beyond its stated noise \[s\].
+    fn take_out_latency(
+        &mut self,
+        velocity: &[Vector3],
+        stated: &[Vector3],
+    ) -> (Option<(f64, f64)>, f64) {
         let lag = (1.0 / self.interval).round().max(1.0) as usize;
-        let mut pairs = Vec::new();
+        let (mut pairs, mut noise) = (Vec::new(), 0.0);
         for (a, b) in self.pairs(lag) {
             let (e, dv) = (self.error[b] - self.error[a], velocity[b] - velocity[a]);
             pairs.extend((0..2).map(|i| (dv[i], e[i])));
+            noise += (stated[a] + stated[b]).xy().sum();
         }
         if pairs.len() < self.set.least_pairs {
-            return None;
+            return (None, f64::INFINITY);
         }
-        let (mut late, mut error) = (0.0, f64::INFINITY);
+        let (mut late, mut error, mut unknown) = (0.0, f64::INFINITY, f64::INFINITY);
         // Huber's weights.
         for _ in 0..10 {
             let rest: Vec<f64> = pairs.iter().map(|(x, y)| (y - late * x).abs()).collect();
@@ -274,18 +320,19 @@ impl Differences<'_> {
                 xx += weight(*rest) * x * x;
             }
             if xx <= 0.0 {
-                return None;
+                return (None, unknown);
             }
             // Differences overlap, each second `lag` of them.
-            (late, error) = (xy / xx, spread * (lag as f64 / xx).sqrt());
+            let std = |xx: f64| spread * (lag as f64 / xx).sqrt();
+            (late, error, unknown) = (xy / xx, std(xx), std((xx - noise).max(0.0)));
         }
         if late.abs() < 3.0 * error {
-            return None;
+            return (None, unknown);
         }
         for (e, v) in self.error.iter_mut().zip(velocity) {
             *e -= v * late;
         }
-        Some((late, error))
+        (Some((late, error)), unknown)
     }
 
     /// Standard deviation of the stamps \[s\]: they move positions along the track and not across.

@@ -19,7 +19,11 @@ use super::{
 use crate::{
     align::{Aligner, Heading, Stamps, compare},
     estimator::{Estimator, STAMP_ROUNDING},
-    settings::replay::{GnssUse, Settings},
+    fixes::FixWatch,
+    settings::{
+        fix_errors::FixErrors,
+        replay::{GnssUse, Settings},
+    },
 };
 use alloc::{boxed::Box, sync::Arc};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -48,6 +52,8 @@ pub(crate) struct Run {
     vehicle: Vehicle,
     inertial: Inertial,
     vibration: Option<Vibration>,
+    /// Where the fixes are to show what they are wrong by.
+    fixes: Option<FixWatch>,
 }
 
 /// The alignment that goes on: the first one, or another one beside or after a solution.
@@ -115,6 +121,10 @@ impl Run {
             vehicle: Vehicle::new(&settings),
             inertial: Inertial::new(settings.rotation, settings.engine.samples),
             vibration: Vibration::of(&settings),
+            fixes: (settings.from_fixes.is_some()
+                && settings.nodes.is_none()
+                && settings.log.is_none())
+            .then(|| FixWatch::new(settings.engine.fix_study)),
             settings,
         }
     }
@@ -434,6 +444,31 @@ impl Run {
         Ok(true)
     }
 
+    /// What the fixes show of themselves, where it is time to look: the filter follows it from now on.
+    fn study(&mut self, fix: &GnssFix) -> Result<(), FilterError> {
+        let Some(study) = self.fixes.as_mut().and_then(|fixes| fixes.next(fix)) else {
+            return Ok(());
+        };
+        let stated = self.settings.from_fixes.unwrap_or_default();
+        let errors = FixErrors::of(Some(&study), &stated, &self.settings.parameters);
+        self.summary.study = Some(study);
+        let before = self.settings.fix_errors;
+        if errors == before {
+            return Ok(());
+        }
+        self.summary.fix_errors.push((fix.time, errors));
+        let settings = Arc::make_mut(&mut self.settings);
+        settings.fix_errors = errors;
+        settings.parameters = errors.with_states(settings.parameters);
+        if let (Some(solution), Some((_, covariance))) =
+            (&mut self.solution, errors.apply(fix).position)
+        {
+            let lasting = errors.lasting(&before, &covariance);
+            solution.filter = solution.filter.with_lasting(&lasting)?;
+        }
+        Ok(())
+    }
+
     /// A fix within the present sample, or a part of it.
     fn fix(
         &mut self,
@@ -443,10 +478,13 @@ impl Run {
         observer: &mut dyn Observer,
     ) -> Result<(), FilterError> {
         let withheld = self.settings.outages.iter().any(|o| o.contains(fix.time));
-        let settings = Arc::clone(&self.settings);
-        let fix = &settings.quality.apply(fix, &settings.engine.quality);
-        let fix = &settings.fix_errors.apply(fix);
+        let fix = &(self.settings.quality).apply(fix, &self.settings.engine.quality);
         let begins = begins(fix, part);
+        if begins && !withheld {
+            self.study(fix)?;
+        }
+        let settings = Arc::clone(&self.settings);
+        let fix = &settings.fix_errors.apply(fix);
         if self.solution.is_none() && withheld {
             self.summary.withheld += u64::from(begins);
             return Ok(());

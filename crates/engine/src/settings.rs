@@ -391,6 +391,8 @@ settings! {
         most: usize = 20_000,
         /// Fewer carry no information.
         least: usize = 80,
+        /// While navigating they are looked at after this time \[s\], and whenever it has doubled.
+        first_span: f64 = 60.0,
         /// Pairs of fixes for a mean square to be worth something.
         least_pairs: usize = 40,
         /// White noise this many times the stated one is reported to the filter.
@@ -398,7 +400,9 @@ settings! {
         /// Velocities that the positions show to be better than this share of their stated standard deviations are
         /// taken as that good, …
         modest: f64 = 0.5,
-        /// … down to this share.
+        /// … as far as a latency that they do not show leaves room for it at this acceleration \[m/s²\], …
+        accelerates: f64 = 2.0,
+        /// … and down to this share.
         least_velocity: f64 = 0.1,
         /// Of what is left this share of the variance lasts, as a receiver that smooths has it …
         velocity_share: f64 = 0.6,

@@ -6,7 +6,8 @@ use super::{
 };
 use crate::{
     align::Alignment,
-    settings::{PlausibilitySettings, replay::Doubt},
+    fixes::FixStudy,
+    settings::{PlausibilitySettings, fix_errors::FixErrors, replay::Doubt},
 };
 use alloc::vec::Vec;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -154,6 +155,10 @@ pub struct Summary {
     pub faded: u64,
     /// Where the course has contradicted the heading; the first [`MOST_EVENTS`].
     pub heading_off: Vec<HeadingOff>,
+    /// What the fixes have shown of themselves at last.
+    pub study: Option<FixStudy>,
+    /// From when on \[s\] the filter has taken them to be wrong by what; each time it changed.
+    pub fix_errors: Vec<(f64, FixErrors)>,
     /// When the solution diverged, if it did and was not re-initialised \[s\].
     pub diverged: Option<f64>,
     /// The covariance at the end, if there is a solution.
@@ -186,6 +191,11 @@ impl Summary {
                     .map(|r| Event::AlignsAgain(r.time, r.why)),
             )
             .chain(resumed.map(Event::Resumed))
+            .chain(
+                self.fix_errors
+                    .iter()
+                    .map(|(time, errors)| Event::FixErrors(*time, *errors)),
+            )
             .chain(self.diverged.map(Event::Diverged))
     }
 

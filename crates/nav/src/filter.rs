@@ -6,8 +6,10 @@
 //! chapters 3 and 14. Navigation errors are estimate less truth; sensor states are what the
 //! prediction still misses (truth less estimate), as in `docs/conventions.md`.
 
+mod lasting;
 mod numbers;
 
+pub use lasting::{Carried, Lasting};
 pub use numbers::Each;
 
 use crate::{

@@ -13,7 +13,7 @@ use pyo3::types::PyDict;
 use std::path::PathBuf;
 use undrift::{
     io::write::{SolutionFile, SolutionFormat, SolutionOptions},
-    navigate::{self as navigation, Wanted},
+    navigate::{self as navigation, Hindsight, Wanted},
     outages::{Logs, Schedule},
     results,
 };
@@ -31,6 +31,7 @@ pub fn navigate<'py>(
     drive: &Drive,
     bias: &str,
     smooth: bool,
+    look_ahead: bool,
     output: Vec<PathBuf>,
     format: Option<&str>,
     every: Option<f64>,
@@ -47,7 +48,7 @@ pub fn navigate<'py>(
     };
     let wanted = Wanted {
         files: SolutionFile::create_all(&output, format, &options).map_err(error)?,
-        smooth,
+        hindsight: Hindsight::asked(look_ahead, smooth),
         recording: true,
         rows: solution,
         ..Wanted::default()
@@ -88,6 +89,7 @@ pub fn outages<'py>(
     start: f64,
     at: Option<Vec<f64>>,
     smooth: bool,
+    look_ahead: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, String, Vec<Curves<'py>>)> {
     let kinds = bias_models
@@ -96,13 +98,14 @@ pub fn outages<'py>(
         .collect::<PyResult<Vec<_>>>()?;
     let plan = Schedule::asked(at, every, count, start)
         .ok_or_else(|| error("specify the outages: count, every or at"))?;
+    let hindsight = Hindsight::asked(look_ahead, smooth);
     let counted = Progress::default();
     let cut = || {
         let logs = Logs::load(&drive.drive).map_err(say::unsolved)?;
         let cuts = logs.plan(&plan, length)?;
         counted.of(logs.imu.len() as u64 * kinds.len() as u64);
-        let outcomes = logs.run(&kinds, &cuts, smooth, &|samples| counted.add(samples))?;
-        let result = say::cut(logs.result(&drive.file, &cuts, &outcomes, smooth));
+        let outcomes = logs.run(&kinds, &cuts, hindsight, &|samples| counted.add(samples))?;
+        let result = say::cut(logs.result(&drive.file, &cuts, &outcomes, hindsight));
         Ok::<_, Failure>((outcomes, result))
     };
     let (outcomes, result) =

@@ -33,7 +33,6 @@ mod tests;
 
 pub use epoch::Beginning;
 pub use error::{ConfigError, DriveError};
-pub use gnss::Correlation;
 pub use imu::{ImuLog, load_imu};
 pub use logs::Logs;
 pub use section::Section;
@@ -44,7 +43,7 @@ use crate::{
     align::AlignSettings,
     columns::{IMU_STEP, time_unit},
     replay::{GnssUse, QualityStd},
-    settings::fix_errors::StdFactors,
+    settings::fix_errors::{Correlation, StdFactors},
     temperature,
     vehicle::Constraints,
 };

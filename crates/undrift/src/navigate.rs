@@ -14,14 +14,14 @@ pub use start::{Started, start};
 use crate::{
     align::{AlignSettings, Heading},
     consistency::Consistency,
-    drive::{Correlation, Drive, DriveError},
+    drive::{Drive, DriveError},
     engine::derived::with_velocities,
     findings::Log,
     fixes::{self, FixStudy},
     mounting::{self, Mounting, MountingError},
     reference::Errors,
     replay::{Measurement, ReplayError, Settings, Summary, merge, replay},
-    settings::fix_errors::FixErrors,
+    settings::fix_errors::{FixErrors, FromFixes},
     smooth,
     vehicle::Constraints,
 };
@@ -37,7 +37,7 @@ use undrift_io::{
 };
 use undrift_nav::{
     Matrix3, Vector3,
-    parameters::{Parameter, Parameters},
+    parameters::Parameters,
     sample::{GnssFix, Scalar},
 };
 use undrift_noise::BiasModel;
@@ -50,11 +50,11 @@ pub struct Report {
     pub std_factors: [Option<f64>; 2],
     /// Counts, alignment, innovations.
     pub summary: Summary,
-    /// Whether the solution is the smoothed one.
-    pub smooth: bool,
+    /// What the solution knows at each instant.
+    pub hindsight: Hindsight,
     /// What the fixes show of themselves.
     pub study: Option<FixStudy>,
-    /// What the filter was told that they are wrong by.
+    /// What the filter took them to be wrong by, at last.
     pub fix_errors: FixErrors,
     /// The mounting, where the drive asks for an estimate: the solution is that of the vehicle's axes.
     pub mounting: Option<Mounting>,
@@ -135,12 +135,16 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
         // Axes that are not the vehicle's have no course.
         align.heading = Heading::Auto;
     }
+    let stated = stated(drive);
+    let fix_errors = FixErrors::of(None, &stated, &drive.parameters);
     Ok(Settings {
+        fix_errors,
+        from_fixes: Some(stated),
         rotation: drive.imu.1.rotation,
         lever_arm: drive.lever_arm,
         gnss_use: drive.gnss_use,
         align,
-        parameters: drive.parameters,
+        parameters: fix_errors.with_states(drive.parameters),
         constraints: drive.constraints.clone(),
         gating: drive.gating,
         adapt: drive.adapt,
@@ -172,26 +176,41 @@ pub fn study<E>(
     failed.map_or(Ok(study), Err)
 }
 
-/// Tells the filter what the fixes are wrong by: as the drive file has it, else as they show.
-pub fn tell(settings: &mut Settings, drive: &Drive, study: Option<&FixStudy>) {
-    let mut errors = study.map_or(FixErrors::default(), |study| study.errors);
-    // Velocities are as good as the positions show them to be only where their latency is estimated.
-    let late = study.is_some_and(|study| study.velocity_late.is_some());
-    if late
-        && settings
-            .parameters
-            .prior(Parameter::VelocityTimeOffset)
-            .is_none()
-    {
-        errors.velocity_factor = errors.velocity_factor.max(1.0);
-        errors.velocity_correlated = None;
+/// How much of a log a solution knows at each instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Hindsight {
+    /// What has come so far, as while driving.
+    #[default]
+    Causal,
+    /// What all of the fixes show of their errors, from the first one on; else what has come so far.
+    LookAhead,
+    /// All of it: smoothed.
+    Smooth,
+}
+
+impl Hindsight {
+    /// As two switches ask for it; a smoothed solution looks ahead in any case.
+    pub fn asked(look_ahead: bool, smooth: bool) -> Self {
+        match (look_ahead, smooth) {
+            (_, true) => Self::Smooth,
+            (true, false) => Self::LookAhead,
+            (false, false) => Self::Causal,
+        }
     }
-    match drive.correlation {
-        Correlation::Auto => {}
-        Correlation::Off => errors.correlated = None,
-        Correlation::Given(given) => errors.correlated = Some(given),
+}
+
+/// What is stated of the errors of a drive's fixes.
+pub fn stated(drive: &Drive) -> FromFixes {
+    FromFixes {
+        correlation: drive.correlation,
+        factors: drive.std_factors,
     }
-    let errors = errors.scaled(&drive.std_factors);
+}
+
+/// From the first fix on the filter takes the fixes to be wrong by what all of them show.
+pub fn look_ahead(settings: &mut Settings, study: Option<&FixStudy>) {
+    let stated = settings.from_fixes.take().unwrap_or_default();
+    let errors = FixErrors::of(study, &stated, &settings.parameters);
     settings.parameters = errors.with_states(settings.parameters);
     settings.fix_errors = errors;
 }
@@ -225,6 +244,7 @@ pub fn resolve_mounting(drive: &Drive) -> Result<(Drive, Option<Mounting>), Navi
             ..AlignSettings::default()
         };
         settings.parameters = Parameters::none();
+        (settings.fix_errors, settings.from_fixes) = (FixErrors::default(), None);
         settings.constraints = Constraints::default();
         settings.lever_arm = found.map_or(Vector3::zeros(), |m| m.q_vb.inverse() * drive.lever_arm);
         let mut fixes = fixes.iter().map(|fix| Ok(Measurement::Gnss(*fix)));
@@ -243,7 +263,7 @@ pub fn resolve_mounting(drive: &Drive) -> Result<(Drive, Option<Mounting>), Navi
 
 /// Navigates a drive for what is wanted of it. The files get their names if all went well.
 ///
-/// With `smooth`, the solution written and compared is the smoothed one: the filter's nodes go to a
+/// Smoothed, the solution written and compared is the smoothed one: the filter's nodes go to a
 /// temporary file, and the log is read twice.
 ///
 /// # Errors
@@ -251,10 +271,14 @@ pub fn resolve_mounting(drive: &Drive) -> Result<(Drive, Option<Mounting>), Navi
 /// estimated; a file that cannot be written; a filter that cannot be built.
 pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report, NavigateError> {
     let (drive, mounting) = resolve_mounting(drive)?;
-    let smooth = wanted.smooth;
+    let hindsight = wanted.hindsight;
+    let smooth = hindsight == Hindsight::Smooth;
     let mut settings = settings(&drive, kind)?;
-    let study = study(&drive, &settings, drive.open_gnss()?)?;
-    tell(&mut settings, &drive, study.as_ref());
+    let mut seen_ahead = None;
+    if wanted.hindsight != Hindsight::Causal {
+        seen_ahead = study(&drive, &settings, drive.open_gnss()?)?;
+        look_ahead(&mut settings, seen_ahead.as_ref());
+    }
     settings.nodes = smooth.then_some(NODE_SPAN);
     if smooth {
         settings.start = smooth::better_start(
@@ -287,10 +311,10 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
     let seen = recorder.finish()?;
     Ok(Report {
         std_factors: std_factors(&drive, &settings, &summary)?,
+        hindsight,
+        study: seen_ahead.or(summary.study),
+        fix_errors: (summary.fix_errors.last()).map_or(settings.fix_errors, |(_, errors)| *errors),
         summary,
-        smooth,
-        study,
-        fix_errors: settings.fix_errors,
         mounting,
         rotation: drive.imu.1.rotation,
         rmse: seen.rmse,

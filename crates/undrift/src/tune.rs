@@ -20,7 +20,7 @@ pub mod steps;
 
 use crate::{
     drive::Drive,
-    navigate::{NavigateError, settings, tell},
+    navigate::{NavigateError, look_ahead, settings},
     outages::Logs,
     replay::{ReplayError, begin, vibration::densities},
     results,
@@ -231,7 +231,7 @@ fn load(drives: &[Drive], start: &Start, noise: &Noise) -> Result<Vec<Logs>, Nav
 /// The share of a drive that the fit sees, and from when to when the fixes lie that it does not see \[s\].
 fn split(all: &Logs, hold_out: Option<f64>) -> Result<(FitLog<'_>, (f64, f64)), NavigateError> {
     let mut settings = settings(&all.drive, BiasModel::Arma)?;
-    tell(&mut settings, &all.drive, all.study());
+    look_ahead(&mut settings, all.study());
     let (mut first, last) = match (all.gnss.first(), all.gnss.last()) {
         (Some(first), Some(last)) => (first.time, last.time),
         _ => (0.0, 0.0),

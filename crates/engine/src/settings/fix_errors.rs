@@ -1,9 +1,11 @@
 //! What fixes are wrong by, beyond what they state.
 
+use crate::fixes::FixStudy;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{
     Matrix3, Vector3,
+    filter::Lasting,
     parameters::{Parameter, Parameters, Prior},
     sample::GnssFix,
 };
@@ -16,6 +18,16 @@ pub struct Correlated {
     pub share: f64,
     /// Correlation time \[s\].
     pub time: f64,
+}
+
+impl Correlated {
+    /// What is known of it before, in units of its standard deviation.
+    fn prior(&self) -> Prior {
+        Prior {
+            time: self.time,
+            ..Prior::constant(1.0)
+        }
+    }
 }
 
 /// Factors on standard deviations, beyond what the fixes show of themselves, as learned from a drive.
@@ -33,6 +45,36 @@ impl StdFactors {
         white: [1.0; 2],
         correlated: [1.0; 2],
     };
+}
+
+/// Whether errors of position fixes are treated as correlated in time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Correlation {
+    /// Where the fixes show it themselves.
+    #[default]
+    Auto,
+    /// Never: all of it is white noise.
+    Off,
+    /// As given.
+    Given(Correlated),
+}
+
+/// What is stated of the errors of fixes; the rest they show themselves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FromFixes {
+    /// Of the position's correlation in time.
+    pub correlation: Correlation,
+    /// On what they show.
+    pub factors: StdFactors,
+}
+
+impl Default for FromFixes {
+    fn default() -> Self {
+        Self {
+            correlation: Correlation::Auto,
+            factors: StdFactors::ONE,
+        }
+    }
 }
 
 /// What fixes are wrong by, beyond what they state.
@@ -72,6 +114,53 @@ impl Default for FixErrors {
 }
 
 impl FixErrors {
+    /// What fixes are taken to be wrong by that have shown this of themselves, beside what is stated, in a filter with
+    /// these parameters.
+    pub fn of(study: Option<&FixStudy>, stated: &FromFixes, parameters: &Parameters) -> Self {
+        let mut errors = study.map_or(Self::default(), |study| study.errors);
+        // Velocities are as good as the positions show them to be only where their latency is estimated.
+        let late = study.is_some_and(|study| study.velocity_late.is_some());
+        if late && parameters.prior(Parameter::VelocityTimeOffset).is_none() {
+            errors.velocity_factor = errors.velocity_factor.max(1.0);
+            errors.velocity_correlated = None;
+        }
+        match stated.correlation {
+            Correlation::Auto => {}
+            Correlation::Off => errors.correlated = None,
+            Correlation::Given(given) => errors.correlated = Some(given),
+        }
+        errors.scaled(&stated.factors)
+    }
+
+    /// What a filter estimates of the lasting parts of position and velocity, whose fixes were taken to be wrong by `before`
+    /// and state `position` \[m²\].
+    pub(crate) fn lasting(&self, before: &Self, position: &Matrix3) -> [Option<Lasting>; 2] {
+        let parts = [
+            (
+                self.correlated,
+                self.position_factor,
+                before.correlated,
+                before.position_factor,
+            ),
+            (
+                self.velocity_correlated,
+                self.velocity_factor,
+                before.velocity_correlated,
+                before.velocity_factor,
+            ),
+        ];
+        let shared = [self.split(position).1, Vector3::zeros()];
+        let std = |part: Correlated, factor: f64| part.share.sqrt() * factor;
+        core::array::from_fn(|k| {
+            let (part, factor, was, before) = parts[k];
+            part.map(|part| Lasting {
+                prior: part.prior(),
+                grown: was.map_or(1.0, |was| std(part, factor) / std(was, before)),
+                shared: shared[k],
+            })
+        })
+    }
+
     /// The fix with covariances that cover these errors.
     pub fn apply(&self, fix: &GnssFix) -> GnssFix {
         let mut fix = *fix;
@@ -116,12 +205,8 @@ impl FixErrors {
             (Parameter::PositionError, self.correlated),
             (Parameter::VelocityError, self.velocity_correlated),
         ] {
-            if let Some(Correlated { time, .. }) = part {
-                let prior = Prior {
-                    time,
-                    ..Prior::constant(1.0)
-                };
-                parameters = parameters.with(kind, prior);
+            if let Some(part) = part {
+                parameters = parameters.with(kind, part.prior());
             }
         }
         parameters

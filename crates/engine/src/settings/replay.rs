@@ -1,6 +1,10 @@
 //! How a log is navigated.
 
-use super::{EngineSettings, fix_errors::FixErrors, quality::QualityStd};
+use super::{
+    EngineSettings,
+    fix_errors::{FixErrors, FromFixes},
+    quality::QualityStd,
+};
 use crate::{
     align::settings::AlignSettings,
     estimator::{LogTo, STAMP_ROUNDING},
@@ -72,8 +76,11 @@ pub struct Settings {
     pub quality: QualityStd,
     /// Where the white noise of the sensors follows their vibration: the factors of its standard deviation, axis by axis.
     pub vibration: Option<[f64; AXES]>,
-    /// What the fixes are wrong by beyond what they state.
+    /// What the fixes are wrong by beyond what they state: from the start, or until they show it themselves.
     pub fix_errors: FixErrors,
+    /// Where they are to show it themselves, as they come: what is stated of it. Not beside `nodes` or `log`: the states
+    /// of a smoother stay the same.
+    pub from_fixes: Option<FromFixes>,
     /// Longest span between two nodes for a smoother \[s\]; `None`: no nodes.
     pub nodes: Option<f64>,
     /// What the first attitude, sensor states and parameters after alignment are off by, as a smoother
@@ -107,6 +114,7 @@ impl Settings {
             quality: QualityStd::AsStated,
             vibration: None,
             fix_errors: FixErrors::default(),
+            from_fixes: None,
             nodes: None,
             start: None,
             doubts: Vec::new(),

@@ -32,6 +32,8 @@ class Navigation(Solution, Told):
     """Name of the bias model."""
     smooth: bool
     """Whether the solution is the smoothed one."""
+    look_ahead: bool
+    """Whether it knows more of the log than what came before; else it is that of a run while driving."""
     alignment: str
     """How it began."""
     fixes: int
@@ -103,6 +105,7 @@ def navigate(
     data: str | os.PathLike[str] | None = None,
     bias_model: str = "arma",
     smooth: bool = False,
+    look_ahead: bool = False,
     output: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = (),
     format: str | None = None,
     every: float | None = None,
@@ -136,6 +139,8 @@ def navigate(
         white, paper, gauss-markov, random-walk, ar or arma.
     smooth : bool
         Whether the solution is the smoothed one.
+    look_ahead : bool
+        Whether the errors of all fixes are studied first, else those of the fixes so far, as while driving.
     output : path or iterable of paths
         Files to write the solution to.
     format : str, optional
@@ -170,7 +175,7 @@ def navigate(
     files = [output] if isinstance(output, (str, os.PathLike)) else list(output)
     with reporter(progress, "navigate") as report:
         text, brief, arrays = _undrift.navigate(
-            made._drive, bias_model, smooth, files, format, every, solution, report
+            made._drive, bias_model, smooth, look_ahead, files, format, every, solution, report
         )
     # Without the series for plots, which take longer to parse than many a drive takes to navigate.
     told = json.loads(brief)
@@ -180,6 +185,7 @@ def navigate(
         json=text,
         bias_model=told["bias_model"],
         smooth=told["smooth"],
+        look_ahead=told["look_ahead"],
         alignment=summary["alignment"],
         fixes=summary["fixes"],
         rmse=told["rms_error"],

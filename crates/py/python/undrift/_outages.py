@@ -74,6 +74,8 @@ class Outages(Told):
     """What the errors are measured against: ``truth``, or ``gnss`` for the withheld fixes."""
     smooth: bool
     """Whether the errors are those of the smoothed solutions."""
+    look_ahead: bool
+    """Whether the solutions know more of the log than what came before; else they are those of a run while driving."""
     warnings: tuple[str, ...]
     """Warnings about the logs and the models."""
     table: str = field(repr=False)
@@ -186,6 +188,7 @@ def outages(
     start: float = 60.0,
     at: Iterable[float] | None = None,
     smooth: bool = False,
+    look_ahead: bool = False,
     progress: Progress = False,
     **keys: Any,
 ) -> Outages:
@@ -221,6 +224,8 @@ def outages(
         Starts in the logs' time base [s].
     smooth : bool
         Whether the solutions are smoothed.
+    look_ahead : bool
+        Whether the errors of all fixes are studied first, else those of the fixes so far, as while driving.
     progress : bool or callable
         True for a bar; or ``tqdm``, or what is called like it.
     **keys
@@ -254,6 +259,7 @@ def outages(
             start,
             None if at is None else [float(time) for time in at],
             smooth,
+            look_ahead,
             report,
         )
     told = json.loads(text)
@@ -280,6 +286,7 @@ def outages(
         cuts=np.array(cuts).reshape(-1, 2),
         reference=told["reference"],
         smooth=told["smooth"],
+        look_ahead=told["look_ahead"],
         warnings=tuple(map(_undrift.in_python, (*told["warnings"], *of_models))),
         table=table,
         json=text,

@@ -148,6 +148,7 @@ def navigate(
     drive: Drive,
     bias: str,
     smooth: bool,
+    look_ahead: bool,
     output: Sequence[Path],
     format: str | None,
     every: float | None,
@@ -163,6 +164,7 @@ def outages(
     start: float,
     at: list[float] | None,
     smooth: bool,
+    look_ahead: bool,
     progress: Report | None,
 ) -> tuple[str, str, list[tuple[str, list[tuple[float, Floats, Floats]]]]]: ...
 def tune(

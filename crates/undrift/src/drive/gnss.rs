@@ -8,7 +8,7 @@ use super::{
 };
 use crate::{
     replay::{GnssUse, QualityStd},
-    settings::fix_errors::{Correlated, StdFactors},
+    settings::fix_errors::{Correlated, Correlation, StdFactors},
 };
 use std::path::PathBuf;
 use undrift_io::{
@@ -123,18 +123,6 @@ pub(super) fn read_quality(section: &Section) -> Result<QualityStd, ConfigError>
     }
     factors.only_known()?;
     Ok(QualityStd::Factors(values))
-}
-
-/// What is known of the time-correlated part of the position's error.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Correlation {
-    /// What the fixes show.
-    #[default]
-    Auto,
-    /// None: the error is white.
-    Off,
-    /// This.
-    Given(Correlated),
 }
 
 /// Share of the variance where only the time is given.

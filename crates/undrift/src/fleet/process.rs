@@ -8,7 +8,7 @@ use crate::{
     drive::{Drive, read_text},
     findings::{self, Finding, Log},
     identify,
-    navigate::{self, Wanted},
+    navigate::{self, Hindsight, Wanted},
     outages::{Logs, ScheduleError},
     record,
     reference::COMPONENTS,
@@ -204,7 +204,7 @@ fn outages(
     let logs = Logs::load(&drive)?;
     let schedule = plan.schedule().ok_or(ScheduleError::Zero)?;
     let cuts = logs.plan(&schedule, plan.length_s)?;
-    let runs = logs.run(kinds, &cuts, smooth, &|_| {})?;
+    let runs = logs.run(kinds, &cuts, Hindsight::asked(false, smooth), &|_| {})?;
     outcome.findings = logs.findings(&runs);
     for (name, run) in &runs {
         let found = match run {
@@ -246,7 +246,7 @@ fn navigate(
     let drive = load(job, outcome)?;
     for kind in kinds {
         let wanted = Wanted {
-            smooth,
+            hindsight: Hindsight::asked(false, smooth),
             ..Wanted::default()
         };
         let name = kind.name().to_owned();

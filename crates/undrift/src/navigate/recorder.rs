@@ -1,6 +1,6 @@
 //! What is kept of a run while it goes: files, errors against the truth, curves.
 
-use super::{outputs::Outputs, recording::Recording};
+use super::{Hindsight, outputs::Outputs, recording::Recording};
 use crate::{
     consistency::{Consistency, ErrorState},
     drive::Drive,
@@ -62,8 +62,8 @@ impl Iterator for Readable {
 pub struct Wanted {
     /// Where the solution goes.
     pub files: Vec<SolutionFile>,
-    /// The smoothed solution instead of the filter's.
-    pub smooth: bool,
+    /// What the solution may know at each instant.
+    pub hindsight: Hindsight,
     /// The run over time in [`super::Report::recording`].
     pub recording: bool,
     /// The solution at every sample in [`super::Report::rows`]: 31 numbers each.
@@ -112,7 +112,9 @@ impl Recorder {
             }),
             squares: [0.0; COMPONENTS.len()],
             compared: 0,
-            history: wanted.smooth.then(History::new).transpose()?,
+            history: (wanted.hindsight == Hindsight::Smooth)
+                .then(History::new)
+                .transpose()?,
             consistency: Consistency::default(),
             next_nees: f64::NEG_INFINITY,
             recording: wanted.recording.then(Box::default),

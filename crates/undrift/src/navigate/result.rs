@@ -1,6 +1,6 @@
 //! A navigated drive as its result.
 
-use super::Report;
+use super::{Hindsight, Report};
 use crate::{
     consistency::GROUP,
     replay::{self, Innovations},
@@ -30,7 +30,8 @@ impl Report {
             schema: SCHEMA,
             drive,
             bias_model: kind.name().into(),
-            smooth: self.smooth,
+            smooth: self.hindsight == Hindsight::Smooth,
+            look_ahead: self.hindsight != Hindsight::Causal,
             mounting: None,
             position: nis(&s.position),
             velocity: nis(&s.velocity),

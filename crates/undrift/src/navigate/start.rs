@@ -1,6 +1,6 @@
 //! Where the navigation of a drive begins, for who goes on step by step.
 
-use super::{Aids, NavigateError, resolve_mounting, settings, study, tell};
+use super::{Aids, NavigateError, look_ahead, resolve_mounting, settings, study};
 use crate::{
     drive::Drive,
     estimator::{Estimator, STAMP_ROUNDING},
@@ -25,8 +25,9 @@ pub struct Started {
 pub fn start(drive: &Drive, kind: BiasModel) -> Result<Started, NavigateError> {
     let (drive, _) = resolve_mounting(drive)?;
     let mut settings = settings(&drive, kind)?;
+    // Who goes on step by step has a filter whose states stay the same.
     let study = study(&drive, &settings, drive.open_gnss()?)?;
-    tell(&mut settings, &drive, study.as_ref());
+    look_ahead(&mut settings, study.as_ref());
     let mut aids = Aids::open(&drive)?;
     let begun = begin(&mut drive.open_imu()?, &mut aids.measurements(), &settings)?;
     let Some(filter) = begun else {

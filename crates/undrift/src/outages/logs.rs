@@ -11,7 +11,7 @@ use crate::{
     findings::{self, Finding, Log},
     fixes::{self, FixStudy},
     mounting::Mounting,
-    navigate::{NavigateError, resolve_mounting, scalars, settings, tell},
+    navigate::{Hindsight, NavigateError, look_ahead, resolve_mounting, scalars, settings},
     replay::{Measurement, Outage, ReplayError, merge},
     results::{self, Outages},
     settings::EngineSettings,
@@ -125,7 +125,7 @@ impl Logs {
         Ok(cuts)
     }
 
-    /// Runs every bias model through the outages, on all cores; with `smooth`, the errors are those
+    /// Runs every bias model through the outages, on all cores; smoothed, the errors are those
     /// that are left when the fixes after an outage are known too. `done` is called with how many
     /// more samples a model has taken, of [`Logs::imu`] times the models.
     ///
@@ -135,16 +135,18 @@ impl Logs {
         &self,
         kinds: &[BiasModel],
         cuts: &[Outage],
-        smooth: bool,
+        hindsight: Hindsight,
         done: &(dyn Fn(u64) + Sync),
     ) -> Result<Vec<ModelOutcome>, NavigateError> {
         let models = kinds
             .iter()
             .map(|kind| {
                 let mut settings = settings(&self.drive, *kind)?;
-                tell(&mut settings, &self.drive, self.study.as_ref());
+                if hindsight != Hindsight::Causal {
+                    look_ahead(&mut settings, self.study.as_ref());
+                }
                 settings.outages = cuts.to_vec();
-                settings.nodes = smooth.then_some(NODE_SPAN);
+                settings.nodes = (hindsight == Hindsight::Smooth).then_some(NODE_SPAN);
                 Ok((kind.name().to_owned(), settings))
             })
             .collect::<Result<Vec<_>, NavigateError>>()?;
@@ -218,12 +220,13 @@ impl Logs {
         file: &Path,
         cuts: &[Outage],
         results: &[ModelOutcome],
-        smooth: bool,
+        hindsight: Hindsight,
     ) -> Outages {
         Outages {
             drive: results::Drive::of(file, &self.drive),
             reference: self.reference().into(),
-            smooth,
+            smooth: hindsight == Hindsight::Smooth,
+            look_ahead: hindsight != Hindsight::Causal,
             findings: self.findings(results),
             ..result(cuts, results, &self.track())
         }

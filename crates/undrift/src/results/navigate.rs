@@ -24,6 +24,8 @@ pub struct Navigate {
     pub bias_model: String,
     /// Whether the solution is the smoothed one.
     pub smooth: bool,
+    /// Whether the solution knows more of the log than what came before: else it is that of a run while driving.
+    pub look_ahead: bool,
     /// The mounting in words, where it was estimated; filled in where results are shown.
     pub mounting: Option<String>,
     /// Innovations of the positions.

@@ -31,6 +31,8 @@ pub struct Outages {
     pub reference: String,
     /// Whether the errors are those of the smoothed solutions.
     pub smooth: bool,
+    /// Whether the solutions know more of the log than what came before: else they are those of a run while driving.
+    pub look_ahead: bool,
     /// Normalised innovations squared of each model per degree of freedom.
     pub nis_per_dof: BTreeMap<String, NisOfParts>,
     /// What was found out about the logs.

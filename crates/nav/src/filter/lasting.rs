@@ -1,0 +1,141 @@
+//! Lasting errors of the fixes, estimated from some time on: they are behind all other states, which keep their places.
+
+use super::{Filter, FilterError};
+use crate::{
+    Matrix3, Vector3,
+    covariance::Sensors,
+    mechanisation::{Increments, NavState, RawIncrements},
+    parameters::{Coupling, Parameter, Parameters, Prior},
+};
+use nalgebra::SMatrix;
+
+/// The time-correlated part of the errors of a fix's position or velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lasting {
+    /// What is known of it, in units of its standard deviation [–].
+    pub prior: Prior,
+    /// Its standard deviation over the one it was estimated with before, where it was [–].
+    pub grown: f64,
+    /// Standard deviation of that part of the solution's own error, north, east, down [m or m/s]: what its fixes were
+    /// wrong by, the solution is too. For a part that was not estimated before.
+    pub shared: Vector3,
+}
+
+/// What a filter of any size has beside its states.
+#[derive(Clone, Debug)]
+pub struct Carried {
+    nav: NavState,
+    sensors: Sensors,
+    parameters: Parameters,
+    c_nb: Matrix3,
+    previous: Option<RawIncrements>,
+    current: Option<(Increments, f64)>,
+    end: f64,
+    omega_ib_b: Vector3,
+    force_b: Vector3,
+    coupling: Coupling,
+    start: f64,
+}
+
+const KINDS: [Parameter; 2] = [Parameter::PositionError, Parameter::VelocityError];
+
+impl Carried {
+    /// The parameters, with those errors that last.
+    pub fn parameters(&self, lasting: &[Option<Lasting>; 2]) -> Parameters {
+        let both = KINDS.into_iter().zip(lasting);
+        both.fold(
+            self.parameters,
+            |parameters, (kind, lasting)| match lasting {
+                Some(lasting) => parameters.with(kind, lasting.prior),
+                None => parameters.without(kind),
+            },
+        )
+    }
+}
+
+impl<const N: usize> Filter<N> {
+    /// What it has beside its states.
+    pub fn carried(&self) -> Carried {
+        Carried {
+            nav: self.nav,
+            sensors: self.sensors.clone(),
+            parameters: self.parameters,
+            c_nb: self.c_nb,
+            previous: self.previous,
+            current: self.current,
+            end: self.end,
+            omega_ib_b: self.omega_ib_b,
+            force_b: self.force_b,
+            coupling: self.coupling,
+            start: self.start,
+        }
+    }
+
+    /// A filter that goes on from another one, with its estimates `x` and covariance `p`, and from now on estimates
+    /// [`Parameter::PositionError`] and [`Parameter::VelocityError`] as given, or not. What of them was estimated before
+    /// keeps its value in metres.
+    ///
+    /// # Errors
+    /// [`FilterError::TooManyStates`] where `N` does not hold the states.
+    pub fn with_lasting(
+        carried: Carried,
+        x: &[f64],
+        p: &dyn Fn(usize, usize) -> f64,
+        lasting: &[Option<Lasting>; 2],
+    ) -> Result<Self, FilterError> {
+        let parameters = carried.parameters(lasting);
+        let behind = carried.sensors.states();
+        let needed = behind + parameters.states();
+        if needed > N {
+            return Err(FilterError::TooManyStates {
+                needed,
+                capacity: N,
+            });
+        }
+        // Where each state was before, and its unit then in that of now.
+        let mut before: [Option<(usize, f64)>; N] =
+            core::array::from_fn(|i| (i < needed).then_some((i, 1.0)));
+        let mut filter = Self {
+            nav: carried.nav,
+            sensors: carried.sensors,
+            parameters,
+            x: [0.0; N],
+            p: SMatrix::zeros(),
+            c_nb: carried.c_nb,
+            previous: carried.previous,
+            current: carried.current,
+            end: carried.end,
+            omega_ib_b: carried.omega_ib_b,
+            force_b: carried.force_b,
+            coupling: carried.coupling,
+            start: carried.start,
+        };
+        for (k, (kind, lasting)) in KINDS.into_iter().zip(lasting).enumerate() {
+            let (Some(at), Some(lasting)) = (filter.parameter_start(kind), lasting) else {
+                continue;
+            };
+            let was = carried.parameters.start(kind).map(|was| behind + was);
+            for i in 0..kind.width() {
+                before[at + i] = was.map(|was| (was + i, 1.0 / lasting.grown));
+                if was.is_none() {
+                    let variance = lasting.prior.std * lasting.prior.std;
+                    let (own, across) = (3 * k + i, lasting.shared[i] * variance);
+                    filter.p[(at + i, at + i)] = variance;
+                    filter.p[(own, own)] = lasting.shared[i] * across;
+                    filter.p[(own, at + i)] = across;
+                    filter.p[(at + i, own)] = across;
+                }
+            }
+        }
+        for i in 0..needed {
+            let Some((a, unit)) = before[i] else { continue };
+            filter.x[i] = x[a] * unit;
+            for j in 0..needed {
+                if let Some((b, other)) = before[j] {
+                    filter.p[(i, j)] += p(a, b) * unit * other;
+                }
+            }
+        }
+        Ok(filter)
+    }
+}
