@@ -1,6 +1,6 @@
 //! What can happen in a replay that is worth telling, as values.
 
-use crate::{align::Alignment, settings::replay::Doubt};
+use crate::{align::Alignment, settings::Doubt};
 
 /// An event of the navigation. One that lasts is reported at its start.
 #[derive(Clone, Copy, Debug, PartialEq)]

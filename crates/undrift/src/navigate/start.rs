@@ -25,7 +25,7 @@ pub struct Started {
 pub fn start(drive: &Drive, kind: BiasModel) -> Result<Started, NavigateError> {
     let (drive, _) = resolve_mounting(drive)?;
     let mut settings = settings(&drive, kind)?;
-    let study = study(&drive, &settings, drive.open_gnss()?)?;
+    let study = study(&drive, drive.open_gnss()?)?;
     tell(&mut settings, &drive, study.as_ref());
     let mut aids = Aids::open(&drive)?;
     let begun = begin(&mut drive.open_imu()?, &mut aids.measurements(), &settings)?;
