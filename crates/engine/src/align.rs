@@ -26,7 +26,7 @@ pub use settings::{AlignSettings, Heading};
 use crate::{
     derived::{Positions, antenna},
     estimator::{self, Aiding, Estimator},
-    settings::{AlignmentSettings, replay::Settings},
+    settings::Settings,
 };
 use alloc::boxed::Box;
 use basis::{noise_of_mean, walk};
@@ -42,6 +42,26 @@ use undrift_nav::{
     mechanisation::NavState,
     sample::{GnssFix, ImuSample},
 };
+
+/// Speed of the last fix above which nothing counts as rest \[m/s\].
+const REST_SPEED: f64 = 0.5;
+/// A first fix after a rest that is faster than this plus [`START_ACCELERATION`] times the time since shows that it was
+/// steady motion \[m/s\].
+const START_SPEED: f64 = 2.0;
+/// What a vehicle gains at most since a rest \[m/s²\].
+const START_ACCELERATION: f64 = 5.0;
+/// What disturbs the mean specific force of a vehicle at rest (engine, wind, people) \[m/s²\].
+const LEVEL_FLOOR: f64 = 0.02;
+/// What disturbs the mean rate of a vehicle at rest \[rad/s\].
+const RATE_FLOOR: f64 = 1e-4;
+/// Tilt before levelling, one standard deviation \[rad\].
+const TILT_BEFORE: f64 = 0.5;
+/// Side slip of a vehicle and error of a course, one standard deviation \[rad\].
+const COURSE_FLOOR: f64 = 0.035;
+/// A course with a larger standard deviation does not serve as heading \[rad\].
+const COURSE_WORST: f64 = 0.52;
+/// Fixes further apart than this are not a pair \[s\].
+const PAIR_SPAN: f64 = 2.5;
 
 /// A filter ready to run, and how it was aligned.
 pub(crate) struct Aligned {
@@ -65,7 +85,6 @@ struct Seen {
 #[derive(Clone, Default)]
 pub(crate) struct Aligner {
     settings: AlignSettings,
-    set: AlignmentSettings,
     time: Option<f64>,
     rest: Rest,
     /// Attitude against a frame of arbitrary azimuth, level once there was rest.
@@ -91,10 +110,8 @@ impl Aligner {
         let (gyro, accel) = settings.sensors.split_at(3);
         Self {
             settings: settings.align.clone(),
-            set: settings.engine.alignment,
-            rest: Rest::new(gyro, accel, settings.engine.alignment_rest),
+            rest: Rest::new(gyro, accel),
             motion: MotionAligner::new(settings),
-            positions: Positions::new(settings.engine.derived_velocity),
             ..Self::default()
         }
     }
@@ -119,9 +136,7 @@ impl Aligner {
             return;
         }
         let stands = match self.last_fix {
-            Some((fixed, _)) if until - fixed <= self.set.pair_span => {
-                Some(self.speed < self.set.rest_speed)
-            }
+            Some((fixed, _)) if until - fixed <= PAIR_SPAN => Some(self.speed < REST_SPEED),
             _ => None,
         };
         if self.rest.holds(stands) {
@@ -168,8 +183,8 @@ impl Aligner {
             );
             return Ok(Some(aligned(filter, AttitudeSource::Given)));
         }
-        let bias_variance = noise_of_mean(&settings.sensors[..3], self.rest.bias_span())
-            + self.set.rate_floor * self.set.rate_floor;
+        let bias_variance =
+            noise_of_mean(&settings.sensors[..3], self.rest.bias_span()) + RATE_FLOOR * RATE_FLOOR;
         if let (Some(rested), Some(heading)) = (self.rested, self.heading(&seen)) {
             let aligned = self.after_rest(&seen, rested, heading, bias_variance, settings);
             return aligned.map(Some);
@@ -193,8 +208,7 @@ impl Aligner {
         let (antenna, (_, covariance)) = (antenna(fix)?, fix.position?);
         self.fixes += 1;
         let before = self.last_fix.replace((fix.time, antenna));
-        let before =
-            before.filter(|(time, _)| fix.time - time <= self.set.pair_span && fix.time > *time);
+        let before = before.filter(|(time, _)| fix.time - time <= PAIR_SPAN && fix.time > *time);
         let given = self.settings.velocity.map(|(v, std)| (v, diagonal(&std)));
         let derived = self.positions.add(fix).map(|derived| {
             // It held a while ago: a vehicle's acceleration since then.
@@ -224,13 +238,13 @@ impl Aligner {
         let speed = seen.velocity.0.xy().norm();
         self.speed = speed;
         self.fastest = self.fastest.max(speed);
-        if speed >= self.set.rest_speed {
+        if speed >= REST_SPEED {
             // Steady braking has steady readings too: rest begins after it.
             self.rest.interrupt();
         }
         if let Some((.., end)) = self.rested
             && !self.stood
-            && speed > self.set.start_speed + self.set.start_acceleration * (seen.time - end)
+            && speed > START_SPEED + START_ACCELERATION * (seen.time - end)
         {
             // Steady motion that looked like rest while there was no fix.
             self.rested = None;
@@ -258,9 +272,8 @@ impl Aligner {
             Heading::Course if speed >= self.settings.min_speed => {
                 let course = velocity.y.atan2(velocity.x);
                 let noise = covariance.fixed_view::<2, 2>(0, 0).trace() / 2.0;
-                let floor = self.set.course_floor;
-                let std = (noise / (speed * speed) + floor * floor).sqrt();
-                (std < self.set.course_worst).then_some((course, std, HeadingSource::Course))
+                let std = (noise / (speed * speed) + COURSE_FLOOR * COURSE_FLOOR).sqrt();
+                (std < COURSE_WORST).then_some((course, std, HeadingSource::Course))
             }
             _ => None,
         }
@@ -282,15 +295,14 @@ impl Aligner {
         let wide = InitialStd {
             position: Vector3::repeat(1.0),
             velocity: Vector3::repeat(1.0),
-            attitude: Vector3::new(self.set.tilt_before, self.set.tilt_before, std),
+            attitude: Vector3::new(TILT_BEFORE, TILT_BEFORE, std),
         };
         let at_rest = NavState {
             q_nb: spin * level_at_rest,
             ..now
         };
         let mut filter = estimator::build(at_rest, &wide, &settings.sensors, settings.parameters)?;
-        let variance = noise_of_mean(&settings.sensors[3..], duration)
-            + self.set.level_floor * self.set.level_floor;
+        let variance = noise_of_mean(&settings.sensors[3..], duration) + LEVEL_FLOOR * LEVEL_FLOOR;
         let level = Aiding::Level(force_at_rest);
         filter.update(&level, &(Matrix3::identity() * variance), &Gate::OPEN)?;
         if settings.sensors[..3].iter().all(|s| s.order > 0) {
@@ -325,7 +337,7 @@ impl Aligner {
         let rest = match self.settings.heading {
             _ if self.rested.is_none() => RestFailure::NoRest,
             Heading::Course if fastest >= min_speed => RestFailure::NoFastFix { min_speed },
-            Heading::Course if fastest < self.set.rest_speed => RestFailure::NeverMoved { fastest },
+            Heading::Course if fastest < REST_SPEED => RestFailure::NeverMoved { fastest },
             Heading::Course => RestFailure::TooSlow { min_speed, fastest },
             _ => RestFailure::NoHeading,
         };

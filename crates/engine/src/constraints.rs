@@ -3,14 +3,14 @@
 use super::{
     measurement::Scalar,
     observer::Observer,
-    rest::{RestBlock, RestDetector},
+    rest::{MOVES, RestBlock, RestDetector},
     solution::Solution,
     summary::Summary,
 };
 use crate::{
-    derived::Positions,
+    derived::{BRAKING, Positions},
     estimator::{Aiding, Estimator},
-    settings::{ConstraintSettings, replay::Settings},
+    settings::Settings,
     vehicle::NonHolonomic,
 };
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -20,6 +20,20 @@ use undrift_nav::{
     filter::{Gate, Outcome, Update},
     sample::{GnssFix, ImuSample},
 };
+
+/// NIS from which a constraint, wheel speed or height is down-weighted, and from which it is rejected: it contradicts
+/// the solution far beyond both.
+const GATE: Gate = Gate {
+    weaken: 9.0,
+    reject: 100.0,
+};
+/// What the standard deviation of a rest is multiplied by that only the sensors see: a soft start has begun before it
+/// shows.
+const REST_UNCONFIRMED: f64 = 10.0;
+/// NIS from which a rest that only the sensors confirm is a start: χ² of three at p = 10⁻⁴.
+const REJECT_REST: f64 = 21.1;
+/// The speed of a fix holds for this long \[s\].
+const SPEED_HOLDS: f64 = 1.5;
 
 /// What is known of the vehicle's motion beside the solution.
 #[derive(Clone)]
@@ -39,25 +53,18 @@ fn isotropic(std: f64) -> Matrix3 {
 }
 
 /// Updates with something that is known of the vehicle.
-fn constrain(
-    filter: &mut dyn Estimator,
-    aiding: &Aiding,
-    noise: &Matrix3,
-    settings: &Settings,
-) -> Option<Update> {
-    let ConstraintSettings { weaken, reject, .. } = settings.engine.constraints;
-    let gate = Gate { weaken, reject };
-    filter.update(aiding, noise, &gate).ok()?
+fn constrain(filter: &mut dyn Estimator, aiding: &Aiding, noise: &Matrix3) -> Option<Update> {
+    filter.update(aiding, noise, &GATE).ok()?
 }
 
 impl Vehicle {
     pub(super) fn new(settings: &Settings) -> Self {
         Self {
-            rest: RestDetector::new(&settings.sensors, settings.engine.rest),
+            rest: RestDetector::new(&settings.sensors),
             last_speed: None,
             last_constraint: f64::NEG_INFINITY,
             stood: false,
-            positions: Positions::new(settings.engine.derived_velocity),
+            positions: Positions::default(),
         }
     }
 
@@ -72,19 +79,14 @@ impl Vehicle {
             speed: speed.value,
             lever_arm: settings.constraints.odometer_lever,
         };
-        if let Some(update) = scalar(solution, speed, &aiding, settings) {
+        if let Some(update) = scalar(solution, speed, &aiding) {
             summary.odometer.add(update);
         }
     }
 
     /// A barometric height within the present sample.
-    pub(super) fn barometer(
-        solution: &mut Solution,
-        height: &Scalar,
-        settings: &Settings,
-        summary: &mut Summary,
-    ) {
-        if let Some(update) = scalar(solution, height, &Aiding::Barometer(height.value), settings) {
+    pub(super) fn barometer(solution: &mut Solution, height: &Scalar, summary: &mut Summary) {
+        if let Some(update) = scalar(solution, height, &Aiding::Barometer(height.value)) {
             summary.barometer.add(update);
         }
     }
@@ -94,11 +96,11 @@ impl Vehicle {
         let Some((v_n, covariance)) = &fix.velocity else {
             let least = self.positions.add(fix).map(|derived| {
                 let error = derived.covariance.fixed_view::<2, 2>(0, 0).trace().sqrt();
-                let braking = settings.engine.derived_velocity.braking * (fix.time - derived.time);
+                let braking = BRAKING * (fix.time - derived.time);
                 (derived.v_n.xy().norm() - 2.0 * error - braking).max(0.0)
             });
             // That it stands now, positions tell too late; of too few nothing is known.
-            let least = least.unwrap_or(settings.engine.rest.moves);
+            let least = least.unwrap_or(MOVES);
             self.last_speed = Some((fix.time, (least, f64::INFINITY)));
             return;
         };
@@ -110,7 +112,7 @@ impl Vehicle {
         {
             let noise = 0.5 * error * error / (speed * speed) + std * std;
             let course = Aiding::Course(v_n.y.atan2(v_n.x));
-            let _ = constrain(filter, &course, &(Matrix3::identity() * noise), settings);
+            let _ = constrain(filter, &course, &(Matrix3::identity() * noise));
         }
     }
 
@@ -128,8 +130,7 @@ impl Vehicle {
         let constraints = &settings.constraints;
         if constraints.zero_velocity.is_some() || constraints.zero_angular_rate.is_some() {
             let speed = self.last_speed.filter(|(time, _)| {
-                sample.time - time < settings.engine.constraints.speed_holds
-                    && last_velocity == Some(*time)
+                sample.time - time < SPEED_HOLDS && last_velocity == Some(*time)
             });
             let block = self.rest.add(
                 sample,
@@ -146,7 +147,7 @@ impl Vehicle {
             && filter.vehicle_velocity(&rule.lever).x.abs() > rule.min_speed
         {
             self.last_constraint = sample.time;
-            if let Some(update) = stay_on_track(filter, rule, settings) {
+            if let Some(update) = stay_on_track(filter, rule) {
                 summary.non_holonomic.add(update);
             }
         }
@@ -154,23 +155,13 @@ impl Vehicle {
 }
 
 /// Updates with a measurement of one number; not in a long gap, where the attitude is not known.
-fn scalar(
-    solution: &mut Solution,
-    measured: &Scalar,
-    aiding: &Aiding,
-    settings: &Settings,
-) -> Option<Update> {
+fn scalar(solution: &mut Solution, measured: &Scalar, aiding: &Aiding) -> Option<Update> {
     let unknown = solution.in_long_gap();
     solution.advance_to(measured.time);
     if unknown {
         return None;
     }
-    constrain(
-        &mut *solution.filter,
-        aiding,
-        &isotropic(measured.std),
-        settings,
-    )
+    constrain(&mut *solution.filter, aiding, &isotropic(measured.std))
 }
 
 /// What the sensors should read at rest: rate \[rad/s\] and specific force \[m/s²\].
@@ -204,8 +195,7 @@ fn stand_still(
     let starts = *stood && rest && !block.confirmed;
     *stood = false;
     if let Some(std) = settings.constraints.zero_velocity.filter(|_| rest) {
-        let set = &settings.engine.constraints;
-        if starts && nis_of_rest(filter, std) > set.reject_rest {
+        if starts && nis_of_rest(filter, std) > REJECT_REST {
             *stood = true;
             return false;
         }
@@ -213,10 +203,10 @@ fn stand_still(
         let unsure = if block.confirmed {
             1.0
         } else {
-            set.rest_unconfirmed
+            REST_UNCONFIRMED
         };
         let noise = isotropic(std * unsure);
-        if let Some(done) = constrain(filter, &Aiding::ZeroVelocity, &noise, settings) {
+        if let Some(done) = constrain(filter, &Aiding::ZeroVelocity, &noise) {
             // A solution that is sure to move is believed.
             rest = done.outcome != Outcome::Rejected;
             // One that is weakened had not known before that it stands.
@@ -233,23 +223,18 @@ fn stand_still(
             filter,
             &Aiding::EarthRate(block.rate),
             &Matrix3::from_diagonal(&noise),
-            settings,
         );
     }
     rest
 }
 
 /// Updates with what wheels do not do.
-fn stay_on_track(
-    filter: &mut dyn Estimator,
-    rule: &NonHolonomic,
-    settings: &Settings,
-) -> Option<Update> {
+fn stay_on_track(filter: &mut dyn Estimator, rule: &NonHolonomic) -> Option<Update> {
     let lateral = (filter.vehicle_velocity(&rule.lever).x * filter.omega_nb_b().z).abs();
     let right = rule.right + rule.slip * lateral;
     let noise = Vector3::new(right * right, rule.down * rule.down, 0.0);
     let aiding = Aiding::NonHolonomic(rule.lever);
-    constrain(filter, &aiding, &Matrix3::from_diagonal(&noise), settings)
+    constrain(filter, &aiding, &Matrix3::from_diagonal(&noise))
 }
 
 #[cfg(test)]

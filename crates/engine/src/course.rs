@@ -5,8 +5,8 @@
 //! gyro's bias that jumped, a scale factor), and its σ grows to what is seen.
 
 use super::summary::Summary;
+use crate::estimator::Estimator;
 use crate::median::{median, upper_median};
-use crate::{estimator::Estimator, settings::CourseWatchSettings};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::{ComplexField, RealField};
 use undrift_nav::{Vector3, attitude::to_rpy, earth::wrap_pi, sample::GnssFix};
@@ -16,10 +16,30 @@ const USUAL: usize = 120;
 /// Differences that the present one is taken from.
 const RECENT: usize = 8;
 
+/// Speed above which there is a course \[m/s\].
+const SPEED: f64 = 4.0;
+/// Largest standard deviation of the course \[rad\].
+const COURSE_STD: f64 = 0.1;
+/// Turn rate below which the vehicle goes straight \[rad/s\].
+const STRAIGHT: f64 = 0.1;
+/// Cosine of the angle between body down and down below which there is no heading.
+const LEVEL: f64 = 0.94;
+/// Courses further apart than this do not belong together \[s\].
+const APART: f64 = 30.0;
+/// Differences of course and heading after which the usual one is known.
+const LEAST: usize = 30;
+/// Standard deviation of a heading from which the usual difference is learned \[rad\].
+const KNOWN: f64 = 0.05;
+/// Least spread of the usual difference \[rad\]: wind and slip.
+const LEAST_SPREAD: f64 = 0.01;
+/// Spreads of the usual difference by which it has changed where the heading is wrong.
+const SPREADS: f64 = 4.0;
+/// Standard deviations of the heading by which it has changed, too, where the heading is wrong.
+const SIGMAS: f64 = 2.0;
+
 /// Watches the course against the heading.
 #[derive(Clone)]
 pub(super) struct CourseWatch {
-    set: CourseWatchSettings,
     last: f64,
     usual: [f64; USUAL],
     learned: usize,
@@ -30,9 +50,8 @@ pub(super) struct CourseWatch {
 }
 
 impl CourseWatch {
-    pub(super) fn new(set: CourseWatchSettings) -> Self {
+    pub(super) fn new() -> Self {
         Self {
-            set,
             last: f64::NEG_INFINITY,
             usual: [0.0; USUAL],
             learned: 0,
@@ -44,23 +63,22 @@ impl CourseWatch {
 
     /// Looks at a fix that the filter was shown.
     pub(super) fn fix(&mut self, filter: &mut dyn Estimator, fix: &GnssFix, summary: &mut Summary) {
-        let set = &self.set;
         let Some((v, r)) = fix.velocity else { return };
         let speed = v.xy().norm();
         let course_std = (0.5 * (r[(0, 0)] + r[(1, 1)])).max(0.0).sqrt() / speed;
-        let straight = filter.omega_nb_b().norm() < set.straight;
+        let straight = filter.omega_nb_b().norm() < STRAIGHT;
         // Axes that are far from level have no heading, and no vertical gyro.
-        let level = (filter.nav().q_nb * Vector3::z()).z > set.level;
+        let level = (filter.nav().q_nb * Vector3::z()).z > LEVEL;
         let heading_std = filter.nav_std()[8];
         if fix.time - self.last < 1.0
-            || speed < set.speed
-            || course_std > set.course_std
+            || speed < SPEED
+            || course_std > COURSE_STD
             || !straight
             || !level
         {
             return;
         }
-        if fix.time - self.last > set.apart {
+        if fix.time - self.last > APART {
             self.seen = 0;
         }
         self.last = fix.time;
@@ -71,7 +89,7 @@ impl CourseWatch {
         if self.seen < RECENT {
             return;
         }
-        if self.learned < set.least {
+        if self.learned < LEAST {
             self.learn(off, heading_std);
             return;
         }
@@ -81,10 +99,10 @@ impl CourseWatch {
         usual
             .iter_mut()
             .for_each(|x| *x = wrap_pi(*x - middle).abs());
-        let spread = (1.4826 * upper_median(usual)).max(set.least_spread);
+        let spread = (1.4826 * upper_median(usual)).max(LEAST_SPREAD);
         let shift = median(&self.recent.map(|x| wrap_pi(x - middle)));
-        if shift.abs() < set.spreads * spread || shift.abs() < set.sigmas * heading_std {
-            self.doubted &= shift.abs() > set.spreads * spread;
+        if shift.abs() < SPREADS * spread || shift.abs() < SIGMAS * heading_std {
+            self.doubted &= shift.abs() > SPREADS * spread;
             if !self.doubted {
                 self.learn(off, heading_std);
             }
@@ -97,7 +115,7 @@ impl CourseWatch {
     }
 
     fn learn(&mut self, off: f64, heading_std: f64) {
-        if heading_std < self.set.known {
+        if heading_std < KNOWN {
             self.usual[self.learned % USUAL] = off;
             self.learned += 1;
         }

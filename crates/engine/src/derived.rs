@@ -1,6 +1,5 @@
 //! What a fix says of the antenna: its place, and its velocity where the receiver reports positions only.
 
-use crate::settings::DerivedVelocitySettings;
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -10,6 +9,17 @@ use undrift_nav::{
     earth::Geodetic,
     sample::{GnssFix, Position},
 };
+
+/// Time from the first to the last of the positions that a velocity is derived from \[s\].
+const SPAN: f64 = 2.0;
+/// The same where it takes longer to have [`LEAST`] of them, at most \[s\].
+const LONGEST: f64 = 5.0;
+/// Positions that a velocity is derived from, at least.
+const LEAST: usize = 5;
+/// What the scatter of the positions does not show, one standard deviation \[m/s\].
+const FLOOR: f64 = 0.1;
+/// By how much a vehicle may have slowed down since the time of a derived velocity \[m/s²\].
+pub(crate) const BRAKING: f64 = 2.0;
 
 /// The antenna's place.
 pub fn antenna(fix: &GnssFix) -> Option<Geodetic> {
@@ -35,18 +45,10 @@ pub(crate) struct DerivedVelocity {
 /// The last positions.
 #[derive(Clone, Default)]
 pub(crate) struct Positions {
-    set: DerivedVelocitySettings,
     last: VecDeque<(f64, Geodetic)>,
 }
 
 impl Positions {
-    pub(crate) fn new(set: DerivedVelocitySettings) -> Self {
-        Self {
-            set,
-            ..Self::default()
-        }
-    }
-
     /// The slope of a straight line through the last positions; its covariance is that of what they scatter about it, so
     /// that a bend and white noise count and an error that lasts does not. `None` of a fix with a velocity and before
     /// there are enough.
@@ -60,20 +62,19 @@ impl Positions {
         }
         self.last.push_back((fix.time, place));
         while let Some((first, _)) = self.last.front()
-            && (fix.time - first > self.set.span && self.last.len() > self.set.least
-                || fix.time - first > self.set.longest)
+            && (fix.time - first > SPAN && self.last.len() > LEAST || fix.time - first > LONGEST)
         {
             self.last.pop_front();
         }
-        slope(self.last.make_contiguous(), &self.set)
+        slope(self.last.make_contiguous())
     }
 }
 
 /// The slope of a straight line through positions, with the covariance that their scatter about it gives.
-fn slope(places: &[(f64, Geodetic)], set: &DerivedVelocitySettings) -> Option<DerivedVelocity> {
+fn slope(places: &[(f64, Geodetic)]) -> Option<DerivedVelocity> {
     let (first, origin) = *places.first()?;
     let (last, _) = *places.last()?;
-    if places.len() < set.least || last - first < 0.5 * set.span {
+    if places.len() < LEAST || last - first < 0.5 * SPAN {
         return None;
     }
     let track = places.iter();
@@ -90,7 +91,7 @@ fn slope(places: &[(f64, Geodetic)], set: &DerivedVelocitySettings) -> Option<De
         .map(|(t, r)| r - mean - v_n * (t - middle))
         .map(|rest| rest.component_mul(&rest));
     let variance = rest.sum::<Vector3>() / (count - 2.0) / power;
-    let floor = set.floor * set.floor;
+    let floor = FLOOR * FLOOR;
     Some(DerivedVelocity {
         time: first + middle,
         v_n,
@@ -99,17 +100,17 @@ fn slope(places: &[(f64, Geodetic)], set: &DerivedVelocitySettings) -> Option<De
 }
 
 /// Fixes of which none has a velocity, with the slope of the positions about each one: for what may look ahead.
-pub fn with_velocities(mut fixes: Vec<GnssFix>, set: &DerivedVelocitySettings) -> Vec<GnssFix> {
+pub fn with_velocities(mut fixes: Vec<GnssFix>) -> Vec<GnssFix> {
     if fixes.iter().any(|fix| fix.velocity.is_some()) {
         return fixes;
     }
     let place = |fix: &GnssFix| Some((fix.time, antenna(fix)?));
     let places: Vec<(f64, Geodetic)> = fixes.iter().filter_map(place).collect();
-    let half = 0.5 * set.span;
+    let half = 0.5 * SPAN;
     for fix in &mut fixes {
         let from = places.partition_point(|(time, _)| *time < fix.time - half);
         let to = places.partition_point(|(time, _)| *time <= fix.time + half);
-        let around = places.get(from..to).and_then(|around| slope(around, set));
+        let around = places.get(from..to).and_then(slope);
         // At the ends the line has its middle elsewhere.
         let around = around.filter(|v| (v.time - fix.time).abs() < 0.25 * half);
         fix.velocity = around.map(|velocity| (velocity.v_n, velocity.covariance));
@@ -139,7 +140,7 @@ mod tests {
 
     #[test]
     fn a_straight_track_has_its_velocity_in_the_middle() {
-        let mut positions = Positions::new(DerivedVelocitySettings::default());
+        let mut positions = Positions::default();
         let found: Vec<_> = fixes(5.0, 0.0)
             .filter_map(|fix| positions.add(&fix))
             .collect();
@@ -154,22 +155,21 @@ mod tests {
 
     #[test]
     fn scatter_is_in_the_covariance_and_velocities_are_left_alone() {
-        let set = DerivedVelocitySettings::default();
-        let mut positions = Positions::new(set);
+        let mut positions = Positions::default();
         let found = fixes(5.0, 0.5).filter_map(|fix| positions.add(&fix)).last();
         let covariance = found.unwrap().covariance;
         // Eleven points, 0.5 m to each side: σ² = 0.25·11/9, Σ(t − t̄)² = 0.04·110.
-        let east = 0.25 * 11.0 / 9.0 / 4.4 + set.floor * set.floor;
+        let east = 0.25 * 11.0 / 9.0 / 4.4 + FLOOR * FLOOR;
         assert!(
             (covariance[(1, 1)] / east - 1.0).abs() < 0.02,
             "{covariance}"
         );
-        assert!(covariance[(0, 0)] < 1.01 * set.floor * set.floor);
+        assert!(covariance[(0, 0)] < 1.01 * FLOOR * FLOOR);
         let with_velocity = |fix: GnssFix| GnssFix {
             velocity: Some((Vector3::zeros(), Matrix3::identity())),
             ..fix
         };
-        let mut positions = Positions::new(set);
+        let mut positions = Positions::default();
         assert!(fixes(5.0, 0.0).all(|fix| positions.add(&with_velocity(fix)).is_none()));
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::{
     align::Alignment,
-    settings::{fix_errors::FixErrors, replay::Doubt},
+    settings::{Doubt, fix_errors::FixErrors},
 };
 
 /// An event of the navigation. One that lasts is reported at its start.

@@ -19,10 +19,7 @@ pub(crate) use watch::FixWatch;
 use crate::median::median;
 use crate::{
     measurement::Repeats,
-    settings::{
-        EngineSettings, FixStudySettings,
-        fix_errors::{Correlated, FixErrors},
-    },
+    settings::fix_errors::{Correlated, FixErrors},
 };
 use alloc::{vec, vec::Vec};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -49,6 +46,48 @@ pub struct FixStudy {
 const MEDIAN: f64 = 0.455;
 /// From the median absolute deviation to the standard deviation.
 const MAD: f64 = 1.4826;
+
+/// Fixes that a study looks at: an hour and a half at 4 Hz.
+const MOST: usize = 20_000;
+/// Fixes that a study needs: fewer carry no information.
+const LEAST: usize = 80;
+/// Pairs of fixes for a mean square to be worth something.
+const LEAST_PAIRS: usize = 40;
+/// White noise this many times the stated one is reported to the filter.
+const FACTOR: f64 = 2.0;
+/// Velocities that the positions show to be better than this share of their stated standard deviations are taken as
+/// that good.
+const MODEST: f64 = 0.5;
+/// As far as a latency that they do not show leaves room for it at this acceleration \[m/s²\].
+const ACCELERATES: f64 = 2.0;
+/// Least share of their stated standard deviations that velocities are taken to have.
+const LEAST_VELOCITY: f64 = 0.1;
+/// Share of the variance of such velocities that lasts, as in a receiver that smooths.
+const VELOCITY_SHARE: f64 = 0.6;
+/// For how long it lasts \[s\].
+const VELOCITY_TIME: f64 = 3.0;
+/// White variance below this share of the stated one: the rest of the error lasts.
+const WHITE_SHARE: f64 = 0.8;
+/// The white part has at least what is left of this share: receivers smooth, inertial sensors are not perfect.
+const MOST_SHARE: f64 = 0.99;
+/// Differences that grow to the whole sooner are the velocities' error, or white \[s\].
+const SHORTEST: f64 = 5.0;
+/// The velocities' own error makes the differences grow sooner, by about this factor.
+const SOONER: f64 = 2.0;
+/// Longest correlation time \[s\]: longer ones are treated as equal.
+pub const LONGEST_CORRELATION: f64 = 1000.0;
+/// Standard errors by which the positions contradict a velocity that is wrong.
+const BIAS_ERRORS: f64 = 5.0;
+/// Stated standard deviations of a velocity by which they contradict it.
+const BIAS_SIGMAS: f64 = 0.5;
+/// Least error of a velocity that is wrong \[m/s\].
+const LEAST_BIAS: f64 = 0.15;
+/// Speed above which there is an along and an across \[m/s\].
+const MOVES: f64 = 3.0;
+/// Along-track differences this many times the cross-track ones are errors of the stamps.
+const ALONG: f64 = 2.0;
+/// Steps whose variance is below this share of the stated one are how numbers are written.
+const STEP_SHARE: f64 = 0.25;
 
 /// What is looked at of a fix.
 #[derive(Clone, Copy)]
@@ -94,15 +133,11 @@ struct Track {
 }
 
 /// Looks into the first fixes of a log; `None` where there are too few with position and velocity.
-pub fn study(
-    fixes: impl IntoIterator<Item = GnssFix>,
-    settings: &EngineSettings,
-) -> Option<FixStudy> {
-    let set = &settings.fix_study;
-    let mut repeats = Repeats::new(settings.receiver);
+pub fn study(fixes: impl IntoIterator<Item = GnssFix>) -> Option<FixStudy> {
+    let mut repeats = Repeats::default();
     let own = fixes.into_iter().filter(|fix| !repeats.is(fix));
-    let track = Track::of(own.take(set.most).filter_map(|fix| Seen::of(&fix)));
-    let study = study_track(&track, set)?;
+    let track = Track::of(own.take(MOST).filter_map(|fix| Seen::of(&fix)));
+    let study = study_track(&track)?;
     Some(FixStudy {
         repeated: repeats.count(),
         ..study
@@ -110,9 +145,9 @@ pub fn study(
 }
 
 /// As [`study`], of fixes that repeat none before.
-fn study_track(track: &Track, set: &FixStudySettings) -> Option<FixStudy> {
+fn study_track(track: &Track) -> Option<FixStudy> {
     let n = track.time.len();
-    if n < set.least {
+    if n < LEAST {
         return None;
     }
     let steps: Vec<f64> = track.time.windows(2).map(|t| t[1] - t[0]).collect();
@@ -124,12 +159,11 @@ fn study_track(track: &Track, set: &FixStudySettings) -> Option<FixStudy> {
         Vector3::from_fn(|i, _| median(&track.stated.iter().map(|r| r[i]).collect::<Vec<_>>()));
     let step = Vector3::from_fn(|i, _| {
         let step = grid(&track.written, i) * track.metres[i];
-        let matters = step * step / 12.0 > set.step_share * stated[i];
+        let matters = step * step / 12.0 > STEP_SHARE * stated[i];
         if matters { step } else { 0.0 }
     });
     let rounding = step.map(|step| step * step / 12.0);
     let mut differences = Differences {
-        set,
         interval,
         variance: track.stated.iter().map(|r| r + rounding).collect(),
         error: track.less_velocity(interval),
@@ -152,26 +186,21 @@ fn study_track(track: &Track, set: &FixStudySettings) -> Option<FixStudy> {
     };
     // Were all of it the velocities' white noise. What a latency that nothing shows would make of them when the vehicle
     // accelerates is not in it.
-    let stated = median(
-        &track
-            .stated_velocity
-            .iter()
-            .map(Vector3::min)
-            .collect::<Vec<_>>(),
-    );
-    let hidden = (unknown * set.accelerates).powi(2) / stated;
+    let stated = track.stated_velocity.iter().map(Vector3::min);
+    let stated = median(&stated.collect::<Vec<_>>());
+    let hidden = (unknown * ACCELERATES).powi(2) / stated;
     let bound = (one / from_velocity + hidden).sqrt();
-    if bound < set.modest {
-        errors.velocity_factor = bound.max(set.least_velocity);
+    if bound < MODEST {
+        errors.velocity_factor = bound.max(LEAST_VELOCITY);
         errors.velocity_correlated = Some(Correlated {
-            share: set.velocity_share,
-            time: set.velocity_time,
+            share: VELOCITY_SHARE,
+            time: VELOCITY_TIME,
         });
     }
     let white = (one - from_velocity).max(0.0);
-    if white > set.factor * set.factor {
+    if white > FACTOR * FACTOR {
         errors.position_factor = white.sqrt();
-    } else if one < set.white_share {
+    } else if one < WHITE_SHARE {
         errors.correlated = differences.correlated(one, jitter > 0.0);
     }
     Some(FixStudy {
@@ -256,7 +285,6 @@ fn grid(written: &[Vector3], i: usize) -> f64 {
 
 /// What positions move by that velocities do not tell.
 struct Differences<'a> {
-    set: &'a FixStudySettings,
     interval: f64,
     time: &'a [f64],
     error: Vec<Vector3>,
@@ -283,7 +311,7 @@ impl Differences<'_> {
                 axes[i].push(moved[i] * moved[i] / variance[i]);
             }
         }
-        if axes[0].len() < self.set.least_pairs {
+        if axes[0].len() < LEAST_PAIRS {
             return None;
         }
         let mut gamma = axes.map(|axis| 0.5 * median(&axis) / MEDIAN);
@@ -305,7 +333,7 @@ impl Differences<'_> {
             pairs.extend((0..2).map(|i| (dv[i], e[i])));
             noise += (stated[a] + stated[b]).xy().sum();
         }
-        if pairs.len() < self.set.least_pairs {
+        if pairs.len() < LEAST_PAIRS {
             return (None, f64::INFINITY);
         }
         let (mut late, mut error, mut unknown) = (0.0, f64::INFINITY, f64::INFINITY);
@@ -341,7 +369,7 @@ impl Differences<'_> {
         for (a, b) in self.pairs(1) {
             let v = (velocity[a] + velocity[b]).xy() * 0.5;
             let speed = v.norm();
-            if speed < self.set.moves {
+            if speed < MOVES {
                 continue;
             }
             let moved = (self.error[b] - self.error[a]).xy();
@@ -349,11 +377,11 @@ impl Differences<'_> {
             across.push((moved.perp(&v) / speed).powi(2));
             speeds.push(speed * speed);
         }
-        if along.len() < self.set.least_pairs {
+        if along.len() < LEAST_PAIRS {
             return 0.0;
         }
         let [along, across] = [along, across].map(|squares| median(&squares) / MEDIAN);
-        if along < self.set.along * self.set.along * across {
+        if along < ALONG * ALONG * across {
             return 0.0;
         }
         let speed = speeds.iter().sum::<f64>() / speeds.len() as f64;
@@ -364,7 +392,7 @@ impl Differences<'_> {
     fn velocity_bias(&self, stated: &[Vector3]) -> Vector3 {
         let lag = (10.0 / self.interval).round().max(1.0) as usize;
         let pairs: Vec<_> = self.pairs(lag).collect();
-        if pairs.len() < self.set.least_pairs.max(3 * lag) {
+        if pairs.len() < LEAST_PAIRS.max(3 * lag) {
             return Vector3::zeros();
         }
         Vector3::from_fn(|i, _| {
@@ -375,8 +403,8 @@ impl Differences<'_> {
             let apart: Vec<f64> = slopes.iter().map(|s| (s - bias).abs()).collect();
             let error = MAD * median(&apart) * (lag as f64 / slopes.len() as f64).sqrt();
             let stated = median(&stated.iter().map(|r| r[i].sqrt()).collect::<Vec<_>>());
-            let limit = (self.set.bias_errors * error).max(self.set.bias_sigmas * stated);
-            if bias.abs() > limit.max(self.set.least_bias) {
+            let limit = (BIAS_ERRORS * error).max(BIAS_SIGMAS * stated);
+            if bias.abs() > limit.max(LEAST_BIAS) {
                 bias
             } else {
                 0.0
@@ -406,9 +434,9 @@ impl Differences<'_> {
             before = (span, gamma);
             lag *= 2;
         };
-        (time > self.set.shortest).then(|| Correlated {
-            share: (1.0 - one).min(self.set.most_share),
-            time: (self.set.sooner * time).min(self.set.longest),
+        (time > SHORTEST).then(|| Correlated {
+            share: (1.0 - one).min(MOST_SHARE),
+            time: (SOONER * time).min(LONGEST_CORRELATION),
         })
     }
 }

@@ -14,7 +14,6 @@ use super::{
     summary::Summary,
 };
 use crate::median::upper_median;
-use crate::settings::{AdaptSettings, GateSettings};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{
@@ -26,6 +25,41 @@ use undrift_nav::{
 const WINDOW: usize = 40;
 /// Median of χ²(3)/3.
 const MEDIAN: f64 = 0.789;
+
+/// Innovations after which their usual size is known. Sizes are NIS per degree of freedom.
+const LEAST: usize = 10;
+/// Usual NIS until [`LEAST`] innovations are known: standard deviations five times too small.
+const FIRST_USUAL: f64 = 30.0;
+/// Usual NIS above which everything passes: twenty times the standard deviation.
+const SENSELESS: f64 = 400.0;
+/// NIS relative to the usual from which a fix is down-weighted.
+const WEAKEN: f64 = 5.0;
+/// NIS relative to the usual from which a fix is rejected.
+const REJECT: f64 = 30.0;
+/// The same while the solution is unconfirmed, where rejecting a right fix costs most: one in a million of right ones has
+/// 30.7 of 3.
+const REJECT_UNCONFIRMED: f64 = 10.2;
+/// The solution is unconfirmed after this long without a fix \[s\].
+const GAP: f64 = 3.0;
+/// The solution is confirmed once it has accepted this many fixes.
+const CONFIRM: u32 = 3;
+/// Innovations agree when they differ by less than this part of their size.
+const AGREE: f64 = 0.3;
+/// Innovations also agree when they differ by less than this many standard deviations of two fixes.
+const AGREE_SIGMAS: f64 = 2.0;
+/// Fixes rejected within this time after the solution accepted others belong to the run before \[s\].
+const GOES_ON: f64 = 3.0;
+
+/// Information of the logarithm of a [`Scale`] at first: a standard deviation of a factor of ten in the variance.
+const PRIOR: f64 = 0.2;
+/// Information that a [`Scale`] remembers; the logarithm's standard deviation is this to the power −½.
+const MEMORY: f64 = 300.0;
+/// Largest change of the logarithm by one fix.
+const STEP: f64 = 0.5;
+/// Largest logarithm.
+const RANGE: f64 = 9.2;
+/// Updates before the mean of a [`Scale`] is taken.
+const SETTLE: u64 = 40;
 
 /// What to do with a fix.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +74,6 @@ pub(super) enum Verdict {
 #[derive(Clone)]
 pub(super) struct FixGate {
     part: Part,
-    set: GateSettings,
     recent: [f64; WINDOW],
     count: usize,
     /// Time of the last fix of this kind, and of the last one accepted \[s\].
@@ -57,10 +90,9 @@ pub(super) struct FixGate {
 }
 
 impl FixGate {
-    pub(super) fn new(part: Part, time: f64, set: GateSettings) -> Self {
+    pub(super) fn new(part: Part, time: f64) -> Self {
         Self {
             part,
-            set,
             recent: [0.0; WINDOW],
             count: 0,
             seen: time,
@@ -80,7 +112,7 @@ impl FixGate {
 
     /// Whether fixes are being left out, or the solution is unconfirmed.
     pub(super) fn is_in_doubt(&self) -> bool {
-        self.agreeing.is_some() || self.confirmed < self.set.confirm
+        self.agreeing.is_some() || self.confirmed < CONFIRM
     }
 
     /// What to do with a fix of this innovation and covariance; `patience` is for how long fixes that
@@ -92,14 +124,14 @@ impl FixGate {
         r: &Matrix3,
         patience: f64,
     ) -> Verdict {
-        if time - self.seen > self.set.gap {
+        if time - self.seen > GAP {
             self.unconfirm();
         }
         self.seen = time;
-        let unconfirmed = self.confirmed < self.set.confirm;
+        let unconfirmed = self.confirmed < CONFIRM;
         if let Some((since, last)) = self.agreeing {
-            let noise = self.set.agree_sigmas * (2.0 * r.trace()).sqrt();
-            if (innovation - last).norm() > noise.max(self.set.agree * innovation.norm()) {
+            let noise = AGREE_SIGMAS * (2.0 * r.trace()).sqrt();
+            if (innovation - last).norm() > noise.max(AGREE * innovation.norm()) {
                 self.agreeing = None;
             } else {
                 if unconfirmed || time - since >= patience {
@@ -108,11 +140,11 @@ impl FixGate {
             }
         }
         let unit = self.usual().max(1.0) * 3.0;
-        let weaken = self.set.weaken * unit;
+        let weaken = WEAKEN * unit;
         let reject = if unconfirmed {
-            self.set.reject_unconfirmed * unit
+            REJECT_UNCONFIRMED * unit
         } else {
-            self.set.reject * unit
+            REJECT * unit
         };
         Verdict::Limits(Gate { weaken, reject })
     }
@@ -137,7 +169,7 @@ impl FixGate {
         }
         if self.agreeing.is_none() && self.open.is_some() {
             // Noise of a new size and not a jump: the usual size is to follow.
-            self.learn(nis.min(self.set.reject * self.usual().max(1.0)));
+            self.learn(nis.min(REJECT * self.usual().max(1.0)));
         }
         let since = self.agreeing.map_or(time, |(since, _)| since);
         self.agreeing = Some((since, *innovation));
@@ -181,7 +213,7 @@ impl FixGate {
             if open.end > open.start {
                 open.growth = (open.last - open.first) / (open.end - open.start);
             }
-            summary.contradicted(open, self.set.goes_on);
+            summary.contradicted(open, GOES_ON);
         }
     }
 
@@ -198,13 +230,13 @@ impl FixGate {
     /// Whether innovations are usually so large that there is nothing to judge a fix by: the solution
     /// does not predict the fixes.
     pub(super) fn is_senseless(&self) -> bool {
-        self.usual() > self.set.senseless
+        self.usual() > SENSELESS
     }
 
     /// Usual NIS per degree of freedom: 1 when the stated accuracy is right.
     fn usual(&self) -> f64 {
-        if self.count < self.set.least {
-            return self.set.first_usual;
+        if self.count < LEAST {
+            return FIRST_USUAL;
         }
         let mut recent = self.recent;
         upper_median(&mut recent[..self.count.min(WINDOW)]) / MEDIAN
@@ -216,7 +248,6 @@ impl FixGate {
 /// the information.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale {
-    set: AdaptSettings,
     log: f64,
     information: f64,
     updates: u64,
@@ -226,11 +257,10 @@ pub(super) struct Scale {
 }
 
 impl Scale {
-    pub(super) fn new(set: AdaptSettings) -> Self {
+    pub(super) fn new() -> Self {
         Self {
-            set,
             log: 0.0,
-            information: set.prior,
+            information: PRIOR,
             updates: 0,
             sum: 0.0,
             weight: 0.0,
@@ -244,7 +274,7 @@ impl Scale {
 
     /// Mean factor on the standard deviation, once it has settled.
     pub(super) fn mean(&self) -> Option<f64> {
-        (self.updates > 2 * self.set.settle).then(|| (0.5 * self.sum / self.weight).exp())
+        (self.updates > 2 * SETTLE).then(|| (0.5 * self.sum / self.weight).exp())
     }
 
     /// Learns from an update with the covariance as scaled.
@@ -252,13 +282,13 @@ impl Scale {
         if update.outcome == Outcome::Rejected {
             return;
         }
-        self.information = (self.information + update.information).min(self.set.memory);
+        self.information = (self.information + update.information).min(MEMORY);
         let score = update.score.min(4.0 * update.information.sqrt());
-        self.log += (score / self.information).clamp(-self.set.step, self.set.step);
-        self.log = self.log.clamp(-self.set.range, self.set.range);
+        self.log += (score / self.information).clamp(-STEP, STEP);
+        self.log = self.log.clamp(-RANGE, RANGE);
         self.updates += 1;
-        if self.updates > self.set.settle {
-            let weight = (self.updates - self.set.settle) as f64;
+        if self.updates > SETTLE {
+            let weight = (self.updates - SETTLE) as f64;
             self.sum += weight * self.log;
             self.weight += weight;
         }
@@ -315,7 +345,7 @@ mod tests {
     }
 
     fn settled(summary: &mut Summary) -> FixGate {
-        let mut gate = FixGate::new(Part::Position, 0.0, GateSettings::default());
+        let mut gate = FixGate::new(Part::Position, 0.0);
         assert_eq!(show(&mut gate, 0.0, &[0.15; 40], summary), ".".repeat(40));
         gate
     }
@@ -369,7 +399,7 @@ mod tests {
     #[test]
     fn the_scale_finds_the_variance() {
         // Scalar innovations of variance 1 + 4·R, R stated 1.
-        let mut scale = Scale::new(AdaptSettings::default());
+        let mut scale = Scale::new();
         for i in 0..2000 {
             // Quantiles of the uniform distribution with the right variance, out of order.
             let u = f64::from((i * 617) % 2000) / 1999.0 * 2.0 - 1.0;
@@ -397,7 +427,7 @@ mod tests {
     fn a_fix_is_weakened_where_right_ones_are_rare_and_rejected_where_there_are_no_right_ones() {
         let limits = |size: f64| {
             let mut summary = Summary::default();
-            let mut gate = FixGate::new(Part::Position, 0.0, GateSettings::default());
+            let mut gate = FixGate::new(Part::Position, 0.0);
             let usual = [size * SIGMA; 40];
             assert_eq!(show(&mut gate, 0.0, &usual, &mut summary), ".".repeat(40));
             let r = Matrix3::identity() * (SIGMA * SIGMA);

@@ -4,13 +4,51 @@
 //! agree with each other; a *frozen* axis, which repeats a value far longer than it usually does; a *saturated* one, which
 //! does so at the end of its range. A spike is replaced by the mean of its neighbours, the two others by what the
 //! axis reads on the average. What an axis may have read meanwhile is in doubt by its usual spread: correlated
-//! over [`SampleSettings::turn_lasts`], so that it grows with the time squared first and linearly then.
+//! over [`TURN_LASTS`], so that it grows with the time squared first and linearly then.
 
 use super::summary::Summary;
-use crate::settings::SampleSettings;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{Matrix3, Vector3, covariance::AXES, sample::ImuSample};
+
+/// Values of an axis after which its usual behaviour is known.
+const LEAST_VALUES: u64 = 500;
+/// A spike is this many times further from the mean of its neighbours than nine in ten samples.
+const SPIKE_STEPS: f64 = 25.0;
+/// Least distance of a gyro's spike from that mean \[rad/s\].
+const SPIKE_RATE: f64 = 1.0;
+/// Least distance of an accelerometer's spike from that mean \[m/s²\]: a pothole does less in one sample.
+const SPIKE_FORCE: f64 = 30.0;
+/// The neighbours of a spike are apart by no more than this part of how far it is from their mean.
+const SPIKE_APART: f64 = 0.3;
+/// An axis whose values usually last fewer samples than this never repeats one.
+const ALONE: f64 = 1.5;
+/// On such an axis a repeated value this many times further from the previous one is the end of its range.
+const JUMP_STEPS: f64 = 5.0;
+/// By what part the usual distance to the neighbours' mean follows each sample.
+const STEP_GAIN: f64 = 0.05;
+/// The replacement of a spike is uncertain by this many usual distances.
+const REPLACED_STEPS: f64 = 5.0;
+/// A frozen axis repeats a value for this long \[s\].
+const FROZEN: f64 = 0.5;
+/// A frozen axis repeats a value for this many times the usual number of samples.
+const FROZEN_TIMES: f64 = 20.0;
+/// If all axes of a sensor repeat their values for this long at rest \[s\], repetitions carry no information.
+const NOISELESS: f64 = 5.0;
+/// Speed of the solution above which the vehicle does not rest \[m/s\]: walking pace.
+pub(super) const MOVES: f64 = 1.0;
+/// A saturated axis repeats its largest or smallest value for this many times the usual number of samples.
+const SATURATED_TIMES: f64 = 4.0;
+/// The value of a saturated axis is this many usual standard deviations from its mean.
+const SATURATED_SPREAD: f64 = 4.0;
+/// Time over which the usual behaviour of an axis is averaged \[s\].
+const USUAL: f64 = 60.0;
+/// Duration of a turn or an acceleration that a stuck axis misses \[s\].
+const TURN_LASTS: f64 = 5.0;
+/// Turn rate that a stuck axis may at least miss \[rad/s\].
+const RATE: f64 = 0.3;
+/// Acceleration that a stuck axis may at least miss \[m/s²\].
+const FORCE: f64 = 1.0;
 
 /// A sample as the filter is to have it.
 #[derive(Clone)]
@@ -23,7 +61,6 @@ pub(super) struct Checked {
 /// Watches the six axes; one sample is held back, to see what follows it.
 #[derive(Clone)]
 pub(super) struct Inertial {
-    set: SampleSettings,
     /// From the sensor's axes to the body's.
     rotation: Matrix3,
     before: Option<[f64; AXES]>,
@@ -46,7 +83,7 @@ struct AxisWatch {
     of_ended: u64,
     least: f64,
     most: f64,
-    /// Mean and variance over [`SampleSettings::usual`].
+    /// Mean and variance over [`USUAL`].
     mean: f64,
     variance: f64,
     known: f64,
@@ -61,7 +98,7 @@ struct AxisWatch {
 
 impl AxisWatch {
     /// Takes in a value; whether the axis holds it for longer than it can.
-    fn is_stuck(&mut self, set: &SampleSettings, (time, dt): (f64, f64), value: f64) -> bool {
+    fn is_stuck(&mut self, (time, dt): (f64, f64), value: f64) -> bool {
         // Of a log of increments those repeat, while the rounding of its times changes the rates.
         if is_same(value, self.value) || is_same(value * dt, self.value * self.dt) {
             self.samples += 1;
@@ -80,10 +117,10 @@ impl AxisWatch {
             (self.since, self.samples) = (time, 1);
             self.jumped = false;
         }
-        if self.ended < set.least_values {
+        if self.ended < LEAST_VALUES {
             return false;
         }
-        let lasts = time - self.since >= set.frozen;
+        let lasts = time - self.since >= FROZEN;
         let extreme = value <= self.least || value >= self.most;
         // Most values are neither.
         if self.jumped || !(lasts || extreme) {
@@ -91,31 +128,31 @@ impl AxisWatch {
         }
         let usual = self.of_ended as f64 / self.ended as f64;
         let times = self.samples as f64 / usual;
-        let far = (value - self.mean).abs() > set.saturated_spread * self.variance.sqrt();
-        (lasts && times >= set.frozen_times) || (far && extreme && times >= set.saturated_times)
+        let far = (value - self.mean).abs() > SATURATED_SPREAD * self.variance.sqrt();
+        (lasts && times >= FROZEN_TIMES) || (far && extreme && times >= SATURATED_TIMES)
     }
 
     /// Whether this value, as far from the one before as a spike, comes again: a range that ends there.
-    fn jumps(&mut self, set: &SampleSettings, least: f64, around: [f64; 2], value: f64) -> bool {
+    fn jumps(&mut self, least: f64, around: [f64; 2], value: f64) -> bool {
         // What comes again is rare, and quickly seen.
-        if self.jumped || !is_same(value, around[1]) || self.seen < set.least_values {
+        if self.jumped || !is_same(value, around[1]) || self.seen < LEAST_VALUES {
             return self.jumped;
         }
         let off = (value - around[0]).abs();
         // Of an axis that never repeats a value less is enough.
-        let repeats = self.of_ended as f64 > set.alone * self.ended as f64;
+        let repeats = self.of_ended as f64 > ALONE * self.ended as f64;
         let limit = if repeats {
-            (set.spike_steps * self.step).max(least)
+            (SPIKE_STEPS * self.step).max(least)
         } else {
-            (set.jump_steps * self.step).max(0.5 * least)
+            (JUMP_STEPS * self.step).max(0.5 * least)
         };
         self.jumped = off > limit;
         self.jumped
     }
 
     /// Learns from a sound value of `dt` \[s\].
-    fn learn(&mut self, set: &SampleSettings, dt: f64, value: f64) {
-        self.known = (self.known + dt).min(set.usual);
+    fn learn(&mut self, dt: f64, value: f64) {
+        self.known = (self.known + dt).min(USUAL);
         let gain = dt / self.known;
         let off = value - self.mean;
         self.mean += gain * off;
@@ -123,12 +160,11 @@ impl AxisWatch {
     }
 
     /// Whether a value is a spike between its neighbours.
-    fn is_spike(&mut self, set: &SampleSettings, least: f64, around: [f64; 2], value: f64) -> bool {
+    fn is_spike(&mut self, least: f64, around: [f64; 2], value: f64) -> bool {
         let off = (value - 0.5 * (around[0] + around[1])).abs();
         let apart = (around[1] - around[0]).abs();
-        let known = self.seen >= set.least_values;
-        if known && off > (set.spike_steps * self.step).max(least) && apart < set.spike_apart * off
-        {
+        let known = self.seen >= LEAST_VALUES;
+        if known && off > (SPIKE_STEPS * self.step).max(least) && apart < SPIKE_APART * off {
             return true;
         }
         self.seen += 1;
@@ -136,9 +172,9 @@ impl AxisWatch {
         if self.step == 0.0 {
             self.step = off;
         } else if off > self.step {
-            self.step *= 1.0 + 0.9 * set.step_gain;
+            self.step *= 1.0 + 0.9 * STEP_GAIN;
         } else {
-            self.step *= 1.0 - 0.1 * set.step_gain;
+            self.step *= 1.0 - 0.1 * STEP_GAIN;
         }
         false
     }
@@ -152,7 +188,7 @@ fn is_same(a: f64, b: f64) -> bool {
 }
 
 impl Inertial {
-    pub(super) fn new(rotation: Matrix3, set: SampleSettings) -> Self {
+    pub(super) fn new(rotation: Matrix3) -> Self {
         let axis = AxisWatch {
             value: f64::NAN,
             least: f64::INFINITY,
@@ -160,7 +196,6 @@ impl Inertial {
             ..AxisWatch::default()
         };
         Self {
-            set,
             rotation,
             before: None,
             pending: None,
@@ -199,7 +234,6 @@ impl Inertial {
         moves: bool,
         summary: &mut Summary,
     ) -> Checked {
-        let set = &self.set;
         let before = self.before.replace(values);
         // A neighbour beyond a gap is none.
         let next = next.filter(|(next, _)| next.dt < 1.5 * sample.dt);
@@ -208,9 +242,9 @@ impl Inertial {
         let mut doubt = [0.0; AXES];
         let mut stuck = [false; AXES];
         for (i, axis) in self.axes.iter_mut().enumerate() {
-            stuck[i] = axis.is_stuck(set, (sample.time, sample.dt), values[i]);
+            stuck[i] = axis.is_stuck((sample.time, sample.dt), values[i]);
         }
-        let still = |axis: &AxisWatch| sample.time - axis.since >= set.noiseless;
+        let still = |axis: &AxisWatch| sample.time - axis.since >= NOISELESS;
         self.noiseless |= !moves && self.axes.iter().all(still);
         if self.noiseless {
             stuck = [false; AXES];
@@ -218,21 +252,21 @@ impl Inertial {
         for (i, axis) in self.axes.iter_mut().enumerate() {
             let value = values[i];
             let (spike, floor) = if i < 3 {
-                (set.spike_rate, set.rate)
+                (SPIKE_RATE, RATE)
             } else {
-                (set.spike_force, set.force)
+                (SPIKE_FORCE, FORCE)
             };
             let around = match (&before, &next) {
                 (Some(a), Some((_, b))) => Some([a[i], b[i]]),
                 _ => None,
             };
-            let ends = |around| !self.noiseless && axis.jumps(set, spike, around, value);
+            let ends = |around| !self.noiseless && axis.jumps(spike, around, value);
             if stuck[i] || around.is_some_and(ends) {
                 let since = *axis.doubted.get_or_insert(axis.since);
                 let std = axis.variance.sqrt().max(floor);
                 let grown = |t: f64| {
                     let t = t.max(0.0);
-                    let linear = set.turn_lasts;
+                    let linear = TURN_LASTS;
                     std * std
                         * if t < linear {
                             t * t
@@ -257,11 +291,11 @@ impl Inertial {
             }
             axis.doubted = None;
             if let Some(around) = around
-                && axis.is_spike(set, spike, around, value)
+                && axis.is_spike(spike, around, value)
             {
                 replaced[i] = 0.5 * (around[0] + around[1]);
                 sound = false;
-                let std = set.replaced_steps * axis.step + (around[1] - around[0]).abs();
+                let std = REPLACED_STEPS * axis.step + (around[1] - around[0]).abs();
                 doubt[i] = std * std * sample.dt * sample.dt;
                 summary.spike(i, sample.time);
                 // Not the neighbour of the next one.
@@ -270,7 +304,7 @@ impl Inertial {
                 }
                 continue;
             }
-            axis.learn(set, sample.dt, value);
+            axis.learn(sample.dt, value);
         }
         if sound || replaced == values {
             return Checked {
@@ -306,7 +340,7 @@ mod tests {
         let mut summary = Summary::default();
         let turn = undrift_nav::attitude::from_rpy(&Vector3::new(0.3, -0.2, 2.0));
         let rotation = turn.to_rotation_matrix().into_inner();
-        let mut inertial = Inertial::new(rotation, SampleSettings::default());
+        let mut inertial = Inertial::new(rotation);
         let mut out = Vec::new();
         for k in 0..12_000 {
             let of = |from: usize| Vector3::from_fn(|i, _| value(k, from + i)) * 0.01;
@@ -371,7 +405,7 @@ mod tests {
             .map(|doubt| doubt[0].trace())
             .sum();
         // 0.2/√2 rad/s, at least what a vehicle may do, over 30 s, independent after 5 s.
-        let std = (0.2 / 2f64.sqrt()).max(SampleSettings::default().rate);
+        let std = (0.2 / 2f64.sqrt()).max(RATE);
         let expected = std * std * 5.0 * (2.0 * 30.0 - 5.0);
         assert!(
             (0.7..1.4).contains(&(total / expected)),
@@ -397,8 +431,8 @@ mod tests {
     }
 
     /// An axis of numbers between −1 and 1 that has once reached ±6, a value at a time.
-    fn known_axis(set: &SampleSettings) -> (AxisWatch, f64) {
-        let mut axis = Inertial::new(Matrix3::identity(), *set).axes[0];
+    fn known_axis() -> (AxisWatch, f64) {
+        let mut axis = Inertial::new(Matrix3::identity()).axes[0];
         let mut time = 0.0;
         for k in 0..2000 {
             time += 0.01;
@@ -407,18 +441,17 @@ mod tests {
                 1010 => -6.0,
                 _ => noise(k, 0),
             };
-            assert!(!axis.is_stuck(set, (time, 0.01), value));
-            axis.learn(set, 0.01, value);
+            assert!(!axis.is_stuck((time, 0.01), value));
+            axis.learn(0.01, value);
         }
         (axis, time)
     }
 
     /// How many samples of one value it takes until it is stuck.
     fn samples_until_stuck(value: f64) -> usize {
-        let set = SampleSettings::default();
-        let (mut axis, time) = known_axis(&set);
+        let (mut axis, time) = known_axis();
         (1..1000)
-            .find(|k| axis.is_stuck(&set, (time + 0.01 * *k as f64, 0.01), value))
+            .find(|k| axis.is_stuck((time + 0.01 * *k as f64, 0.01), value))
             .unwrap()
     }
 
@@ -442,42 +475,36 @@ mod tests {
 
     #[test]
     fn what_an_axis_usually_does_is_its_mean_and_variance() {
-        let set = SampleSettings {
-            usual: 1e9,
-            ..SampleSettings::default()
-        };
         let mut axis = AxisWatch::default();
         // 3 and 7 in turn, of which the first counts as the mean.
-        for k in 0..10_000 {
-            axis.learn(&set, 0.01, if k % 2 == 0 { 3.0 } else { 7.0 });
+        for k in 0..5_000 {
+            axis.learn(0.01, if k % 2 == 0 { 3.0 } else { 7.0 });
         }
         assert!((axis.mean - 5.0).abs() < 1e-3, "{}", axis.mean);
-        // The mean on the way is off by 1/k: of ten thousand a thousandth.
+        // The mean on the way is off by 1/k: of five thousand two thousandths.
         assert!((axis.variance - 4.0).abs() < 0.02, "{}", axis.variance);
-        assert!((axis.known - 100.0).abs() < 1e-6);
-        // Over a time the past is forgotten by e.
-        let set = SampleSettings { usual: 2.0, ..set };
-        axis.learn(&set, 0.01, 5.0);
-        let (mean, span) = (axis.mean, 200);
+        assert!((axis.known - 50.0).abs() < 1e-6);
+        // Over a minute the past is forgotten by e.
+        axis.known = 60.0;
+        let (mean, span) = (axis.mean, 6000);
         for _ in 0..span {
-            axis.learn(&set, 0.01, mean + 1.0);
+            axis.learn(0.01, mean + 1.0);
         }
-        let expected = 1.0 - (1.0 - 0.01f64 / 2.0).powi(span);
+        let expected = 1.0 - (1.0 - 0.01f64 / 60.0).powi(span);
         assert!((axis.mean - mean - expected).abs() < 1e-9);
     }
 
     #[test]
     fn a_spike_is_far_from_neighbours_that_agree() {
-        let set = SampleSettings::default();
         let is = |seen: u64, step: f64, around: [f64; 2], value: f64| {
             let mut axis = AxisWatch {
                 seen,
                 step,
                 ..AxisWatch::default()
             };
-            axis.is_spike(&set, 1.0, around, value)
+            axis.is_spike(1.0, around, value)
         };
-        let known = set.least_values;
+        let known = LEAST_VALUES;
         // Further than the least of 1, and than 25 usual steps.
         assert!(is(known, 0.01, [0.0, 0.0], 1.01) && !is(known, 0.01, [0.0, 0.0], 0.99));
         assert!(is(known, 0.1, [1.0, 1.0], -1.51) && !is(known, 0.1, [1.0, 1.0], -1.49));
@@ -489,13 +516,12 @@ mod tests {
     /// Nine in ten distances are smaller than the step.
     #[test]
     fn the_step_is_a_quantile_of_nine_in_ten() {
-        let set = SampleSettings::default();
         let mut axis = AxisWatch::default();
         let (mut sum, mut count) = (0.0, 0);
         for k in 0..20_000 {
             // Distances that are uniform from 0 to 1.
             let off = (k as f64 * 0.618_033_988_75).fract();
-            axis.is_spike(&set, 1e9, [0.0, 0.0], off);
+            axis.is_spike(1e9, [0.0, 0.0], off);
             if k > 2000 {
                 (sum, count) = (sum + axis.step, count + 1);
             }

@@ -10,7 +10,7 @@
 //! measurements in order of their own time. No file, no clock, no thread; nothing grows with the length of a drive.
 //!
 //! ```
-//! use undrift_engine::{Navigator, settings::replay::Settings};
+//! use undrift_engine::{Navigator, settings::Settings};
 //! use undrift_nav::shaping::ShapingFilter;
 //! use undrift_simulate::{GnssNoise, Trajectory, simulate};
 //!

@@ -3,7 +3,6 @@
 pub use undrift_nav::sample::Scalar;
 
 use super::events::Part;
-use crate::settings::ReceiverSettings;
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 use undrift_nav::sample::GnssFix;
@@ -131,10 +130,15 @@ pub(super) struct Queue {
     repeats: Repeats,
 }
 
+/// A receiver does not measure the same numbers twice: a fix equal to one within this time before \[s\] is that one, held
+/// by the logger.
+const REPEATED: f64 = 2.0;
+/// A fix slower than this \[m/s\] may equal the one before: at rest positions and velocities do repeat.
+const REPEATED_SPEED: f64 = 0.1;
+
 /// Tells fixes that repeat the one before.
 #[derive(Clone, Default)]
 pub(crate) struct Repeats {
-    set: ReceiverSettings,
     /// The last fix that did not repeat the one before.
     last: Option<GnssFix>,
     /// Whether its position was another one than that before.
@@ -143,13 +147,6 @@ pub(crate) struct Repeats {
 }
 
 impl Repeats {
-    pub(crate) fn new(set: ReceiverSettings) -> Self {
-        Self {
-            set,
-            ..Self::default()
-        }
-    }
-
     /// Whether a fix is the one before again.
     pub(crate) fn is(&mut self, fix: &GnssFix) -> bool {
         let again = self.last.is_some_and(|last| {
@@ -157,12 +154,12 @@ impl Repeats {
             let velocity = last.velocity.map(|v| v.0) == fix.velocity.map(|v| v.0);
             let moves = fix
                 .velocity
-                .map_or(self.moved, |(v, _)| v.norm() > self.set.repeated_speed);
+                .map_or(self.moved, |(v, _)| v.norm() > REPEATED_SPEED);
             fix.position.is_some()
                 && position
                 && velocity
                 && moves
-                && fix.time - last.time < self.set.repeated
+                && fix.time - last.time < REPEATED
         });
         if !again {
             let positions = self
@@ -182,7 +179,7 @@ impl Repeats {
 }
 
 impl Queue {
-    pub(super) fn new(set: ReceiverSettings) -> Self {
+    pub(super) fn new() -> Self {
         Self {
             taken: 0,
             asked: f64::NEG_INFINITY,
@@ -190,7 +187,7 @@ impl Queue {
             positions: VecDeque::new(),
             velocities: VecDeque::new(),
             others: VecDeque::new(),
-            repeats: Repeats::new(set),
+            repeats: Repeats::default(),
         }
     }
 
@@ -301,7 +298,7 @@ mod tests {
         };
         let order = |offset| {
             let items = [fix(1.0), speed(1.1), speed(1.3), fix(2.0), speed(2.1)];
-            let mut queue = Queue::new(ReceiverSettings::default());
+            let mut queue = Queue::new();
             let mut measured = Measured::default();
             items.into_iter().for_each(|item| measured.insert(item));
             let mut seen = Vec::new();
@@ -335,7 +332,7 @@ mod tests {
                 quality: Default::default(),
             })
         };
-        let mut queue = Queue::new(ReceiverSettings::default());
+        let mut queue = Queue::new();
         let mut measured = Measured::default();
         measured.insert(fix(1.0));
         measured.insert(fix(2.0));

@@ -7,7 +7,7 @@ use crate::{
     not_aligned::NotAligned,
     observer::Observer,
     run::Run,
-    settings::replay::Settings,
+    settings::Settings,
     summary::{MOST_EVENTS, Summary},
 };
 use alloc::{boxed::Box, collections::VecDeque, vec::Vec};
@@ -92,7 +92,7 @@ pub struct Navigator {
 impl Navigator {
     /// A navigator without data; late measurements are rejected ([`Navigator::with_horizon`]).
     pub fn new(settings: Settings) -> Self {
-        let most = settings.engine.receiver.most_late;
+        let most = crate::solution::MOST_LATE;
         let offset = |kind| {
             let prior = settings.parameters.prior(kind);
             prior.map_or(0.0, |prior| most * prior.std)

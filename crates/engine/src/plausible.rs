@@ -9,12 +9,9 @@ mod moves;
 mod turns;
 
 use super::events::Implausible;
-use crate::{
-    align::Heading,
-    derived::Positions,
-    settings::{PlausibilitySettings, replay::Settings, within},
-};
+use crate::{align::Heading, derived::Positions, settings::Settings};
 use alloc::vec::Vec;
+use core::ops::Range;
 use moves::Moves;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
@@ -25,10 +22,20 @@ use undrift_nav::{
     sample::{GnssFix, ImuSample},
 };
 
+/// Length of the blocks that specific force is averaged over \[s\].
+const BLOCK: f64 = 1.0;
+/// Blocks that it takes to judge.
+const LEAST_BLOCKS: u32 = 10;
+/// Multiples of gravity that a block of a vehicle has.
+const GRAVITY: Range<f64> = 0.7..1.4;
+/// Least share of blocks with such a multiple.
+const LEAST_SHARE: f64 = 0.1;
+/// Cosine of the angle between gravity and body down below which axes are not forward, right, down.
+const DOWN: f64 = 0.5;
+
 /// What is known so far.
 #[derive(Clone)]
 pub(super) struct Plausible {
-    set: PlausibilitySettings,
     /// Whether body axes are promised to be forward, right, down.
     level: bool,
     /// Specific force of the present block [m/s], its length \[s\].
@@ -46,9 +53,7 @@ pub(super) struct Plausible {
 
 impl Plausible {
     pub(super) fn new(settings: &Settings) -> Self {
-        let set = settings.engine.plausibility;
         Self {
-            set,
             level: settings.align.attitude.is_none()
                 && (settings.align.heading == Heading::Course
                     || settings.constraints.non_holonomic.is_some()),
@@ -57,9 +62,9 @@ impl Plausible {
             logarithms: 0.0,
             blocks: 0,
             sound: 0,
-            turns: Turns::new(set),
-            moves: Moves::new(set),
-            positions: Positions::new(settings.engine.derived_velocity),
+            turns: Turns::new(),
+            moves: Moves::default(),
+            positions: Positions::default(),
         }
     }
 
@@ -67,12 +72,12 @@ impl Plausible {
     pub(super) fn sample(&mut self, sample: &ImuSample) {
         self.block.0 += sample.dvel;
         self.block.1 += sample.dt;
-        if self.block.1 >= self.set.block {
+        if self.block.1 >= BLOCK {
             let (sum, length) = core::mem::replace(&mut self.block, (Vector3::zeros(), 0.0));
             let ratio = sum.norm() / length / STANDARD_GRAVITY;
             if ratio.is_finite() {
                 self.blocks += 1;
-                self.sound += u32::from(within(self.set.gravity, ratio));
+                self.sound += u32::from(GRAVITY.contains(&ratio));
                 self.logarithms += ratio.max(1e-9).ln();
                 self.direction += sum.try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
             }
@@ -99,11 +104,11 @@ impl Plausible {
         let mut found = Vec::new();
         let blocks = f64::from(self.blocks);
         let down = self.direction.try_normalize(0.5 * blocks).map(|up| -up);
-        if self.blocks >= self.set.least_blocks {
-            if f64::from(self.sound) < self.set.least_share * blocks {
+        if self.blocks >= LEAST_BLOCKS {
+            if f64::from(self.sound) < LEAST_SHARE * blocks {
                 found.push(Implausible::Gravity((self.logarithms / blocks).exp()));
             }
-            if let Some(down) = down.filter(|down| self.level && down.z < self.set.down) {
+            if let Some(down) = down.filter(|down| self.level && down.z < DOWN) {
                 found.push(Implausible::Down(down.into()));
             }
         }
@@ -112,7 +117,7 @@ impl Plausible {
             found.push(wrong);
         } else if let Some(down) = down {
             found.extend(self.turns.turns(&down));
-            if self.level && down.z > self.set.down {
+            if self.level && down.z > DOWN {
                 found.extend(self.turns.pushes());
             }
         }

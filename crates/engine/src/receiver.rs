@@ -2,17 +2,14 @@
 
 use super::{
     events::Part,
-    fading::Fading,
+    fading::{Fading, MOST_HEADING},
     gate::{FixGate, Scale, Verdict},
     summary::{MOST_EVENTS, Summary},
     watch::LeanWatch,
 };
 use crate::{
     estimator::{Aiding, Estimator},
-    settings::{
-        EngineSettings, ReceiverSettings,
-        replay::{Doubt, GnssUse, Settings},
-    },
+    settings::{Doubt, GnssUse, Settings},
 };
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
@@ -29,6 +26,39 @@ const SHUT: Gate = Gate {
     weaken: -1.0,
     reject: -1.0,
 };
+/// A receiver that repeats a position while the solution moves by more than this many of its standard deviations is
+/// frozen.
+const FROZEN_SIGMAS: f64 = 3.0;
+/// Speed of the solution above which such a receiver is frozen \[m/s\].
+const FROZEN_SPEED: f64 = 1.0;
+/// A receiver is also frozen if its repeated fix has pulled at the velocity by more than this \[m/s\] of late, beyond
+/// what the attitude explains.
+const PULL: f64 = 0.5;
+/// Time constant with which a pull is forgotten \[s\].
+const PULL_TIME: f64 = 4.0;
+/// Fixes further apart than this are not compared by [`Receiver::is_consistent`] \[s\].
+const ODD_GAP: f64 = 2.5;
+/// What the way between closer fixes and their velocity may differ by \[m/s\].
+const ODD_SPEED: f64 = 1.0;
+/// What they may differ by beyond that, by an acceleration between the fixes \[m/s²\].
+const ODD_ACCEL: f64 = 5.0;
+/// What they may differ by beyond both, in standard deviations.
+const ODD_SIGMAS: f64 = 5.0;
+/// For how long fixes that agree with each other are rejected before a confirmed solution follows them \[s\]: a receiver
+/// finds position and velocity in different ways, so where velocity or both contradict the solution, the solution is
+/// more likely to be wrong.
+const PATIENCE: f64 = 3.0;
+/// [`PATIENCE`] where position alone contradicts: then the position is more likely to be wrong \[s\].
+const PATIENCE_POSITION_ALONE: f64 = 15.0;
+/// [`PATIENCE`] where there is no velocity \[s\].
+const PATIENCE_NO_VELOCITY: f64 = 5.0;
+/// [`PATIENCE`] where the receiver repeats itself \[s\].
+const PATIENCE_FROZEN: f64 = 60.0;
+/// Tilt that a contradiction is taken to stand for, at most \[rad\].
+const MOST_TILT: f64 = 0.1;
+/// A solution that followed contradicting positions and velocities three times within this time has diverged \[s\].
+const THREE_TIMES: f64 = 90.0;
+
 /// One part of the fixes.
 #[derive(Clone)]
 struct FixPart {
@@ -42,7 +72,6 @@ struct FixPart {
 /// What is known of the receiver so far.
 #[derive(Clone)]
 pub(super) struct Receiver {
-    set: ReceiverSettings,
     position: FixPart,
     velocity: FixPart,
     /// The last position, since when it has been the same \[s\], and the velocity then.
@@ -58,16 +87,15 @@ pub(super) struct Receiver {
 }
 
 impl Receiver {
-    pub(super) fn new(time: f64, settings: &EngineSettings) -> Self {
+    pub(super) fn new(time: f64) -> Self {
         let channel = |part| FixPart {
             part,
-            gate: FixGate::new(part, time, settings.gate),
-            scale: Scale::new(settings.adapt),
-            fading: Fading::new(settings.fading),
-            lean: LeanWatch::new(part, settings.watch),
+            gate: FixGate::new(part, time),
+            scale: Scale::new(),
+            fading: Fading::new(),
+            lean: LeanWatch::new(part),
         };
         Self {
-            set: settings.receiver,
             position: channel(Part::Position),
             velocity: channel(Part::Velocity),
             same: None,
@@ -79,22 +107,16 @@ impl Receiver {
     }
 
     /// As new, but for what is known of the receiver's accuracy.
-    pub(super) fn forget_solution(
-        &mut self,
-        time: f64,
-        settings: &EngineSettings,
-        summary: &mut Summary,
-    ) {
+    pub(super) fn forget_solution(&mut self, time: f64, summary: &mut Summary) {
         let scales = (self.position.scale, self.velocity.scale);
         self.close(summary);
-        *self = Self::new(time, settings);
+        *self = Self::new(time);
         (self.position.scale, self.velocity.scale) = scales;
     }
 
     /// Whether a fix may serve to align: its velocity and its way from the fix before are the same to
     /// what their standard deviations and a vehicle's acceleration allow.
     pub(super) fn is_consistent(&mut self, fix: &GnssFix) -> bool {
-        let set = &self.set;
         let before = self.before.replace(*fix);
         let (Some((to, r)), Some((v, r_v))) = (&fix.position, &fix.velocity) else {
             return true;
@@ -108,11 +130,11 @@ impl Receiver {
             (Position::Baseline { ned: from, .. }, Position::Baseline { ned: to, .. }) => to - from,
             _ => return true,
         };
-        if !(0.0..set.odd_gap).contains(&span) {
+        if !(0.0..ODD_GAP).contains(&span) {
             return true;
         }
         let sigmas = (2.0 * r.trace()).sqrt() / span + r_v.trace().sqrt();
-        (way / span - v).norm() < set.odd_speed + set.odd_accel * span + set.odd_sigmas * sigmas
+        (way / span - v).norm() < ODD_SPEED + ODD_ACCEL * span + ODD_SIGMAS * sigmas
     }
 
     /// Updates the filter, which stands at or after the time `due` \[s\] at which the fix holds, with its
@@ -126,7 +148,6 @@ impl Receiver {
         settings: &Settings,
         summary: &mut Summary,
     ) -> [Option<Result<Update, FilterError>>; 2] {
-        let set = self.set;
         let lever_arm = settings.lever_arm;
         let with_velocity = fix.velocity.is_some() && settings.gnss_use != GnssUse::Position;
         let mut updates = [None, None];
@@ -160,10 +181,10 @@ impl Receiver {
                 open,
                 frozen,
                 patience: match (frozen, with_velocity) {
-                    (true, _) => set.patience_frozen,
-                    (_, false) => set.patience_no_velocity,
-                    _ if self.velocity.gate.is_in_doubt() => set.patience,
-                    _ => set.patience_position_alone,
+                    (true, _) => PATIENCE_FROZEN,
+                    (_, false) => PATIENCE_NO_VELOCITY,
+                    _ if self.velocity.gate.is_in_doubt() => PATIENCE,
+                    _ => PATIENCE_POSITION_ALONE,
                 },
                 speed_doubted: !with_velocity,
             };
@@ -192,11 +213,7 @@ impl Receiver {
                 time: fix.time,
                 open,
                 frozen,
-                patience: if frozen {
-                    set.patience_frozen
-                } else {
-                    set.patience
-                },
+                patience: if frozen { PATIENCE_FROZEN } else { PATIENCE },
                 speed_doubted: true,
             };
             updates[1] = Some(self.velocity.update(filter, &offer, settings, summary));
@@ -207,7 +224,7 @@ impl Receiver {
 
     /// Notes how far an update has moved the velocity from what it was `before`.
     fn pulled(&mut self, before: Vector2<f64>, filter: &dyn Estimator, time: f64) {
-        let left = (-(time - self.pull.1) / self.set.pull_time).exp();
+        let left = (-(time - self.pull.1) / PULL_TIME).exp();
         let pull = self.pull.0 * left + before - filter.nav().v_n.xy();
         self.pull = (pull, time);
     }
@@ -215,11 +232,10 @@ impl Receiver {
     /// Whether the same fix, again and again, keeps a solution back that moves off: from the sensors it has a velocity that
     /// no error of its attitude explains.
     fn keeps_back(&mut self, filter: &dyn Estimator) -> bool {
-        let set = &self.set;
         let std = filter.nav_std();
         // Kept back for a while, a solution doubts its attitude.
-        self.tilted = (STANDARD_GRAVITY * std[6].max(std[7]) * set.pull_time).min(self.tilted);
-        self.pull.0.norm() > set.pull + set.frozen_sigmas * self.tilted
+        self.tilted = (STANDARD_GRAVITY * std[6].max(std[7]) * PULL_TIME).min(self.tilted);
+        self.pull.0.norm() > PULL + FROZEN_SIGMAS * self.tilted
     }
 
     /// Whether the fix repeats a position that the solution has left.
@@ -240,18 +256,17 @@ impl Receiver {
             return true;
         }
         if self.keeps_back(filter) {
-            let (pull, time) = (self.pull.0.norm(), self.set.pull_time);
+            let (pull, time) = (self.pull.0.norm(), PULL_TIME);
             let tilt = pull / (STANDARD_GRAVITY * time);
-            filter.doubt(pull * time, pull, tilt.min(self.set.most_tilt));
+            filter.doubt(pull * time, pull, tilt.min(MOST_TILT));
             return true;
         }
-        let set = &self.set;
         let velocity = filter.antenna_velocity(lever).xy();
         let std = filter.nav_std();
         let unsure = std[3].max(std[4]);
         let moved = velocity.norm() * (fix.time - since);
-        velocity.norm() > set.frozen_speed + set.frozen_sigmas * unsure
-            && moved > set.frozen_sigmas * r.fixed_view::<2, 2>(0, 0).trace().sqrt()
+        velocity.norm() > FROZEN_SPEED + FROZEN_SIGMAS * unsure
+            && moved > FROZEN_SIGMAS * r.fixed_view::<2, 2>(0, 0).trace().sqrt()
     }
 
     /// Whether the receiver repeats itself while the solution moves.
@@ -266,7 +281,7 @@ impl Receiver {
             .gate
             .third_last()
             .min(self.velocity.gate.third_last());
-        time - both < self.set.three_times
+        time - both < THREE_TIMES
     }
 
     /// Writes down what goes on at the end.
@@ -328,8 +343,7 @@ impl FixPart {
                         (Part::Position, true) => (size, size / duration),
                         (Part::Position, false) => (size, 0.0),
                     };
-                    let tilt = (velocity / (STANDARD_GRAVITY * duration))
-                        .min(settings.engine.receiver.most_tilt);
+                    let tilt = (velocity / (STANDARD_GRAVITY * duration)).min(MOST_TILT);
                     filter.doubt(position, velocity, tilt);
                     if velocity > 0.0 && summary.doubts.len() < MOST_EVENTS {
                         summary.doubts.push(Doubt {
@@ -355,7 +369,7 @@ impl FixPart {
             self.scale.learn(&update);
         } else if settings.gating {
             let factor = self.fading.factor(&update, settings.fix_errors.known);
-            if factor > 1.0 && filter.nav_std()[8] < settings.engine.fading.most_heading {
+            if factor > 1.0 && filter.nav_std()[8] < MOST_HEADING {
                 filter.fade(factor);
                 summary.faded += 1;
             }

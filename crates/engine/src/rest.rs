@@ -1,9 +1,30 @@
 //! Tells rest from motion by the sensors alone, at a level learned while GNSS says that the vehicle stands.
 
-use crate::settings::RestSettings;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{Vector3, covariance::AXES, sample::ImuSample, shaping::ShapingFilter};
+
+/// Length of the blocks that are judged \[s\].
+const BLOCK: f64 = 0.5;
+/// Rest while the scatter of a block is below this many times that of rest, on the average of the axes.
+const LIMIT: f64 = 3.0;
+/// Rest while it is below this many times that of the sensor's own noise, until rest has been seen.
+const NOISE_LIMIT: f64 = 2.0;
+/// The mean rate at rest is known to this much beyond the noise of the mean \[rad/s\].
+const RATE: f64 = 0.004;
+/// Means of the specific force in the two halves of a block agree to this much at rest \[m/s²\].
+const FORCE: f64 = 0.06;
+/// The mean specific force is the solution's gravity to this much at rest \[m/s²\]: 3° of wrong level, while a car
+/// that pulls away smoothly has twice that.
+const LEVEL: f64 = 0.5;
+/// [`RATE`] and [`LEVEL`] grow by this factor where GNSS shows that the vehicle stands.
+const UNSURE: f64 = 5.0;
+/// Speed that GNSS calls standing, where its accuracy leaves no doubt \[m/s\].
+const STANDS: f64 = 0.1;
+/// Speed that GNSS calls moving \[m/s\].
+pub(super) const MOVES: f64 = 0.5;
+/// Weight of a block in the learned level.
+const LEARN: f64 = 0.1;
 
 /// What the last block was.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +42,6 @@ pub(super) struct RestBlock {
 /// Sums over the present block and the learned level of rest.
 #[derive(Clone, Default)]
 pub(super) struct RestDetector {
-    set: RestSettings,
     /// Variance of a sample's white noise, gyros [rad²/s²], then accelerometers [m²/s⁴].
     noise: [f64; AXES],
     /// Learned variance of a sample at rest; as many blocks.
@@ -37,9 +57,8 @@ pub(super) struct RestDetector {
 }
 
 impl RestDetector {
-    pub(super) fn new(sensors: &[ShapingFilter; AXES], set: RestSettings) -> Self {
+    pub(super) fn new(sensors: &[ShapingFilter; AXES]) -> Self {
         Self {
-            set,
             noise: core::array::from_fn(|i| sensors[i].r.max(1e-16)),
             moving: f64::INFINITY,
             ..Self::default()
@@ -64,10 +83,10 @@ impl RestDetector {
         }
         self.count += 1.0;
         self.duration += sample.dt;
-        if self.duration < 0.5 * self.set.block {
+        if self.duration < 0.5 * BLOCK {
             self.first_half = (self.count, Vector3::from_fn(|i, _| self.sum[3 + i]));
         }
-        if self.duration < self.set.block {
+        if self.duration < BLOCK {
             return None;
         }
         let n = self.count;
@@ -95,42 +114,31 @@ impl RestDetector {
             .sum::<f64>()
             / AXES as f64;
         match speed {
-            Some((least, _)) if least < self.set.stands && halves.norm() < 3.0 * self.set.force => {
-                let weight = self.set.learn.max(1.0 / f64::from(self.learned + 1));
+            Some((least, _)) if least < STANDS && halves.norm() < 3.0 * FORCE => {
+                let weight = LEARN.max(1.0 / f64::from(self.learned + 1));
                 for (level, s) in self.level.iter_mut().zip(scatter) {
                     *level += weight * (s - *level);
                 }
                 self.learned += 1;
             }
-            Some((least, _)) if least > 2.0 * self.set.moves => {
-                self.moving = self.moving.min(relative)
-            }
+            Some((least, _)) if least > 2.0 * MOVES => self.moving = self.moving.min(relative),
             _ => {}
         }
-        let limit = if self.learned > 0 {
-            self.set.limit
-        } else {
-            self.set.noise_limit
-        };
+        let limit = if self.learned > 0 { LIMIT } else { NOISE_LIMIT };
         // A drive as smooth as rest leaves no room for a limit: then only GNSS can tell.
         let quiet = relative < limit.min(0.7 * self.moving);
         let (possible, stands) = match speed {
-            Some((least, greatest)) => (least < self.set.moves, greatest < self.set.moves),
+            Some((least, greatest)) => (least < MOVES, greatest < MOVES),
             // What motion looks like must be known, unless GNSS tells no speeds at all.
             None => (self.moving.is_finite() || self.learned == 0, false),
         };
         // Where the readings and GNSS say rest, the solution's biases and level may be wrong.
-        let trust = if quiet && stands {
-            self.set.unsure
-        } else {
-            1.0
-        };
+        let trust = if quiet && stands { UNSURE } else { 1.0 };
         let tolerance = |axis: usize| 4.0 * (self.level(axis) / n).sqrt();
         let steady = (0..3).all(|i| {
-            (block_rate[i] - expected.0[i]).abs() < trust * self.set.rate + tolerance(i)
-                && (block_force[i] - expected.1[i]).abs()
-                    < trust * self.set.level + tolerance(3 + i)
-                && halves[i].abs() < self.set.force + 2.0 * tolerance(3 + i)
+            (block_rate[i] - expected.0[i]).abs() < trust * RATE + tolerance(i)
+                && (block_force[i] - expected.1[i]).abs() < trust * LEVEL + tolerance(3 + i)
+                && halves[i].abs() < FORCE + 2.0 * tolerance(3 + i)
         });
         Some(RestBlock {
             rest: possible && steady && (quiet || stands),

@@ -20,10 +20,7 @@ use crate::{
     align::{Aligner, Heading, Stamps, compare},
     estimator::{Estimator, STAMP_ROUNDING},
     fixes::FixWatch,
-    settings::{
-        fix_errors::FixErrors,
-        replay::{GnssUse, Settings},
-    },
+    settings::{GnssUse, Settings, fix_errors::FixErrors},
 };
 use alloc::{boxed::Box, sync::Arc};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -106,7 +103,7 @@ impl Run {
     pub(super) fn new(settings: Settings) -> Self {
         let settings = Arc::new(settings);
         Self {
-            queue: Queue::new(settings.engine.receiver),
+            queue: Queue::new(),
             summary: Summary::default(),
             solution: None,
             alignment: CurrentAlignment {
@@ -114,17 +111,17 @@ impl Run {
                 again: false,
             },
             log: LogProgress::default(),
-            receiver: Receiver::new(f64::NEG_INFINITY, &settings.engine),
-            streak: Streak::new(settings.engine.watch),
+            receiver: Receiver::new(f64::NEG_INFINITY),
+            streak: Streak::default(),
             plausible: Plausible::new(&settings),
-            course: CourseWatch::new(settings.engine.course),
+            course: CourseWatch::new(),
             vehicle: Vehicle::new(&settings),
-            inertial: Inertial::new(settings.rotation, settings.engine.samples),
+            inertial: Inertial::new(settings.rotation),
             vibration: Vibration::of(&settings),
             fixes: (settings.from_fixes.is_some()
                 && settings.nodes.is_none()
                 && settings.log.is_none())
-            .then(|| FixWatch::new(settings.engine.fix_study)),
+            .then(|| FixWatch::default()),
             settings,
         }
     }
@@ -179,7 +176,7 @@ impl Run {
     /// Whether the solution moves.
     fn moves(&self) -> bool {
         let solution = self.solution.as_ref();
-        let least = self.settings.engine.samples.moves;
+        let least = crate::inertial::MOVES;
         solution.is_some_and(|solution| solution.filter.nav().v_n.norm() > least)
     }
 
@@ -229,7 +226,7 @@ impl Run {
                 }
                 Measurement::Barometer(height) => {
                     if let Some(solution) = &mut self.solution {
-                        Vehicle::barometer(solution, &height, &self.settings, &mut self.summary);
+                        Vehicle::barometer(solution, &height, &mut self.summary);
                     }
                 }
             }
@@ -252,7 +249,7 @@ impl Run {
         observer: &mut dyn Observer,
     ) -> Result<Summary, Box<NotAligned>> {
         self.summary.implausible = self.plausible.findings();
-        self.summary.judge_signs(&self.settings.engine.plausibility);
+        self.summary.judge_signs();
         self.summary.repeated = self.queue.repeated();
         self.summary.louder = self.vibration.as_ref().and_then(Vibration::louder);
         if self.has_ended() {
@@ -271,7 +268,7 @@ impl Run {
             return Err(Box::new(NotAligned {
                 failure: self.alignment.aligner.failure(self.log.fixes),
                 times: samples.zip(fixes).map(|(imu, gnss)| {
-                    let fault = compare(&imu, &gnss, &self.settings.engine.clocks);
+                    let fault = compare(&imu, &gnss);
                     ([imu, gnss], fault)
                 }),
                 implausible: self.summary.implausible,
@@ -302,8 +299,7 @@ impl Run {
                     .iter()
                     .copied()
                     .max_by(|a, b| a.abs().total_cmp(&b.abs()));
-                let far = furthest
-                    .filter(|value| value.abs() > self.settings.engine.watch.far * prior.std);
+                let far = furthest.filter(|value| value.abs() > crate::watch::FAR * prior.std);
                 let of_fixes = [Parameter::PositionError, Parameter::VelocityError];
                 let far = far.filter(|_| !of_fixes.contains(&kind));
                 self.summary
@@ -362,7 +358,7 @@ impl Run {
     /// The sample as it is, or after a gap too long for anything to be known behind it the last interval
     /// of it alone, with which the log begins as if there was nothing before.
     fn after_gap(&mut self, sample: ImuSample) -> (ImuSample, bool) {
-        if sample.dt <= self.settings.engine.gaps.longest {
+        if sample.dt <= crate::solution::LONGEST_GAP {
             return (sample, false);
         }
         let before = sample.time - sample.dt;
@@ -422,13 +418,10 @@ impl Run {
         self.alignment.again = false;
         self.log.shown(fix.time, true);
         observer.used(fix.time);
-        self.streak = Streak::new(self.settings.engine.watch);
-        self.receiver
-            .forget_solution(fix.time, &self.settings.engine, &mut self.summary);
-        self.course = CourseWatch::new(self.settings.engine.course);
-        let solution = self
-            .solution
-            .insert(Solution::new(aligned.filter, &self.settings.engine));
+        self.streak = Streak::default();
+        self.receiver.forget_solution(fix.time, &mut self.summary);
+        self.course = CourseWatch::new();
+        let solution = self.solution.insert(Solution::new(aligned.filter));
         if let Some(vibration) = &self.vibration {
             solution.filter.set_white_noise(&vibration.variances());
         }
@@ -478,7 +471,7 @@ impl Run {
         observer: &mut dyn Observer,
     ) -> Result<(), FilterError> {
         let withheld = self.settings.outages.iter().any(|o| o.contains(fix.time));
-        let fix = &(self.settings.quality).apply(fix, &self.settings.engine.quality);
+        let fix = &self.settings.quality.apply(fix);
         let begins = begins(fix, part);
         if begins && !withheld {
             self.study(fix)?;

@@ -1,18 +1,25 @@
 //! The navigation state: a filter, and how far it has come within the present sample.
 
 use super::{bridge::Bridge, measurement::Latency, observer::Observer, summary::Summary};
-use crate::{
-    estimator::{Estimator, STAMP_ROUNDING},
-    settings::{EngineSettings, GapSettings},
-};
+use crate::estimator::{Estimator, STAMP_ROUNDING};
 use alloc::boxed::Box;
 use undrift_nav::{parameters::Parameter, sample::ImuSample};
 
+/// A sample after more than this many intervals is a gap, not just late.
+const GAP_INTERVALS: f64 = 1.5;
+/// A gap longer than this is too long to interpolate over \[s\].
+const LONGEST_BRIDGE: f64 = 0.2;
+/// Acceleration that a vehicle may have unseen in a longer gap, one standard deviation \[m/s²\].
+const UNSEEN_ACCEL: f64 = 2.0;
+/// Turn rate that it may have there, one standard deviation \[rad/s\].
+const UNSEEN_RATE: f64 = 0.2;
+/// A gap longer than this ends the solution: the attitude is lost by then \[s\].
+pub(super) const LONGEST_GAP: f64 = 60.0;
+/// A time offset of more prior standard deviations than this is no offset but an error of the sensors.
+pub(super) const MOST_LATE: f64 = 10.0;
+
 pub(super) struct Solution {
     pub(super) filter: Box<dyn Estimator>,
-    set: GapSettings,
-    /// [`ReceiverSettings::most_late`](crate::settings::ReceiverSettings::most_late).
-    most_late: f64,
     /// While a gap is being bridged.
     bridge: Option<Bridge>,
     /// Time of the last node of a smoother \[s\].
@@ -31,11 +38,9 @@ impl Clone for Solution {
 }
 
 impl Solution {
-    pub(super) fn new(filter: Box<dyn Estimator>, settings: &EngineSettings) -> Self {
+    pub(super) fn new(filter: Box<dyn Estimator>) -> Self {
         Self {
             filter,
-            set: settings.gaps,
-            most_late: settings.receiver.most_late,
             bridge: None,
             last_node: f64::NEG_INFINITY,
         }
@@ -44,7 +49,7 @@ impl Solution {
     /// By how much fixes hold later than their stamps, as estimated within limits.
     pub(super) fn latency(&self) -> Latency {
         let offset = |kind| {
-            let most = self.most_late * self.filter.parameters().prior(kind)?.std;
+            let most = MOST_LATE * self.filter.parameters().prior(kind)?.std;
             Some(self.filter.time_offset(kind)?.0.clamp(-most, most))
         };
         Latency {
@@ -61,7 +66,7 @@ impl Solution {
         interval: f64,
         summary: &mut Summary,
     ) {
-        if sample.dt <= self.set.intervals * interval {
+        if sample.dt <= GAP_INTERVALS * interval {
             self.filter.begin(sample);
             return;
         }
@@ -69,7 +74,7 @@ impl Solution {
             sample,
             previous.filter(|p| p.dt > 0.0),
             interval,
-            self.set.longest_bridge,
+            LONGEST_BRIDGE,
         );
         match bridge.unknown_since {
             Some(start) => summary.long_gap(start, sample.dt),
@@ -100,7 +105,7 @@ impl Solution {
             && let Some(since) = bridge.unknown_since
         {
             self.filter
-                .grow((time - since).max(0.0), self.set.rate, self.set.accel);
+                .grow((time - since).max(0.0), UNSEEN_RATE, UNSEEN_ACCEL);
             bridge.unknown_since = Some(time);
         }
     }

@@ -7,7 +7,7 @@ use super::{
 use crate::{
     align::Alignment,
     fixes::FixStudy,
-    settings::{PlausibilitySettings, fix_errors::FixErrors, replay::Doubt},
+    settings::{Doubt, fix_errors::FixErrors},
 };
 use alloc::vec::Vec;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -163,13 +163,19 @@ pub struct Summary {
     pub diverged: Option<f64>,
     /// The covariance at the end, if there is a solution.
     pub covariance: Option<CovarianceHealth>,
-    /// Start of the first `WatchSettings::suspect_updates` updates on end, or fewer at the end of the log, whose
-    /// innovations were far beyond their predicted size \[s\].
+    /// Start of the first twenty updates in a row, or fewer at the end of the log, whose innovations were far beyond
+    /// their predicted size \[s\].
     pub suspect: Option<f64>,
 }
 
 /// Events of a kind that are kept one by one.
 pub const MOST_EVENTS: usize = 1000;
+
+/// A component of the velocity has the wrong sign where its innovations are this part of it, on the average: −2 if the
+/// solution ignores it, closer to 0 the more it follows.
+const WRONG_SIGN: f64 = -0.6;
+/// Sum of the squares of the component that is enough to judge by \[m²/s²\].
+const SIGN_MOTION: f64 = 5.0;
 
 impl Summary {
     /// What happened so far, each kind in order of time.
@@ -200,10 +206,10 @@ impl Summary {
     }
 
     /// Judges the signs of the velocity, at the end of the log.
-    pub(super) fn judge_signs(&mut self, set: &PlausibilitySettings) {
+    pub(super) fn judge_signs(&mut self) {
         let wrong = |i: &usize| {
             let (products, squares) = self.against_velocity[*i];
-            squares > set.sign_motion && products < set.wrong_sign * squares
+            squares > SIGN_MOTION && products < WRONG_SIGN * squares
         };
         self.wrong_signs = (0..3).filter(wrong).collect();
     }

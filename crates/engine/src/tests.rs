@@ -3,7 +3,7 @@
 use crate::{
     Measurement, Navigator, Observer, Summary,
     estimator::{Estimator, STAMP_ROUNDING, build},
-    settings::replay::{Outage, Settings},
+    settings::{Outage, Settings},
 };
 use alloc::{boxed::Box, vec::Vec};
 use undrift_nav::{

@@ -6,7 +6,7 @@
 //! periodograms); the median over ln 2 as the robust mean of exponential values.
 
 use crate::median::upper_median;
-use crate::settings::{VibrationSettings, replay::Settings};
+use crate::settings::Settings;
 use alloc::boxed::Box;
 use core::f64::consts::PI;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -27,10 +27,22 @@ const BINS: usize = 13;
 /// Expectation of the median of so many exponential values of mean 1: Σ 1/i from 7 to 13.
 const MEDIAN: f64 = 0.7301;
 
+/// Samples are averaged to at most about this rate \[Hz\]: a low-pass filter of the sensor reaches less far.
+const RATE: f64 = 100.0;
+/// Below this rate \[Hz\] the motion of the vehicle reaches the band that is looked at.
+const LEAST_RATE: f64 = 20.0;
+/// Density of the white noise over the model's from which it is vibration; less is chance.
+pub const VIBRATES_FROM: f64 = 1.5;
+/// Time over which the noise is averaged \[s\].
+const MEMORY: f64 = 3.0;
+/// A sample longer than this many intervals ends a block.
+const GAP: f64 = 1.5;
+
 /// What the samples of a drive have shown so far.
 #[derive(Clone)]
 pub struct Vibration {
-    set: VibrationSettings,
+    /// Time over which the noise is averaged \[s\].
+    memory: f64,
     /// By how much the standard deviation beyond the model's is multiplied, axis by axis.
     factors: [f64; AXES],
     /// Samples in a mean, and its length \[s\]; zero samples: too slow a log to look.
@@ -59,15 +71,11 @@ pub struct Vibration {
 impl Vibration {
     /// Of a filter whose models these are, before its first sample. `factors` are what the standard deviation of the noise
     /// beyond the model's is multiplied by.
-    pub fn new(
-        sensors: &[ShapingFilter; AXES],
-        factors: &[f64; AXES],
-        set: VibrationSettings,
-    ) -> Self {
+    pub fn new(sensors: &[ShapingFilter; AXES], factors: &[f64; AXES]) -> Self {
         let step = sensors[0].interval;
         let rate = 1.0 / step;
-        let each = match rate >= set.least_rate {
-            true => (rate / set.rate).round().max(1.0) as usize,
+        let each = match rate >= LEAST_RATE {
+            true => (rate / RATE).round().max(1.0) as usize,
             false => 0,
         };
         let interval = step * each as f64;
@@ -89,7 +97,7 @@ impl Vibration {
             sum / BINS as f64
         };
         Self {
-            set,
+            memory: MEMORY,
             factors: *factors,
             each,
             interval,
@@ -110,9 +118,8 @@ impl Vibration {
 
     /// The one of a replay with these settings, where its noise follows the vibration.
     pub fn of(settings: &Settings) -> Option<Self> {
-        let set = settings.engine.vibration;
         let factors = settings.vibration?;
-        Some(Self::new(&settings.sensors, &factors, set))
+        Some(Self::new(&settings.sensors, &factors))
     }
 
     /// Takes in a sample; at the end of a block the variance that each axis's white noise of a sample has by now \[unit²\].
@@ -120,7 +127,7 @@ impl Vibration {
         if self.each == 0 {
             return None;
         }
-        if sample.dt > self.set.gap * self.step {
+        if sample.dt > GAP * self.step {
             (self.count, self.sum, self.means) = (0, [0.0; AXES], 0);
             return None;
         }
@@ -159,7 +166,7 @@ impl Vibration {
     /// Takes in a whole block.
     fn learn(&mut self) {
         let length = self.interval * BLOCK as f64;
-        self.known = (self.known + length).min(self.set.memory.max(length));
+        self.known = (self.known + length).min(self.memory.max(length));
         let gain = length / self.known;
         for (i, level) in self.level.iter_mut().enumerate() {
             let mut powers = self.block.map(|[c, s]| c[i] * c[i] + s[i] * s[i]);
@@ -170,8 +177,8 @@ impl Vibration {
     /// Density beyond the model's [unit²·s], with its factor.
     fn excess(&self, axis: usize) -> f64 {
         let (level, model) = (self.level[axis], self.model[axis]);
-        let known = self.known >= self.set.memory;
-        match known && level > self.set.from * self.set.from * model {
+        let known = self.known >= self.memory;
+        match known && level > VIBRATES_FROM * VIBRATES_FROM * model {
             true => self.factors[axis].powi(2) * (level - model),
             false => 0.0,
         }
@@ -233,11 +240,10 @@ impl Vibration {
 /// Density of the white noise in the band that samples show [unit·√s], the root mean square of all blocks; `None`
 /// of a log that is too slow or too short.
 pub fn densities(imu: &[ImuSample], settings: &Settings) -> Option<[f64; AXES]> {
-    let set = VibrationSettings {
+    let mut vibration = Vibration {
         memory: f64::INFINITY,
-        ..settings.engine.vibration
+        ..Vibration::new(&settings.sensors, &[1.0; AXES])
     };
-    let mut vibration = Vibration::new(&settings.sensors, &[1.0; AXES], set);
     for sample in imu {
         vibration.next(sample);
     }
@@ -290,7 +296,7 @@ mod tests {
     /// density.
     fn seen(density: f64, rest: impl Fn(f64) -> f64) -> [f64; AXES] {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
-        let mut vibration = Vibration::new(&sensors(), &[1.0; AXES], VibrationSettings::default());
+        let mut vibration = Vibration::new(&sensors(), &[1.0; AXES]);
         let mut raised = false;
         for k in 0..30_000 {
             let time = STEP * k as f64;
@@ -342,7 +348,7 @@ mod tests {
     #[test]
     fn a_slow_log_shows_nothing() {
         let slow = [ShapingFilter::white(WHITE, 0.1).unwrap(); AXES];
-        let mut vibration = Vibration::new(&slow, &[1.0; AXES], VibrationSettings::default());
+        let mut vibration = Vibration::new(&slow, &[1.0; AXES]);
         for k in 0..1000 {
             let sample = ImuSample {
                 time: 0.1 * k as f64,
@@ -375,11 +381,10 @@ mod tests {
     #[test]
     fn what_the_model_has_in_the_band_is_not_added_again() {
         let factor = 1.5;
-        let mut vibration =
-            Vibration::new(&sensors(), &[factor; AXES], VibrationSettings::default());
+        let mut vibration = Vibration::new(&sensors(), &[factor; AXES]);
         // Nine times the model's density: eight are beyond it, times the factor's square.
         vibration.level = vibration.model.map(|model| 9.0 * model);
-        vibration.known = VibrationSettings::default().memory;
+        vibration.known = MEMORY;
         // In the band the Gauss-Markov process of the model is nothing: its density is that of the white noise.
         let expected = (1.0 + factor * factor * 8.0) * WHITE * WHITE / STEP;
         for variance in vibration.variances() {

@@ -5,13 +5,30 @@ use super::{
     summary::{MOST_EVENTS, Summary},
 };
 use crate::median::upper_median;
-use crate::settings::WatchSettings;
 use undrift_nav::{Vector3, filter::Update};
+
+/// Updates over which the NIS of a solution is judged.
+const SUSPECT_UPDATES: u32 = 20;
+/// NIS per degree of freedom over them that makes a solution suspect of divergence.
+const SUSPECT_NIS: f64 = 25.0;
+/// NIS of a sound solution.
+const SOUND_NIS: f64 = 4.0;
+/// A solution that was sound and has been suspect for this long is re-initialised \[s\].
+const SICK: f64 = 30.0;
+/// Fixes in a block over which innovations are averaged for a lean to one side.
+const LEAN_BLOCK: usize = 40;
+/// The mean over a block leans when it is this many times the usual and the expected size, squared.
+const LEANS: f64 = 60.0;
+/// Blocks after which the usual size of their means is known.
+const LEAST_BLOCKS: usize = 5;
+/// Whitened innovations count up to this size: a single outlier does not make a lean.
+const CLIP: f64 = 4.0;
+/// Prior standard deviations beyond which an estimated parameter is remarked on.
+pub(super) const FAR: f64 = 5.0;
 
 /// Updates, their NIS and degrees of freedom since the count began, and when that was \[s\].
 #[derive(Clone, Default)]
 pub(super) struct Streak {
-    set: WatchSettings,
     updates: u32,
     nis: f64,
     dof: u32,
@@ -22,13 +39,6 @@ pub(super) struct Streak {
 }
 
 impl Streak {
-    pub(super) fn new(set: WatchSettings) -> Self {
-        Self {
-            set,
-            ..Self::default()
-        }
-    }
-
     /// Watches for innovations far beyond their covariance, block by block.
     pub(super) fn watch(&mut self, update: Update, time: f64, summary: &mut Summary) {
         if self.updates == 0 {
@@ -37,15 +47,14 @@ impl Streak {
         self.updates += 1;
         self.nis += update.nis;
         self.dof += update.dof as u32;
-        if self.updates == self.set.suspect_updates {
+        if self.updates == SUSPECT_UPDATES {
             self.judge(summary);
         }
     }
 
-    /// Whether a solution that was sound has been beyond its size for long [`WatchSettings::sick`].
+    /// Whether a solution that was sound has been beyond its size for long [`SICK`].
     pub(super) fn is_sick(&self, time: f64) -> bool {
-        self.sick_since
-            .is_some_and(|since| time - since > self.set.sick)
+        self.sick_since.is_some_and(|since| time - since > SICK)
     }
 
     pub(super) fn judge(&mut self, summary: &mut Summary) {
@@ -53,7 +62,7 @@ impl Streak {
             return;
         }
         let nis = self.nis / f64::from(self.dof);
-        if nis > self.set.suspect_nis {
+        if nis > SUSPECT_NIS {
             if summary.suspect.is_none() {
                 summary.suspect = Some(self.start);
             }
@@ -62,7 +71,7 @@ impl Streak {
             }
         } else {
             self.sick_since = None;
-            self.sound |= nis < self.set.sound_nis;
+            self.sound |= nis < SOUND_NIS;
         }
         (self.updates, self.nis, self.dof) = (0, 0.0, 0);
     }
@@ -75,7 +84,6 @@ const BLOCKS: usize = 20;
 #[derive(Clone)]
 pub(super) struct LeanWatch {
     part: Part,
-    set: WatchSettings,
     start: f64,
     updates: usize,
     white: Vector3,
@@ -86,10 +94,9 @@ pub(super) struct LeanWatch {
 }
 
 impl LeanWatch {
-    pub(super) fn new(part: Part, set: WatchSettings) -> Self {
+    pub(super) fn new(part: Part) -> Self {
         Self {
             part,
-            set,
             start: 0.0,
             updates: 0,
             white: Vector3::zeros(),
@@ -111,19 +118,18 @@ impl LeanWatch {
             self.start = time;
         }
         self.updates += 1;
-        self.white +=
-            Vector3::from(update.whitened).map(|w| w.clamp(-self.set.clip, self.set.clip));
+        self.white += Vector3::from(update.whitened).map(|w| w.clamp(-CLIP, CLIP));
         self.innovation += innovation;
-        if self.updates < self.set.lean_block {
+        if self.updates < LEAN_BLOCK {
             return;
         }
         // χ²(3)/3 for white innovations.
-        let size = self.white.norm_squared() / (3.0 * self.set.lean_block as f64);
-        let mean: [f64; 3] = (self.innovation / self.set.lean_block as f64).into();
+        let size = self.white.norm_squared() / (3.0 * LEAN_BLOCK as f64);
+        let mean: [f64; 3] = (self.innovation / LEAN_BLOCK as f64).into();
         (self.updates, self.white, self.innovation) = (0, Vector3::zeros(), Vector3::zeros());
         let mut known = self.usual;
         let usual = upper_median(&mut known[..self.count.min(BLOCKS)]);
-        if self.count >= self.set.least_blocks && size > self.set.leans * usual.max(1.0) {
+        if self.count >= LEAST_BLOCKS && size > LEANS * usual.max(1.0) {
             let length = |m: &[f64; 3]| Vector3::from(*m).norm();
             let open = self.open.get_or_insert(Lean {
                 part: self.part,

@@ -19,7 +19,6 @@ use undrift::{
     navigate,
     noise::interrupt,
     results,
-    settings::EngineSettings,
 };
 use undrift_report::say;
 
@@ -98,9 +97,8 @@ impl Drive {
     /// The fixes by the names of `undrift.GnssLog`, with their covariances as matrices row by row.
     fn gnss<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let fixes = work::run(py, || {
-            let settings = EngineSettings::default();
             let fixes = self.drive.open_gnss()?.map(|fix| {
-                let fix = self.drive.quality.apply(&fix?, &settings.quality);
+                let fix = self.drive.quality.apply(&fix?);
                 Ok::<_, Failure>(fix)
             });
             fixes.collect::<Result<Vec<GnssFix>, _>>()

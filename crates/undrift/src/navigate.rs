@@ -160,19 +160,17 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
 /// Those of the fixes.
 pub fn study<E>(
     drive: &Drive,
-    settings: &Settings,
     fixes: impl IntoIterator<Item = Result<GnssFix, E>>,
 ) -> Result<Option<FixStudy>, E> {
-    let set = &settings.engine;
     let mut failed = None;
     let fixes = fixes.into_iter().map_while(|fix| match fix {
-        Ok(fix) => Some(drive.quality.apply(&fix, &set.quality)),
+        Ok(fix) => Some(drive.quality.apply(&fix)),
         Err(error) => {
             failed = Some(error);
             None
         }
     });
-    let study = fixes::study(fixes, set);
+    let study = fixes::study(fixes);
     failed.map_or(Ok(study), Err)
 }
 
@@ -233,10 +231,7 @@ pub fn resolve_mounting(drive: &Drive) -> Result<(Drive, Option<Mounting>), Navi
         2
     };
     let fixes = drive.open_gnss()?.collect::<Result<Vec<_>, _>>()?;
-    let fixes = with_velocities(
-        fixes,
-        &crate::settings::EngineSettings::default().derived_velocity,
-    );
+    let fixes = with_velocities(fixes);
     for _ in 0..passes {
         let mut settings = settings(drive, BiasModel::Arma)?;
         settings.align = AlignSettings {
@@ -276,7 +271,7 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
     let mut settings = settings(&drive, kind)?;
     let mut seen_ahead = None;
     if wanted.hindsight != Hindsight::Causal {
-        seen_ahead = study(&drive, &settings, drive.open_gnss()?)?;
+        seen_ahead = study(&drive, drive.open_gnss()?)?;
         look_ahead(&mut settings, seen_ahead.as_ref());
     }
     settings.nodes = smooth.then_some(NODE_SPAN);

@@ -4,10 +4,7 @@
 
 mod not_aligned;
 
-pub use crate::settings::{
-    quality::QualityStd,
-    replay::{Doubt, GnssUse, Outage, Settings},
-};
+pub use crate::settings::{Doubt, GnssUse, Outage, Settings, quality::QualityStd};
 pub use not_aligned::NotAligned;
 pub use undrift_engine::{
     Contradiction, CovarianceHealth, FixMend, HeadingOff, Implausible, Innovations, Lean, Log,

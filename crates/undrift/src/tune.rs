@@ -24,7 +24,7 @@ use crate::{
     outages::Logs,
     replay::{ReplayError, begin, vibration::densities},
     results,
-    settings::{fix_errors::StdFactors, replay::Settings},
+    settings::{Settings, fix_errors::StdFactors},
 };
 use fit::{Fit, FitLog, fit, under, unseen_likelihood};
 use judge::{Following, Judged, Unseen, judge};

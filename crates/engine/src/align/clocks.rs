@@ -1,10 +1,7 @@
 //! How the clocks of two logs differ that do not overlap.
 
-use crate::{
-    events::Log,
-    settings::{ClockSettings, within},
-};
-use core::fmt;
+use crate::events::Log;
+use core::{fmt, ops::Range};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 
@@ -35,6 +32,20 @@ pub enum ClockFault {
 /// Prefixes of a second, by which the other log is as many times shorter.
 const UNITS: [(&str, f64); 3] = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
 const HOUR: f64 = 3600.0;
+/// Spans of the same drive differ by less than this factor.
+const SAME_DRIVE: f64 = 2.0;
+/// No receiver has a shorter interval \[s\].
+const SHORTEST_FIX: f64 = 0.01;
+/// No IMU has a shorter interval \[s\].
+const SHORTEST_SAMPLE: f64 = 2e-5;
+/// Unix times of the years 2001 to 2065 \[s\].
+const UNIX: Range<f64> = 1e9..3e9;
+/// Times since boot, of the day and of the week are less than this \[s\].
+const NOT_UNIX: f64 = 1e8;
+/// Time zones and days: logs that are more hours apart differ in something else.
+const MOST_HOURS: f64 = 24.0;
+/// Logs of a drive begin at most so long one after the other to be whole hours apart \[s\].
+const TOGETHER: f64 = 300.0;
 
 impl fmt::Display for Stamps {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -74,31 +85,30 @@ impl Stamps {
 }
 
 /// The likeliest difference between the clocks of two logs without a common time.
-pub(crate) fn compare(imu: &Stamps, gnss: &Stamps, set: &ClockSettings) -> ClockFault {
+pub(crate) fn compare(imu: &Stamps, gnss: &Stamps) -> ClockFault {
     let longer = |long: &Stamps, short: &Stamps, shortest: f64| {
         let is = |(_, factor): &&(&str, f64)| {
             let ratio = long.span() / short.span() / factor;
-            (1.0 / set.same_drive..set.same_drive).contains(&ratio)
-                && long.interval() / factor >= shortest
+            (1.0 / SAME_DRIVE..SAME_DRIVE).contains(&ratio) && long.interval() / factor >= shortest
         };
         UNITS.iter().find(is).map(|(unit, _)| *unit)
     };
-    if let Some(unit) = longer(gnss, imu, set.shortest_fix) {
+    if let Some(unit) = longer(gnss, imu, SHORTEST_FIX) {
         return ClockFault::Unit(Log::Gnss, unit);
     }
-    if let Some(unit) = longer(imu, gnss, set.shortest_sample) {
+    if let Some(unit) = longer(imu, gnss, SHORTEST_SAMPLE) {
         return ClockFault::Unit(Log::Imu, unit);
     }
-    match (within(set.unix, imu.first), within(set.unix, gnss.first)) {
-        (false, true) if imu.last.abs() < set.not_unix => return ClockFault::Unix(Log::Gnss),
-        (true, false) if gnss.last.abs() < set.not_unix => return ClockFault::Unix(Log::Imu),
+    match (UNIX.contains(&imu.first), UNIX.contains(&gnss.first)) {
+        (false, true) if imu.last.abs() < NOT_UNIX => return ClockFault::Unix(Log::Gnss),
+        (true, false) if gnss.last.abs() < NOT_UNIX => return ClockFault::Unix(Log::Imu),
         _ => {}
     }
     let apart = gnss.first - imu.first;
     let hours = (apart / HOUR).round();
     let rest = apart - hours * HOUR;
     let overlap = imu.last.min(gnss.last - hours * HOUR) - imu.first.max(imu.first + rest);
-    if hours != 0.0 && hours.abs() <= set.most_hours && rest.abs() < set.together && overlap > 0.0 {
+    if hours != 0.0 && hours.abs() <= MOST_HOURS && rest.abs() < TOGETHER && overlap > 0.0 {
         return ClockFault::Hours(hours);
     }
     ClockFault::Apart
@@ -119,7 +129,6 @@ mod tests {
 
     #[test]
     fn differences_of_clocks() {
-        let compare = |imu: &Stamps, gnss: &Stamps| compare(imu, gnss, &ClockSettings::default());
         let imu = stamps(0.01, 100.0, 140.0);
         let times = |s: Stamps, factor: f64| Stamps {
             first: s.first * factor,

@@ -13,7 +13,7 @@ use super::{
 use crate::{
     derived::antenna,
     estimator::{self, Estimator},
-    settings::{AlignmentMotionSettings, replay::Settings},
+    settings::Settings,
 };
 use alloc::collections::VecDeque;
 use alloc::{boxed::Box, vec::Vec};
@@ -27,24 +27,63 @@ use undrift_nav::{
     sample::{GnssFix, ImuSample},
 };
 
+/// The window is no longer than this \[s\].
+const LONGEST: f64 = 60.0;
+/// The window is no longer than a gyro bias of one standard deviation needs for this angle \[rad\].
+const BIAS_TURN: f64 = 1.2;
+/// The window may be this long whatever the gyro bias \[s\].
+const SHORTEST: f64 = 20.0;
+/// Fixes in the search are at least this far apart \[s\].
+const SPACING: f64 = 0.45;
+/// A sample longer than this ends the window \[s\].
+const LONGEST_SAMPLE: f64 = 0.2;
+/// Least time between two searches \[s\].
+const EVERY: f64 = 1.0;
+/// Least time between two searches, as a share of the window, while none has succeeded.
+const PAUSE: f64 = 0.1;
+/// Searches of the longest window that may find nothing before [`PAUSE`] grows.
+const PATIENCE: usize = 5;
+/// Factor by which it then grows each time: a log that nothing explains shall not take long to say so.
+const GROWTH: f64 = 1.5;
+/// Largest share of the window between two searches.
+const LONGEST_PAUSE: f64 = 5.0;
+/// Velocities needed for a search to be worth it.
+const FEWEST: usize = 6;
+/// How far apart the velocities of a search must be \[m/s\].
+const SPREAD: f64 = 1.0;
+/// A second minimum is out of the question when the best one's squared residuals are less by this much.
+const RIVAL: f64 = 25.0;
+/// Largest standard deviation of the attitude about any axis for an acceptable solution \[rad\].
+const CERTAIN: f64 = 0.05;
+/// Largest one for a solution that need not wait for a longer window \[rad\]: the filter, unlike the window, cannot undo
+/// what it took from an attitude that was some degrees off.
+const GOOD: f64 = 0.017;
+/// Squared residuals for each degree of freedom, at most.
+const FIT: f64 = 10.0;
+/// Standard deviation of the filter's velocity and attitude before the window determines them \[m/s, rad\].
+const WIDE: f64 = 100.0;
+/// Standard deviation of unmodelled gyro bias \[rad/s\]: nothing is known exactly.
+const GYRO_FLOOR: f64 = 1e-4;
+/// Standard deviation of unmodelled accelerometer bias \[m/s²\].
+const ACCEL_FLOOR: f64 = 1e-2;
+
 /// What is known of the gyro bias from rest: mean [rad/s] and variance.
 pub(super) type GyroBias = (Vector3, f64);
 
 /// How long a window may be with a gyro bias of this variance \[rad²/s²\], \[s\].
-fn longest(set: &AlignmentMotionSettings, variance: f64) -> f64 {
-    (set.bias_turn / variance.sqrt()).clamp(set.shortest, set.longest)
+fn longest(variance: f64) -> f64 {
+    (BIAS_TURN / variance.sqrt()).clamp(SHORTEST, LONGEST)
 }
 
 /// The window and what became of the searches in it.
 #[derive(Clone, Default)]
 pub(super) struct MotionAligner {
-    set: AlignmentMotionSettings,
     /// Samples of the window, whole; the last one may reach beyond the last fix.
     samples: VecDeque<ImuSample>,
     fixes: VecDeque<GnssFix>,
     /// Length of the window while there is no solution \[s\].
     longest: f64,
-    /// The solution so far, at the window's start; the window then grows from there to [`AlignmentMotionSettings::longest`].
+    /// The solution so far, at the window's start; the window then grows from there to [`LONGEST`].
     solved: Option<Guess>,
     searched: Option<f64>,
     /// Least time between two searches, as a share of the window, while none has succeeded; it grows where they keep failing.
@@ -65,19 +104,17 @@ pub(super) struct AlignedInMotion {
 
 impl MotionAligner {
     pub(super) fn new(settings: &Settings) -> Self {
-        let set = settings.engine.alignment_motion;
-        let turn_on = bias_variances(&settings.sensors[..3], set.gyro_floor).max();
+        let turn_on = bias_variances(&settings.sensors[..3], GYRO_FLOOR).max();
         Self {
-            set,
-            longest: longest(&set, turn_on),
-            pause: set.pause,
+            longest: longest(turn_on),
+            pause: PAUSE,
             ..Self::default()
         }
     }
 
     /// Takes up a sample; once for each.
     pub(super) fn sample(&mut self, sample: &ImuSample) {
-        if sample.dt > self.set.longest_sample {
+        if sample.dt > LONGEST_SAMPLE {
             self.samples.clear();
             self.fixes.clear();
             self.solved = None;
@@ -86,7 +123,7 @@ impl MotionAligner {
         self.samples.push_back(*sample);
         let longest = match self.solved {
             // Its start must stay; it ends at the first fix beyond that.
-            Some(_) => 2.0 * self.set.longest,
+            Some(_) => 2.0 * LONGEST,
             None => self.longest,
         };
         let start = sample.time - longest;
@@ -114,7 +151,7 @@ impl MotionAligner {
             return None;
         }
         if let Some((_, variance)) = rest {
-            self.longest = longest(&self.set, variance);
+            self.longest = longest(variance);
         }
         self.fixes.push_back(*fix);
         let window = self
@@ -122,8 +159,8 @@ impl MotionAligner {
             .front()
             .map_or(0.0, |first| fix.time - first.time);
         let pause = match self.solved {
-            Some(_) => self.set.every,
-            None => self.set.every.max(self.pause * window),
+            Some(_) => EVERY,
+            None => EVERY.max(self.pause * window),
         };
         if self.searched.is_some_and(|at| fix.time < at + pause) {
             return None;
@@ -136,8 +173,8 @@ impl MotionAligner {
                     matches!(failure, MotionFailure::Ambiguous | MotionFailure::Misfit(_));
                 if nothing && window + self.pause * window > self.longest {
                     self.failed += 1;
-                    if self.failed > self.set.patience {
-                        self.pause = (self.pause * self.set.growth).min(self.set.longest_pause);
+                    if self.failed > PATIENCE {
+                        self.pause = (self.pause * GROWTH).min(LONGEST_PAUSE);
                     }
                 }
                 // The furthest that it ever came says most.
@@ -159,13 +196,13 @@ impl MotionAligner {
         let (gyro, accel) = settings.sensors.split_at(3);
         let gyro_prior = match rest {
             Some((mean, variance)) => (mean, Vector3::repeat(variance)),
-            None => (Vector3::zeros(), bias_variances(gyro, self.set.gyro_floor)),
+            None => (Vector3::zeros(), bias_variances(gyro, GYRO_FLOOR)),
         };
         let segments = self.segments(&gyro_prior.0);
-        if segments.len() < self.set.fewest {
+        if segments.len() < FEWEST {
             return Err(MotionFailure::TooFew);
         }
-        if spread < self.set.spread {
+        if spread < SPREAD {
             return Err(MotionFailure::TooSteady {
                 change: self.spread,
                 within: self.longest,
@@ -173,16 +210,12 @@ impl MotionAligner {
         }
         let first = *self.fixes.front().ok_or(MotionFailure::TooFew)?;
         let problem = Problem {
-            set: &self.set,
             segments: &segments,
             reference: gyro_prior.0,
             place: antenna(&first).ok_or(MotionFailure::TooFew)?,
             lever_arm: settings.lever_arm,
             gyro: gyro_prior,
-            accel: (
-                Vector3::zeros(),
-                bias_variances(accel, self.set.accel_floor),
-            ),
+            accel: (Vector3::zeros(), bias_variances(accel, ACCEL_FLOOR)),
             gyro_noise: noise_of_mean(gyro, 1.0),
             accel_noise: noise_of_mean(accel, 1.0),
         };
@@ -194,7 +227,7 @@ impl MotionAligner {
                 let solutions = problem.solve();
                 let best = solutions.first().ok_or(MotionFailure::Ambiguous)?;
                 let rival = solutions.get(1).map_or(f64::INFINITY, |rival| rival.cost);
-                if rival - best.cost < self.set.rival * fit(best.cost) {
+                if rival - best.cost < RIVAL * fit(best.cost) {
                     return Err(MotionFailure::Ambiguous);
                 }
                 best.guess
@@ -212,18 +245,18 @@ impl MotionAligner {
             .end(&solution.guess)
             .ok_or(MotionFailure::Ambiguous)?;
         let fit = fit(solution.cost);
-        if fit > self.set.fit {
+        if fit > FIT {
             return Err(MotionFailure::Misfit(fit));
         }
         let c_nb = q_nb.to_rotation_matrix().into_inner();
         let attitude = covariance.fixed_view::<3, 3>(3, 3) * fit;
         let worst = (c_nb * attitude * c_nb.transpose()).diagonal().max().sqrt();
         // A number that is not one is not certain either.
-        if worst.is_nan() || worst > self.set.certain {
+        if worst.is_nan() || worst > CERTAIN {
             return Err(MotionFailure::Uncertain(worst));
         }
         let last = *self.fixes.back().ok_or(MotionFailure::TooFew)?;
-        if worst > self.set.good && last.time - first.time < self.set.longest {
+        if worst > GOOD && last.time - first.time < LONGEST {
             self.solved = Some(solution.guess);
             return Err(MotionFailure::Settling(worst));
         }
@@ -256,12 +289,7 @@ impl MotionAligner {
     }
 
     fn segments(&self, gyro: &Vector3) -> Vec<Segment> {
-        segments(
-            self.samples.iter(),
-            self.fixes.iter(),
-            self.set.spacing,
-            gyro,
-        )
+        segments(self.samples.iter(), self.fixes.iter(), SPACING, gyro)
     }
 
     /// Why there is no alignment.
@@ -286,14 +314,13 @@ fn filter(
     settings: &Settings,
 ) -> Option<Box<dyn Estimator>> {
     let (_, position) = fix.position?;
-    let wide = settings.engine.alignment_motion.wide;
     let std = InitialStd {
         position: Vector3::repeat(1.0),
-        velocity: Vector3::repeat(wide),
-        attitude: Vector3::repeat(wide),
+        velocity: Vector3::repeat(WIDE),
+        attitude: Vector3::repeat(WIDE),
     };
     let mut filter = estimator::build(*end, &std, &settings.sensors, settings.parameters).ok()?;
-    let velocity = Matrix3::identity() * (wide * wide);
+    let velocity = Matrix3::identity() * (WIDE * WIDE);
     let correlated = [settings.fix_errors.split(&position).1, Vector3::zeros()];
     filter.set_position_velocity_covariance(&position, &velocity, &correlated);
     let (g, a) = (guess.gyro, guess.accel);

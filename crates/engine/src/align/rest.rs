@@ -1,15 +1,35 @@
 //! Rest, told by block means that agree, and the level and gyro bias that it gives.
 
 use super::basis::noise_of_mean;
-use crate::settings::AlignmentRestSettings;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{Vector3, shaping::ShapingFilter};
 
+/// Length of the blocks that are compared \[s\].
+const BLOCK: f64 = 0.5;
+/// Consecutive blocks that agree before they count as rest, or more where the noise asks for more.
+const FEWEST_BLOCKS: u32 = 2;
+/// Blocks that it takes while GNSS does not show that the vehicle stands: a steady turn has steady readings too.
+const BLOCKS_UNSEEN: u32 = 6;
+/// Blocks that a rest with another gyro bias than before takes, GNSS at rest.
+const NEW_BIAS_BLOCKS: u32 = 10;
+/// Blocks that noisy sensors need, at most.
+const MOST_BLOCKS: u32 = 20;
+/// White noise of the mean specific force that is small enough \[m/s²\]: 0.3 deg of level.
+const FORCE_NOISE: f64 = 0.05;
+/// White noise of the mean rate that is small enough \[rad/s\]: 0.05 deg/s.
+const RATE_NOISE: f64 = 1e-3;
+/// A block belongs to the rest while its means differ from the rest's by less than this many standard deviations of
+/// their white noise and [`RATE`] or [`FORCE`].
+const SIGMAS: f64 = 5.0;
+/// What the mean rate of a rest wanders by beyond its white noise \[rad/s\].
+const RATE: f64 = 0.003;
+/// The same of the mean specific force \[m/s²\].
+const FORCE: f64 = 0.05;
+
 /// Tells rest by comparing block means, and keeps what it says.
 #[derive(Clone, Default)]
 pub(super) struct Rest {
-    set: AlignmentRestSettings,
     /// Tolerances of a block's means [rad/s, m/s²].
     rate_tolerance: f64,
     force_tolerance: f64,
@@ -32,20 +52,15 @@ pub(super) struct Rest {
 
 impl Rest {
     /// For gyros and accelerometers of the given noise.
-    pub(super) fn new(
-        gyro: &[ShapingFilter],
-        accel: &[ShapingFilter],
-        set: AlignmentRestSettings,
-    ) -> Self {
-        let blocks = |axes, wanted: f64| noise_of_mean(axes, set.block) / (wanted * wanted);
-        let needed = blocks(gyro, set.rate_noise)
-            .max(blocks(accel, set.force_noise))
+    pub(super) fn new(gyro: &[ShapingFilter], accel: &[ShapingFilter]) -> Self {
+        let blocks = |axes, wanted: f64| noise_of_mean(axes, BLOCK) / (wanted * wanted);
+        let needed = blocks(gyro, RATE_NOISE)
+            .max(blocks(accel, FORCE_NOISE))
             .ceil();
         Self {
-            set,
-            rate_tolerance: set.rate + set.sigmas * noise_of_mean(gyro, set.block).sqrt(),
-            force_tolerance: set.force + set.sigmas * noise_of_mean(accel, set.block).sqrt(),
-            needed: (needed as u32).clamp(set.fewest_blocks, set.most_blocks),
+            rate_tolerance: RATE + SIGMAS * noise_of_mean(gyro, BLOCK).sqrt(),
+            force_tolerance: FORCE + SIGMAS * noise_of_mean(accel, BLOCK).sqrt(),
+            needed: (needed as u32).clamp(FEWEST_BLOCKS, MOST_BLOCKS),
             ..Self::default()
         }
     }
@@ -55,7 +70,7 @@ impl Rest {
         self.duration += span;
         self.dtheta += dtheta;
         self.dvel += dvel;
-        if self.duration < self.set.block - 1e-9 {
+        if self.duration < BLOCK - 1e-9 {
             return false;
         }
         let (rate, force) = (self.dtheta / self.duration, self.dvel / self.duration);
@@ -83,8 +98,8 @@ impl Rest {
         let needed = match (stands, steady) {
             (Some(false), _) | (None, false) => return false,
             (Some(true), true) => self.needed,
-            (None, true) => self.needed.max(self.set.blocks_unseen),
-            (Some(true), false) => self.needed.max(self.set.new_bias_blocks),
+            (None, true) => self.needed.max(BLOCKS_UNSEEN),
+            (Some(true), false) => self.needed.max(NEW_BIAS_BLOCKS),
         };
         self.blocks >= needed
     }
@@ -140,11 +155,11 @@ impl Rest {
 
     /// Length of the present span \[s\].
     pub(super) fn span(&self) -> f64 {
-        f64::from(self.blocks) * self.set.block
+        f64::from(self.blocks) * BLOCK
     }
 
     /// Length of all rest \[s\].
     pub(super) fn bias_span(&self) -> f64 {
-        f64::from(self.bias_blocks.max(1)) * self.set.block
+        f64::from(self.bias_blocks.max(1)) * BLOCK
     }
 }

@@ -14,7 +14,6 @@
 //! with a wide heading.
 
 use super::segments::Segment;
-use crate::settings::AlignmentMotionSettings;
 use alloc::vec::Vec;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
@@ -37,6 +36,13 @@ pub(super) struct Guess {
     pub(super) accel: Vector3,
 }
 
+/// Iterations of one solution, at most.
+const ITERATIONS: usize = 20;
+/// Headings that the search starts from.
+const HEADINGS: usize = 12;
+/// Attitudes within this angle are the same minimum \[rad\].
+const SAME: f64 = 0.15;
+
 /// A guess that has been improved, and what it costs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Minimum {
@@ -49,7 +55,6 @@ pub(super) struct Minimum {
 
 /// Everything but the guess.
 pub(super) struct Problem<'a> {
-    pub(super) set: &'a AlignmentMotionSettings,
     /// In order of time; the first one is the start.
     pub(super) segments: &'a [Segment],
     /// Gyro bias about which they are linear [rad/s].
@@ -267,7 +272,7 @@ impl Problem<'_> {
         let mut best = *guess;
         let mut linear = self.linearise(&best, count, gyro);
         let mut damping = 1e-3;
-        for _ in 0..self.set.iterations {
+        for _ in 0..ITERATIONS {
             let mut matrix = linear.information;
             for i in 0..9 {
                 matrix[(i, i)] *= 1.0 + damping;
@@ -351,8 +356,8 @@ impl Problem<'_> {
             &[0.0]
         };
         let mut found: Vec<Minimum> = Vec::new();
-        for heading in 0..self.set.headings {
-            let angle = core::f64::consts::TAU * heading as f64 / self.set.headings as f64;
+        for heading in 0..HEADINGS {
+            let angle = core::f64::consts::TAU * heading as f64 / HEADINGS as f64;
             let q_nb = from_rotation_vector(&(up * angle)) * level;
             for drift in drifts {
                 let mut guess = Guess {
@@ -373,7 +378,7 @@ impl Problem<'_> {
                 }
                 match found
                     .iter_mut()
-                    .find(|other| other.is_near(&solution, self.set.same))
+                    .find(|other| other.is_near(&solution, SAME))
                 {
                     Some(same) if same.cost <= solution.cost => {}
                     Some(same) => *same = solution,

@@ -154,7 +154,7 @@ fn a_fix_leaves_speeds_within_its_error() {
         ..fix(8.0, Vector3::zeros(), 0.5)
     };
     vehicle.fix(&mut *filter, &none, &settings);
-    let moves = settings.engine.rest.moves;
+    let moves = MOVES;
     assert_eq!(vehicle.last_speed, Some((8.0, (moves, f64::INFINITY))));
 }
 
@@ -208,7 +208,7 @@ fn wheels_hold_a_velocity_to_the_right_and_down() {
     };
     let built = || build(nav, &std, &sensors(), Parameters::none()).unwrap();
     let mut filter = built();
-    let update = stay_on_track(&mut *filter, &rule, &settings).unwrap();
+    let update = stay_on_track(&mut *filter, &rule).unwrap();
     assert_eq!(update.dof, 2);
     let v = filter.nav().v_n;
     // Equal variances to the right, a fifth of the whole down.

@@ -1,8 +1,5 @@
 use super::*;
-use crate::{
-    settings::CourseWatchSettings,
-    tests::{DEG, Scenario, driving_north, receiver},
-};
+use crate::tests::{DEG, Scenario, driving_north, receiver};
 use alloc::{boxed::Box, vec::Vec};
 use undrift_nav::{
     Matrix3, Quaternion,
@@ -27,7 +24,7 @@ impl Drive {
     fn new(heading_std: f64) -> Self {
         let mut drive = Self {
             filter: heading_known_to(heading_std),
-            watch: CourseWatch::new(CourseWatchSettings::default()),
+            watch: CourseWatch::new(),
             summary: Summary::default(),
             time: 0.0,
         };
@@ -204,7 +201,7 @@ fn what_is_usual_is_learned_first_and_from_a_heading_that_is_known() {
     // Seven courses fill the window of eight, thirty after them are learned, four odd ones among them: the fifth is judged.
     for (learned, acts) in [(32, false), (33, true)] {
         let mut drive = Drive::new(1.0);
-        drive.watch = CourseWatch::new(CourseWatchSettings::default());
+        drive.watch = CourseWatch::new();
         drive.courses(learned, CRAB);
         drive.courses(5, CRAB + 20.0);
         assert_eq!(!drive.seen().is_empty(), acts, "{learned}");
@@ -283,7 +280,7 @@ fn a_gyro_that_changes_on_a_straight_road_is_seen_by_the_course() {
 
         // Without the watch the heading is wrong by more than ten of its standard deviations.
         let mut unwatched = faulty;
-        unwatched.settings.engine.course.least = usize::MAX;
+        unwatched.settings.gating = false;
         let (error, std) = unwatched.navigate().last().heading();
         assert!(error > 10.0 * std, "seed {seed}: {error} {std}");
     }

@@ -1,8 +1,5 @@
 use super::*;
-use crate::{
-    settings::FadingSettings,
-    tests::{DEG, Epoch, RATE, Scenario, imu, receiver},
-};
+use crate::tests::{DEG, Epoch, RATE, Scenario, imu, receiver};
 use alloc::vec::Vec;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -10,7 +7,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift_simulate::{GnssNoise, Trajectory};
 
 fn fading() -> Fading {
-    Fading::new(FadingSettings::default())
+    Fading::new()
 }
 
 /// An update of three components whose NIS is `times` the median of χ²(3), whitened along north.
@@ -200,7 +197,7 @@ fn lagging(mut scenario: Scenario, constant: f64) -> Scenario {
 
 /// The same drive with the covariance left as it is.
 fn unfaded(mut scenario: Scenario) -> Scenario {
-    scenario.settings.engine.fading.from = f64::INFINITY;
+    scenario.settings.gating = false;
     scenario
 }
 

@@ -3,14 +3,9 @@
 use super::*;
 use undrift_nav::{Matrix3, earth::Geodetic, sample::FixQuality};
 
-fn set() -> FixStudySettings {
-    EngineSettings::default().fix_study
-}
-
 /// So many fixes a second apart whose errors grow by `step` each: differences of variance one.
-fn steady<'a>(set: &'a FixStudySettings, time: &'a [f64], step: Vector3) -> Differences<'a> {
+fn steady(time: &[f64], step: Vector3) -> Differences<'_> {
     Differences {
-        set,
         interval: 1.0,
         time,
         error: time.iter().map(|t| step * *t).collect(),
@@ -29,18 +24,18 @@ fn step_of(g: f64) -> f64 {
 
 #[test]
 fn gamma_is_half_the_mean_square_over_the_variance() {
-    let (set, time) = (set(), seconds(100));
+    let time = seconds(100);
     let step = Vector3::new(3.0, 1.0, 2.0) * step_of(1e-3);
-    let of = steady(&set, &time, step);
+    let of = steady(&time, step);
     for lag in [1, 2, 5] {
         let g = 1e-3 * (lag * lag) as f64;
         assert!((of.gamma(lag, true).unwrap() / g - 1.0).abs() < 1e-9);
         // The middle one of the axes.
         assert!((of.gamma(lag, false).unwrap() / (4.0 * g) - 1.0).abs() < 1e-9);
     }
-    assert!(of.gamma(100 - set.least_pairs, true).is_some());
-    assert!(of.gamma(101 - set.least_pairs, true).is_none());
-    let mut louder = steady(&set, &time, step);
+    assert!(of.gamma(100 - LEAST_PAIRS, true).is_some());
+    assert!(of.gamma(101 - LEAST_PAIRS, true).is_none());
+    let mut louder = steady(&time, step);
     louder.variance = (0..100)
         .map(|k| Vector3::repeat(if k % 2 == 0 { 1.0 } else { 7.0 }))
         .collect();
@@ -50,24 +45,22 @@ fn gamma_is_half_the_mean_square_over_the_variance() {
 
 #[test]
 fn pairs_are_as_far_apart_as_their_lag() {
-    let set = set();
     // 0.6 s of slack from one to the next, 0.9 s of four.
     let time = [0.0, 1.0, 2.59, 3.59, 5.2, 5.61, 6.0];
-    let of = steady(&set, &time, Vector3::zeros());
+    let of = steady(&time, Vector3::zeros());
     let pairs: Vec<_> = of.pairs(1).collect();
     // Of 1, 1.59 and 1, and of 0.41 s; not of 1.61 and of 0.39 s.
     assert_eq!(pairs, [(0, 1), (1, 2), (2, 3), (4, 5)]);
     let time = [0.0, 1.0, 2.0, 3.0, 4.89, 5.91];
-    let of = steady(&set, &time, Vector3::zeros());
+    let of = steady(&time, Vector3::zeros());
     assert_eq!(of.pairs(4).collect::<Vec<_>>(), [(0, 4)]);
 }
 
 #[test]
 fn a_correlation_time_is_that_at_which_a_power_law_has_grown() {
-    let set = set();
     let of = |g: f64, count: usize, interval: f64| {
         let time: Vec<f64> = seconds(count).iter().map(|t| t * interval).collect();
-        let mut of = steady(&set, &time, Vector3::repeat(step_of(g) / interval));
+        let mut of = steady(&time, Vector3::repeat(step_of(g) / interval));
         of.interval = interval;
         of.correlated(of.gamma(1, false).unwrap(), false)
     };
@@ -78,31 +71,31 @@ fn a_correlation_time_is_that_at_which_a_power_law_has_grown() {
         let time = interval * (grown / g).sqrt();
         let found = of(g, 1200, interval).unwrap();
         assert!(
-            (found.time / (set.sooner * time) - 1.0).abs() < 1e-9,
+            (found.time / (SOONER * time) - 1.0).abs() < 1e-9,
             "{g} {found:?}"
         );
-        assert!((found.share - (1.0 - g).min(set.most_share)).abs() < 1e-9);
+        assert!((found.share - (1.0 - g).min(MOST_SHARE)).abs() < 1e-9);
     }
     // Ignores correlation times below five seconds.
     assert!(of(0.025, 600, 1.0).is_some() && of(0.027, 600, 1.0).is_none());
-    assert_eq!(of(1e-3, 1200, 50.0).unwrap().time, set.longest);
+    assert_eq!(of(1e-3, 1200, 50.0).unwrap().time, LONGEST_CORRELATION);
     // Not grown by a quarter of the log, at lag 16: from what has come an exponential tells the time.
     let g = 1e-3;
     let come = (256.0 * g - g) / (1.0 - g);
     let found = of(g, 100, 1.0).unwrap();
     let time = 16.0 / -(1f64 - come).ln();
     assert!(
-        (found.time / (set.sooner * time) - 1.0).abs() < 1e-9,
+        (found.time / (SOONER * time) - 1.0).abs() < 1e-9,
         "{found:?}"
     );
 }
 
 /// Fixes on a course of 30 deg that jump by `along` and `across` in turn.
 fn jumping(speed: f64, along: f64, across: f64) -> f64 {
-    let (set, time) = (set(), seconds(100));
+    let time = seconds(100);
     let forward = Vector3::new(0.75f64.sqrt(), 0.5, 0.0);
     let right = Vector3::new(-0.5, 0.75f64.sqrt(), 0.0);
-    let mut of = steady(&set, &time, Vector3::zeros());
+    let mut of = steady(&time, Vector3::zeros());
     for (k, error) in of.error.iter_mut().enumerate() {
         let side = if k % 2 == 0 { 1.0 } else { -1.0 };
         *error = (forward * along + right * across) * side;
@@ -129,9 +122,9 @@ fn stamps_that_jitter_move_fixes_along_the_track() {
 
 #[test]
 fn a_velocity_that_is_wrong_beyond_doubt_is_told() {
-    let (set, time) = (set(), seconds(100));
+    let time = seconds(100);
     let bias = |bias: Vector3, stated: f64, count: usize| {
-        let of = steady(&set, &time[..count], -bias);
+        let of = steady(&time[..count], -bias);
         of.velocity_bias(&vec![Vector3::repeat(stated * stated); count])
     };
     let wrong = Vector3::new(0.3, -0.2, 0.16);
@@ -145,14 +138,14 @@ fn a_velocity_that_is_wrong_beyond_doubt_is_told() {
 
 #[test]
 fn a_velocity_that_is_late_is_found_by_its_changes_and_taken_out() {
-    let (set, time) = (set(), seconds(400));
+    let time = seconds(400);
     let velocity: Vec<Vector3> = time
         .iter()
         .map(|t| Vector3::new(5.0 * (t / 3.0).sin(), 4.0 * (t / 5.0).cos(), 0.0))
         .collect();
     let noise = |k: usize, axis: usize| 0.05 * ((3 * k + axis) as f64 * 78.233).sin();
     for late in [0.2, -0.1] {
-        let mut of = steady(&set, &time, Vector3::zeros());
+        let mut of = steady(&time, Vector3::zeros());
         for (k, error) in of.error.iter_mut().enumerate() {
             *error = velocity[k] * late + Vector3::from_fn(|i, _| noise(k, i));
         }
@@ -167,7 +160,7 @@ fn a_velocity_that_is_late_is_found_by_its_changes_and_taken_out() {
         }
     }
     // Ignores a latency below three standard errors: no correction is applied.
-    let mut of = steady(&set, &time, Vector3::zeros());
+    let mut of = steady(&time, Vector3::zeros());
     for (k, error) in of.error.iter_mut().enumerate() {
         *error = Vector3::from_fn(|i, _| noise(k, i));
     }

@@ -1,39 +1,30 @@
 //! What fixes show of themselves, as they come: looked at after a minute, and each time when that time has doubled.
 
-use super::{FixStudy, Seen, Track, study_track};
-use crate::settings::FixStudySettings;
+use super::{FixStudy, LEAST, MOST, Seen, Track, study_track};
 use alloc::{sync::Arc, vec::Vec};
 use undrift_nav::sample::GnssFix;
 
+/// They are looked at after this time \[s\], and whenever it has doubled.
+const FIRST_SPAN: f64 = 60.0;
 /// Fixes of a block: a copy of the watch shares full ones.
 const BLOCK: usize = 64;
 
 /// The fixes so far, and when they are looked at next.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(crate) struct FixWatch {
-    set: FixStudySettings,
     full: Vec<Arc<[Seen]>>,
     last: Vec<Seen>,
-    /// First stamp and the span after which they are looked at \[s\].
+    /// First stamp \[s\].
     first: Option<f64>,
-    span: f64,
+    /// After which span they were looked at last \[s\].
+    looked: f64,
 }
 
 impl FixWatch {
-    pub(crate) fn new(set: FixStudySettings) -> Self {
-        Self {
-            set,
-            full: Vec::new(),
-            last: Vec::new(),
-            first: None,
-            span: set.first_span,
-        }
-    }
-
     /// Takes in a fix that repeats none before; what all of them show, where it is time to look.
     pub(crate) fn next(&mut self, fix: &GnssFix) -> Option<FixStudy> {
         let count = BLOCK * self.full.len() + self.last.len();
-        if count >= self.set.most {
+        if count >= MOST {
             return None;
         }
         self.last.push(Seen::of(fix)?);
@@ -41,12 +32,13 @@ impl FixWatch {
             self.full.push(self.last.drain(..).collect());
         }
         let first = *self.first.get_or_insert(fix.time);
-        if fix.time - first < self.span || count < self.set.least {
+        let span = fix.time - first;
+        if span < FIRST_SPAN.max(2.0 * self.looked) || count < LEAST {
             return None;
         }
-        self.span = 2.0 * (fix.time - first);
+        self.looked = span;
         let full = self.full.iter().flat_map(|block| block.iter());
         let track = Track::of(full.chain(&self.last).copied());
-        study_track(&track, &self.set)
+        study_track(&track)
     }
 }

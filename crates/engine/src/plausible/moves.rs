@@ -1,9 +1,6 @@
 //! Whether positions move as velocities say.
 
-use crate::{
-    events::{FixMend, FixMend::*, Implausible},
-    settings::PlausibilitySettings,
-};
+use crate::events::{FixMend, FixMend::*, Implausible};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{
@@ -11,6 +8,17 @@ use undrift_nav::{
     earth::Geodetic,
     sample::{GnssFix, Position},
 };
+
+/// Length of the windows over which position and velocity are compared \[s\].
+const MOVE_WINDOW: f64 = 2.0;
+/// Windows that it takes to judge.
+const LEAST_MOVES: u32 = 8;
+/// Fixes further apart than this do not belong together \[s\].
+const APART: f64 = 2.5;
+/// Least share of windows of motion that are as they should be.
+const LEAST_SANE: f64 = 0.4;
+/// Two displacements agree to this part of the larger one.
+const AGREE: f64 = 0.2;
 
 /// What may be wrong with the fixes, and the matrix on the velocity (north, east) that mends it.
 const MENDS: [(FixMend, [f64; 4]); 11] = [
@@ -30,7 +38,6 @@ const MENDS: [(FixMend, [f64; 4]); 11] = [
 /// What is known so far.
 #[derive(Clone, Default)]
 pub(super) struct Moves {
-    set: PlausibilitySettings,
     /// Time and velocity of the last fix, where the present window of motion began, and how far velocity went since \[m\].
     last: Option<(f64, Vector3)>,
     began: Option<(f64, Geodetic)>,
@@ -43,13 +50,6 @@ pub(super) struct Moves {
 }
 
 impl Moves {
-    pub(super) fn new(set: PlausibilitySettings) -> Self {
-        Self {
-            set,
-            ..Self::default()
-        }
-    }
-
     /// Takes in a fix of this velocity.
     pub(super) fn fix(&mut self, fix: &GnssFix, velocity: &Vector3) {
         let (time, velocity) = (fix.time, *velocity);
@@ -69,11 +69,11 @@ impl Moves {
             return;
         };
         self.moved += (velocity + before) * (0.5 * (time - last));
-        if time - last <= self.set.apart && time - start < self.set.move_window {
+        if time - last <= APART && time - start < MOVE_WINDOW {
             return;
         }
         let (seen, told) = (origin.offset_to(&position), self.moved);
-        let together = time - last <= self.set.apart;
+        let together = time - last <= APART;
         (self.began, self.moved) = (Some((time, position)), Vector3::zeros());
         let size = seen.xy().norm().max(told.xy().norm());
         // Noise of two positions is to be small against the way.
@@ -82,7 +82,7 @@ impl Moves {
         }
         self.moves += 1;
         let left = (seen - told).xy().norm();
-        self.sane += u32::from(left < self.set.agree * size + 3.0 * std);
+        self.sane += u32::from(left < AGREE * size + 3.0 * std);
         for (unexplained, (mend, matrix)) in self.unexplained.iter_mut().zip(MENDS) {
             let [nn, mut ne, mut en, ee] = matrix;
             if mend == PositionSwapped {
@@ -99,13 +99,12 @@ impl Moves {
     /// What the moves show.
     pub(super) fn finding(&self) -> Option<Implausible> {
         let moves = f64::from(self.moves);
-        if self.moves < self.set.least_moves || f64::from(self.sane) >= self.set.least_sane * moves
-        {
+        if self.moves < LEAST_MOVES || f64::from(self.sane) >= LEAST_SANE * moves {
             return None;
         }
         let best = (0..MENDS.len())
             .min_by(|a, b| self.unexplained[*a].total_cmp(&self.unexplained[*b]))
-            .filter(|k| self.unexplained[*k] < self.set.agree * moves);
+            .filter(|k| self.unexplained[*k] < AGREE * moves);
         Some(Implausible::Velocity(best.map(|k| MENDS[k].0)))
     }
 }

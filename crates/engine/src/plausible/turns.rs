@@ -1,17 +1,35 @@
 //! Turns and accelerations: what the fixes show of them and what the sensors do.
 
-use crate::{
-    events::Implausible,
-    settings::{PlausibilitySettings, within},
-};
+use crate::events::Implausible;
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
+use core::ops::Range;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::RealField;
 use undrift_nav::{Vector3, earth::wrap_pi, sample::ImuSample};
 
 /// Lags at which turns are compared: so many steps of so many seconds to each side.
 const LAGS: usize = 120;
+/// Step between the lags at which turns are compared \[s\].
+const LAG: f64 = 0.25;
+/// Windows that have to be compared before a lag is believed.
+const LAG_WINDOWS: f64 = 20.0;
+/// Speed below which there is no course \[m/s\].
+const COURSE_SPEED: f64 = 3.0;
+/// Largest standard deviation of a course \[rad\].
+const COURSE_STD: f64 = 0.1;
+/// Shortest and longest window of a turn \[s\].
+const TURN_WINDOW: [f64; 2] = [0.9, 2.5];
+/// A larger turn in a window is an outlier \[rad\].
+const MOST_TURN: f64 = 1.0;
+/// Sum of squares of the turns that is enough to judge by \[rad²\]: one right-angle bend.
+const ENOUGH_TURN: f64 = 0.25;
+/// From one entry of the history of turns to the next \[s\].
+const HISTORY_STEP: f64 = 0.1;
+/// Multiples of the gyros' turns that the course may turn by: a bank makes 1/cos of it.
+const TURN_SCALE: Range<f64> = 0.6..1.7;
+/// Sum of squares of the accelerations that is enough to judge by \[m²/s⁴\]: some ten seconds of 0.5 m/s².
+const ENOUGH_PUSH: f64 = 2.5;
 
 /// Sums of a regression of y on x with means.
 #[derive(Clone, Copy, Default)]
@@ -75,7 +93,6 @@ struct Turn {
 /// What is known so far.
 #[derive(Clone)]
 pub(super) struct Turns {
-    set: PlausibilitySettings,
     /// What was gathered since the start, now and at the last times in order.
     sums: Integrals,
     history: VecDeque<(f64, Integrals)>,
@@ -93,9 +110,8 @@ pub(super) struct Turns {
 }
 
 impl Turns {
-    pub(super) fn new(set: PlausibilitySettings) -> Self {
+    pub(super) fn new() -> Self {
         Self {
-            set,
             sums: Integrals::default(),
             history: VecDeque::new(),
             course: None,
@@ -115,18 +131,18 @@ impl Turns {
         self.sums.angle += sample.dtheta;
         self.sums.velocity += sample.dvel;
         let last = self.history.back();
-        if last.is_some_and(|(last, _)| sample.time - last < self.set.history_step) {
+        if last.is_some_and(|(last, _)| sample.time - last < HISTORY_STEP) {
             return;
         }
         self.history.push_back((sample.time, self.sums));
-        let keep = 2.0 * LAGS as f64 * self.set.lag + 2.0 * self.set.turn_window[1];
+        let keep = 2.0 * LAGS as f64 * LAG + 2.0 * TURN_WINDOW[1];
         while let Some((first, _)) = self.history.front()
             && sample.time - first > keep
         {
             self.history.pop_front();
         }
         while let Some(window) = self.waiting.front().copied()
-            && window.end + LAGS as f64 * self.set.lag + self.set.history_step <= sample.time
+            && window.end + LAGS as f64 * LAG + HISTORY_STEP <= sample.time
         {
             self.waiting.pop_front();
             self.compare(&window);
@@ -144,7 +160,7 @@ impl Turns {
     pub(super) fn velocity(&mut self, time: f64, velocity: &Vector3, variance: f64) {
         let speed = velocity.xy().norm();
         let noise = variance / (speed * speed);
-        if speed < self.set.course_speed || noise > self.set.course_std * self.set.course_std {
+        if speed < COURSE_SPEED || noise > COURSE_STD * COURSE_STD {
             self.course = None;
             return;
         }
@@ -153,12 +169,12 @@ impl Turns {
             self.course = Some((time, course, speed));
             return;
         };
-        if time - start < self.set.turn_window[0] {
+        if time - start < TURN_WINDOW[0] {
             return;
         }
         self.course = Some((time, course, speed));
         let turn = wrap_pi(course - before);
-        if time - start <= self.set.turn_window[1] && turn.abs() < self.set.most_turn {
+        if time - start <= TURN_WINDOW[1] && turn.abs() < MOST_TURN {
             self.noise += 2.0 * noise;
             self.waiting.push_back(Turn {
                 start,
@@ -201,7 +217,7 @@ impl Turns {
     fn compare(&mut self, window: &Turn) {
         let mut after = [0; 2];
         for k in 0..self.lags.len() {
-            let late = (k as f64 - LAGS as f64) * self.set.lag;
+            let late = (k as f64 - LAGS as f64) * LAG;
             let (start, end) = (window.start + late, window.end + late);
             let a = self.yaw_at(start, &mut after[0]);
             let b = self.yaw_at(end, &mut after[1]);
@@ -229,7 +245,7 @@ impl Turns {
     pub(super) fn pushes(&self) -> Option<Implausible> {
         let along = |of: usize| -> Option<i8> {
             let [x, y] = [&self.pushes[of][0], &self.pushes[of][1]];
-            if x.power() < self.set.enough_push {
+            if x.power() < ENOUGH_PUSH {
                 return None;
             }
             let ((x, of_x), (y, of_y)) = (x.fit(), y.fit());
@@ -250,13 +266,13 @@ impl Turns {
     pub(super) fn turns(&self, down: &Vector3) -> Vec<Implausible> {
         let now = &self.lags[LAGS];
         let signal = now.power() - self.noise;
-        if signal < self.set.enough_turn || signal < 2.0 * self.noise {
+        if signal < ENOUGH_TURN || signal < 2.0 * self.noise {
             return Vec::new();
         }
         let (mut scale, mut r2) = now.fit();
         let mut found = Vec::new();
         let fits = self.lags.iter().map(|lag| match lag {
-            lag if lag.n >= self.set.lag_windows && lag.power() > 0.5 * now.power() => lag.fit(),
+            lag if lag.n >= LAG_WINDOWS && lag.power() > 0.5 * now.power() => lag.fit(),
             _ => (0.0, 0.0),
         });
         let best = fits.enumerate().max_by(|a, b| a.1.1.total_cmp(&b.1.1));
@@ -264,7 +280,7 @@ impl Turns {
             && best > 0.8
             && 1.0 - r2 > 4.0 * (1.0 - best) + 0.05
         {
-            found.push(Implausible::Late((k as f64 - LAGS as f64) * self.set.lag));
+            found.push(Implausible::Late((k as f64 - LAGS as f64) * LAG));
             (scale, r2) = (there, best);
         }
         let of_axis = self.axes.iter().map(Regression::fit).enumerate();
@@ -274,11 +290,11 @@ impl Turns {
                 if best > 0.9
                     && best > r2
                     && down[axis].abs() < 0.3
-                    && within(self.set.turn_scale, of.abs()) =>
+                    && TURN_SCALE.contains(&of.abs()) =>
             {
                 found.push(Implausible::TurnAxis(axis));
             }
-            _ if r2 > 0.7 && !within(self.set.turn_scale, scale) => {
+            _ if r2 > 0.7 && !TURN_SCALE.contains(&scale) => {
                 found.push(Implausible::TurnScale(scale));
             }
             _ if r2 < 0.1 => found.push(Implausible::NoTurn),

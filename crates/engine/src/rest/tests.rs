@@ -46,7 +46,7 @@ const ROAD: Read = Read {
 impl Bench {
     fn new() -> Self {
         Self {
-            detector: RestDetector::new(&sensors(), RestSettings::default()),
+            detector: RestDetector::new(&sensors()),
             generator: Xoshiro256PlusPlus::seed_from_u64(1),
         }
     }

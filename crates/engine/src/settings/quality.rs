@@ -1,7 +1,12 @@
 //! Standard deviations by the kind of GNSS solution.
 
-use crate::settings::QualitySettings;
 use undrift_nav::sample::{FixQuality, GnssFix};
+
+/// Typical horizontal standard deviations of fixed, float, differential and single solutions under an open sky \[m\]
+/// (Teunissen & Montenbruck 2017, chapters 21 and 26).
+const TYPICAL: [f64; 4] = [0.0, 0.3, 0.7, 2.5];
+/// Vertical ones are this many times as large.
+const VERTICAL: f64 = 1.5;
 
 /// How the kind of solution bears on the standard deviation of the position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -17,7 +22,7 @@ pub enum QualityStd {
 
 impl QualityStd {
     /// The fix with the standard deviations of its kind.
-    pub fn apply(&self, fix: &GnssFix, set: &QualitySettings) -> GnssFix {
+    pub fn apply(&self, fix: &GnssFix) -> GnssFix {
         let mut fix = *fix;
         let kind = match fix.quality {
             FixQuality::Unknown => return fix,
@@ -31,8 +36,8 @@ impl QualityStd {
                 Self::AsStated => {}
                 Self::Factors(factors) => *covariance *= factors[kind] * factors[kind],
                 Self::Typical => {
-                    let std = set.typical[kind];
-                    for (i, std) in [std, std, set.vertical * std].into_iter().enumerate() {
+                    let std = TYPICAL[kind];
+                    for (i, std) in [std, std, VERTICAL * std].into_iter().enumerate() {
                         covariance[(i, i)] = covariance[(i, i)].max(std * std);
                     }
                 }
@@ -57,11 +62,7 @@ mod tests {
                 velocity: None,
                 quality,
             };
-            rule.apply(&fix, &QualitySettings::default())
-                .position
-                .unwrap()
-                .1[(0, 0)]
-                .sqrt()
+            rule.apply(&fix).position.unwrap().1[(0, 0)].sqrt()
         };
         use FixQuality::{Fixed, Float, Single, Unknown};
         assert_eq!(std(QualityStd::Typical, Fixed, 0.02), 0.02);

@@ -28,7 +28,7 @@ fn blocks(streak: &mut Streak, summary: &mut Summary, start: f64, nis: &[f64]) -
 }
 
 fn streak() -> (Streak, Summary) {
-    (Streak::new(WatchSettings::default()), Summary::default())
+    (Streak::default(), Summary::default())
 }
 
 #[test]
@@ -121,7 +121,7 @@ impl Leaning {
 
     fn fresh() -> Self {
         Self {
-            watch: LeanWatch::new(Part::Position, WatchSettings::default()),
+            watch: LeanWatch::new(Part::Position),
             summary: Summary::default(),
             time: 0.0,
         }

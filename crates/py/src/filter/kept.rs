@@ -14,10 +14,7 @@ use undrift::{
         shaping::{MAX_ORDER, ShapingFilter},
     },
     replay::Vibration,
-    settings::{
-        VibrationSettings,
-        fix_errors::{Correlated, FixErrors},
-    },
+    settings::fix_errors::{Correlated, FixErrors},
 };
 
 /// What a filter is made of.
@@ -149,8 +146,7 @@ pub(super) fn held(numbers: Vec<f64>) -> Result<Held, String> {
     for (model, white) in models.iter_mut().zip(made.white) {
         model.r = white;
     }
-    let mut vibration = (made.follows != 0.0)
-        .then(|| Vibration::new(&models, &made.factors, VibrationSettings::default()));
+    let mut vibration = (made.follows != 0.0).then(|| Vibration::new(&models, &made.factors));
     if let Some(vibration) = &mut vibration {
         vibration.numbers(&mut put);
     }

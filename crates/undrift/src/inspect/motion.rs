@@ -6,7 +6,6 @@ use crate::{
     engine::derived::with_velocities,
     mounting::{FLOOR_TURNING, MountingError, by_force, turn_ratio},
     navigate::{NavigateError, Wanted, navigate, resolve_mounting},
-    settings::EngineSettings,
     vehicle::Profile,
 };
 use std::path::Path;
@@ -172,8 +171,7 @@ fn records(drive: &Drive) -> Option<(Vec<ImuSample>, Vec<GnssFix>)> {
         .ok()?
         .collect::<Result<Vec<_>, _>>()
         .ok()?;
-    let set = EngineSettings::default().derived_velocity;
-    Some((imu, with_velocities(fixes, &set)))
+    Some((imu, with_velocities(fixes)))
 }
 
 /// Takes the other unit of the gyros where theirs was guessed by their scatter and they turn 57 times as fast or as

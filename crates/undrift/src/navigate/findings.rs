@@ -3,9 +3,9 @@
 use super::{NavigateError, Report};
 use crate::{
     findings::{self, Finding, Log, NoError},
+    fixes::LONGEST_CORRELATION,
     mounting::MountingError,
     replay::{Part, ReplayError},
-    settings::FixStudySettings,
 };
 
 impl Report {
@@ -51,7 +51,6 @@ impl Report {
         if s.implausible.is_empty() {
             let parts = [Part::Position, Part::Velocity].into_iter();
             let errors = &self.fix_errors;
-            let longest = FixStudySettings::default().longest;
             found.extend(parts.zip(self.std_factors).filter_map(|(part, factor)| {
                 let lasting = match part {
                     Part::Position => errors.correlated,
@@ -59,7 +58,7 @@ impl Report {
                 };
                 // What lasts of an error is in what is stated, and was seen to be as large; the innovations have
                 // only the rest.
-                let seen = lasting.is_some_and(|lasting| lasting.time < longest);
+                let seen = lasting.is_some_and(|lasting| lasting.time < LONGEST_CORRELATION);
                 let factor = factor.filter(|factor| *factor > 1.0 || !seen)?;
                 Some(findings::of_accuracy(part, factor, s, errors.known))
             }));

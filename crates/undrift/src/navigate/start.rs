@@ -26,7 +26,7 @@ pub fn start(drive: &Drive, kind: BiasModel) -> Result<Started, NavigateError> {
     let (drive, _) = resolve_mounting(drive)?;
     let mut settings = settings(&drive, kind)?;
     // Who goes on step by step has a filter whose states stay the same.
-    let study = study(&drive, &settings, drive.open_gnss()?)?;
+    let study = study(&drive, drive.open_gnss()?)?;
     look_ahead(&mut settings, study.as_ref());
     let mut aids = Aids::open(&drive)?;
     let begun = begin(&mut drive.open_imu()?, &mut aids.measurements(), &settings)?;

@@ -14,7 +14,6 @@ use crate::{
     navigate::{Hindsight, NavigateError, look_ahead, resolve_mounting, scalars, settings},
     replay::{Measurement, Outage, ReplayError, merge},
     results::{self, Outages},
-    settings::EngineSettings,
 };
 use std::path::Path;
 use undrift_io::{
@@ -79,11 +78,8 @@ impl Logs {
             truth = reader.by_ref().collect::<Result<Vec<_>, _>>()?;
             skipped.push((Log::Truth, reader.skipped().clone()));
         }
-        let of_engine = EngineSettings::default();
-        let applied = gnss
-            .iter()
-            .map(|fix| drive.quality.apply(fix, &of_engine.quality));
-        let study = fixes::study(applied, &of_engine);
+        let applied = gnss.iter().map(|fix| drive.quality.apply(fix));
+        let study = fixes::study(applied);
         let health = |reader: Option<ScalarReader>| reader.map(|r| (r.skipped().clone(), r.gaps()));
         Ok(Self {
             drive,

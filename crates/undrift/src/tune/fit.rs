@@ -12,7 +12,7 @@ use super::{
 use crate::{
     estimator::{LogTo, Logged},
     replay::{Measurement, ReplayError, replay},
-    settings::replay::Settings,
+    settings::Settings,
     vehicle::NonHolonomic,
 };
 use nalgebra::{DMatrix, DVector};

@@ -5,7 +5,7 @@ use crate::{
     outages::{OutageErrors, run},
     reference::{Coverage, HORIZONTAL},
     replay::Outage,
-    settings::replay::Settings,
+    settings::Settings,
 };
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;

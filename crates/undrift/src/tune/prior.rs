@@ -6,8 +6,8 @@ use super::{
 };
 use crate::{
     settings::{
+        GnssUse, Settings,
         fix_errors::{FixErrors, StdFactors},
-        replay::{GnssUse, Settings},
     },
     vehicle::NonHolonomic,
 };

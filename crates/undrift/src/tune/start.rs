@@ -1,6 +1,6 @@
 //! The sensor before the drive: a model of it at rest, or what its quietest moments in the drive show.
 
-use crate::{replay::Measurement, settings::VibrationSettings};
+use crate::replay::{Measurement, vibration::VIBRATES_FROM};
 use undrift_nav::{covariance::AXES, sample::ImuSample};
 use undrift_noise::{
     AxisModel, BiasModel, ImuModel, ModelError, order_statistics::upper_median,
@@ -173,7 +173,7 @@ impl Start {
     /// Whether the samples show more noise of an axis than the sensor has at rest.
     pub fn shakes(&self, axis: usize) -> bool {
         let shown = self.vibrating.map_or(0.0, |vibrating| vibrating[axis]);
-        shown > VibrationSettings::default().from * self.white[axis]
+        shown > VIBRATES_FROM * self.white[axis]
     }
 
     /// As a model under other densities.

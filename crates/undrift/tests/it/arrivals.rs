@@ -22,12 +22,7 @@ fn read(drive: &Drive) -> (Vec<ImuSample>, Vec<Measurement>, Settings) {
     let fixes: Result<Vec<_>, ReadError> = drive.open_gnss().unwrap().collect();
     let fixes = fixes.unwrap();
     let mut settings = settings(&drive, BiasModel::Arma).unwrap();
-    let found = study(
-        &drive,
-        &settings,
-        fixes.iter().copied().map(Ok::<_, ReadError>),
-    )
-    .unwrap();
+    let found = study(&drive, fixes.iter().copied().map(Ok::<_, ReadError>)).unwrap();
     tell(&mut settings, &drive, found.as_ref());
     (imu.unwrap(), Measurement::of_fixes(&fixes), settings)
 }

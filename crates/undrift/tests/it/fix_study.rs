@@ -4,10 +4,7 @@
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use undrift::{
-    fixes::{FixStudy, study},
-    settings::EngineSettings,
-};
+use undrift::fixes::{FixStudy, study};
 use undrift_nav::{
     Matrix3, Vector3,
     earth::Geodetic,
@@ -92,7 +89,7 @@ fn fixes(errors: &Errors, seed: u64) -> Vec<GnssFix> {
 }
 
 fn studied(errors: &Errors, seed: u64) -> FixStudy {
-    study(fixes(errors, seed), &EngineSettings::default()).expect("fixes enough")
+    study(fixes(errors, seed)).expect("fixes enough")
 }
 
 #[test]

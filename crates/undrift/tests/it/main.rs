@@ -16,7 +16,6 @@ mod public;
 mod public_drives;
 mod pull_away;
 mod rest;
-mod settings;
 mod shaping_forms;
 mod smoothed_errors;
 mod smoothing;

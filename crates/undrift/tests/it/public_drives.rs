@@ -42,7 +42,7 @@ fn cut(drive: &Drive, models: &[BiasModel], plan: &Schedule, length: f64) -> Vec
         .map(|kind| {
             let mut settings = settings(drive, *kind).unwrap();
             let fixes = gnss.iter().copied().map(Ok::<_, ReadError>);
-            let study = study(drive, &settings, fixes).unwrap();
+            let study = study(drive, fixes).unwrap();
             tell(&mut settings, drive, study.as_ref());
             settings.outages = cuts.clone();
             (kind.name().to_owned(), settings)

@@ -36,7 +36,7 @@ fn cut(drive: &Drive, start: f64, length: f64, every: f64, nodes: Option<f64>) -
     let (first, last) = (gnss[0].time, gnss[gnss.len() - 1].time);
     let mut settings = settings(drive, BiasModel::Arma).unwrap();
     let fixes = gnss.iter().copied().map(Ok::<_, ReadError>);
-    let study = study(drive, &settings, fixes).unwrap();
+    let study = study(drive, fixes).unwrap();
     tell(&mut settings, drive, study.as_ref());
     settings.outages = outages::schedule(&plan, length, first, last - 30.0).unwrap();
     settings.nodes = nodes;

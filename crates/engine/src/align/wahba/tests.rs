@@ -7,9 +7,8 @@ use undrift_nav::{attitude::from_rpy, earth};
 const GYRO_NOISE: f64 = 1e-6;
 const ACCEL_NOISE: f64 = 1e-4;
 
-fn problem<'a>(set: &'a AlignmentMotionSettings, segments: &'a [Segment]) -> Problem<'a> {
+fn problem(segments: &[Segment]) -> Problem<'_> {
     Problem {
-        set,
         segments,
         reference: Vector3::zeros(),
         place: Geodetic::from_degrees(45.0, 7.0, 300.0),
@@ -46,8 +45,7 @@ fn the_sensors_noise_makes_attitude_and_velocity_wander() {
     };
     let mut segments = vec![start];
     segments.resize(count + 1, segment);
-    let set = AlignmentMotionSettings::default();
-    let problem = problem(&set, &segments);
+    let problem = problem(&segments);
     let at = problem.linearise(&guess(Vector3::zeros()), segments.len(), &Vector3::zeros());
     let duration = dt * count as f64;
     let near = |found: f64, expected: f64| {
@@ -115,10 +113,9 @@ fn the_gradient_is_the_slope_of_the_cost() {
 }
 
 fn assert_slope(gyro_noise: f64, tolerance: f64) {
-    let set = AlignmentMotionSettings::default();
     let q_nb = from_rpy(&Vector3::new(0.1, -0.05, 0.4));
     let segments = shaken(q_nb);
-    let mut problem = problem(&set, &segments);
+    let mut problem = problem(&segments);
     problem.gyro_noise = gyro_noise;
     let prior = Vector3::new(1e-3, -2e-3, 1e-3);
     let start = Guess {
@@ -153,8 +150,7 @@ fn assert_slope(gyro_noise: f64, tolerance: f64) {
 /// What the priors alone say of a guess: squared misses over their variances.
 #[test]
 fn a_guess_costs_what_the_priors_say() {
-    let set = AlignmentMotionSettings::default();
-    let mut problem = problem(&set, &[]);
+    let mut problem = problem(&[]);
     problem.gyro.1 = Vector3::new(1.0, 4.0, 9.0);
     problem.accel = (Vector3::new(1.0, 1.0, 1.0), Vector3::new(16.0, 25.0, 36.0));
     let at = problem.start(

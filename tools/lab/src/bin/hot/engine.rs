@@ -2,7 +2,7 @@
 
 use std::hint::black_box;
 use undrift::{
-    engine::{Navigator, settings::replay::Settings},
+    engine::{Navigator, settings::Settings},
     nav::{
         Matrix3, Vector3,
         earth::Geodetic,
