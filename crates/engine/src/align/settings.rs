@@ -1,4 +1,4 @@
-//! What an alignment is told, and its limits.
+//! What a user sets for an alignment.
 
 use undrift_nav::Vector3;
 
@@ -14,7 +14,7 @@ pub enum Heading {
     Auto,
 }
 
-/// What is told about the start.
+/// What is known of the start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AlignSettings {
     /// Roll, pitch, yaw at the first fix used, with standard deviations \[rad\].
