@@ -58,8 +58,10 @@ const FACTOR: f64 = 2.0;
 /// Velocities that the positions show to be better than this share of their stated standard deviations are taken as
 /// that good.
 const MODEST: f64 = 0.5;
-/// As far as a latency that they do not show leaves room for it at this acceleration \[m/s²\].
+/// Acceleration at which a latency that they do not show would make them worse \[m/s²\].
 const ACCELERATES: f64 = 2.0;
+/// Changes of the velocity up to this many times its noise are taken for noise.
+const CHANCE: f64 = 1.5;
 /// Least share of their stated standard deviations that velocities are taken to have.
 const LEAST_VELOCITY: f64 = 0.1;
 /// Share of the variance of such velocities that lasts, as in a receiver that smooths.
@@ -169,8 +171,7 @@ fn study_track(track: &Track) -> Option<FixStudy> {
         error: track.less_velocity(interval),
         time: &track.time,
     };
-    let (velocity_late, unknown) =
-        differences.take_out_latency(&track.velocity, &track.stated_velocity);
+    let latency = differences.take_out_latency(&track.velocity, &track.stated_velocity);
     let jitter = differences.jitter(&track.velocity);
     let one = differences.gamma(1, jitter > 0.0)?;
     // Variance of a velocity over that of a position; by the trapezoidal rule γ has a quarter of it times dt².
@@ -188,8 +189,9 @@ fn study_track(track: &Track) -> Option<FixStudy> {
     // accelerates is not in it.
     let stated = track.stated_velocity.iter().map(Vector3::min);
     let stated = median(&stated.collect::<Vec<_>>());
-    let hidden = (unknown * ACCELERATES).powi(2) / stated;
-    let bound = (one / from_velocity + hidden).sqrt();
+    let white = one / from_velocity;
+    let hidden = (latency.unknown(white) * ACCELERATES).powi(2) / stated;
+    let bound = (white + hidden).sqrt();
     if bound < MODEST {
         errors.velocity_factor = bound.max(LEAST_VELOCITY);
         errors.velocity_correlated = Some(Correlated {
@@ -206,7 +208,7 @@ fn study_track(track: &Track) -> Option<FixStudy> {
     Some(FixStudy {
         interval,
         repeated: 0,
-        velocity_late,
+        velocity_late: latency.found,
         errors,
     })
 }
@@ -283,6 +285,31 @@ fn grid(written: &[Vector3], i: usize) -> f64 {
     }
 }
 
+/// By how much velocities are later than positions, and what that was seen by.
+#[derive(Default)]
+struct Latency {
+    /// With its standard error, where it shows \[s\].
+    found: Option<(f64, f64)>,
+    /// Of the differences that it leaves, as if none overlapped \[m\].
+    spread: f64,
+    /// Sums of the squared changes of the velocity, and of the stated variances in them [m²/s²].
+    changes: f64,
+    noise: f64,
+}
+
+impl Latency {
+    /// Its standard error by what the velocity changes beyond its noise, of which the variance is this share of the stated
+    /// one \[s\].
+    fn unknown(&self, share: f64) -> f64 {
+        let motion = self.changes - CHANCE * share.min(1.0) * self.noise;
+        if motion > 0.0 {
+            self.spread / motion.sqrt()
+        } else {
+            f64::INFINITY
+        }
+    }
+}
+
 /// What positions move by that velocities do not tell.
 struct Differences<'a> {
     interval: f64,
@@ -319,24 +346,19 @@ impl Differences<'_> {
         Some(gamma[usize::from(!least)])
     }
 
-    /// A velocity that holds `δ` later than the position makes `δ Δv` of a difference; taken out where it shows. With it
-    /// the standard error that δ has by what the velocity changes beyond its stated noise \[s\].
-    fn take_out_latency(
-        &mut self,
-        velocity: &[Vector3],
-        stated: &[Vector3],
-    ) -> (Option<(f64, f64)>, f64) {
+    /// A velocity that holds `δ` later than the position makes `δ Δv` of a difference; taken out where it shows.
+    fn take_out_latency(&mut self, velocity: &[Vector3], stated: &[Vector3]) -> Latency {
         let lag = (1.0 / self.interval).round().max(1.0) as usize;
-        let (mut pairs, mut noise) = (Vec::new(), 0.0);
+        let (mut pairs, mut latency) = (Vec::new(), Latency::default());
         for (a, b) in self.pairs(lag) {
             let (e, dv) = (self.error[b] - self.error[a], velocity[b] - velocity[a]);
             pairs.extend((0..2).map(|i| (dv[i], e[i])));
-            noise += (stated[a] + stated[b]).xy().sum();
+            latency.noise += (stated[a] + stated[b]).xy().sum();
         }
         if pairs.len() < LEAST_PAIRS {
-            return (None, f64::INFINITY);
+            return latency;
         }
-        let (mut late, mut error, mut unknown) = (0.0, f64::INFINITY, f64::INFINITY);
+        let (mut late, mut error) = (0.0, f64::INFINITY);
         // Huber's weights.
         for _ in 0..10 {
             let rest: Vec<f64> = pairs.iter().map(|(x, y)| (y - late * x).abs()).collect();
@@ -348,19 +370,21 @@ impl Differences<'_> {
                 xx += weight(*rest) * x * x;
             }
             if xx <= 0.0 {
-                return (None, unknown);
+                return latency;
             }
             // Differences overlap, each second `lag` of them.
-            let std = |xx: f64| spread * (lag as f64 / xx).sqrt();
-            (late, error, unknown) = (xy / xx, std(xx), std((xx - noise).max(0.0)));
+            latency.spread = spread * (lag as f64).sqrt();
+            latency.changes = xx;
+            (late, error) = (xy / xx, latency.spread / xx.sqrt());
         }
         if late.abs() < 3.0 * error {
-            return (None, unknown);
+            return latency;
         }
         for (e, v) in self.error.iter_mut().zip(velocity) {
             *e -= v * late;
         }
-        (Some((late, error)), unknown)
+        latency.found = Some((late, error));
+        latency
     }
 
     /// Standard deviation of the stamps \[s\]: they move positions along the track and not across.

@@ -13,6 +13,11 @@ fn steady(time: &[f64], step: Vector3) -> Differences<'_> {
     }
 }
 
+/// Velocities without noise.
+fn still(count: usize) -> Vec<Vector3> {
+    vec![Vector3::zeros(); count]
+}
+
 fn seconds(count: usize) -> Vec<f64> {
     (0..count).map(|k| k as f64).collect()
 }
@@ -149,7 +154,10 @@ fn a_velocity_that_is_late_is_found_by_its_changes_and_taken_out() {
         for (k, error) in of.error.iter_mut().enumerate() {
             *error = velocity[k] * late + Vector3::from_fn(|i, _| noise(k, i));
         }
-        let (found, error) = of.take_out_latency(&velocity).unwrap();
+        let latency = of.take_out_latency(&velocity, &still(400));
+        let (found, error) = latency.found.unwrap();
+        // Of velocities that are stated to be exact, all that they change by shows it.
+        assert_eq!(latency.unknown(1.0), error);
         assert!(
             (found - late).abs() < 4.0 * error && error < 0.01,
             "{found} {error}"
@@ -165,7 +173,16 @@ fn a_velocity_that_is_late_is_found_by_its_changes_and_taken_out() {
         *error = Vector3::from_fn(|i, _| noise(k, i));
     }
     let before = of.error.clone();
-    assert!(of.take_out_latency(&velocity).is_none() && of.error == before);
+    let latency = of.take_out_latency(&velocity, &still(400));
+    assert!(latency.found.is_none() && of.error == before);
+    assert!(latency.unknown(1.0) < 0.01);
+    // Velocities that change by no more than their noise show no latency: it may be any.
+    let noisy = vec![Vector3::repeat(100.0); 400];
+    let latency = of.take_out_latency(&velocity, &noisy);
+    assert!(latency.found.is_none());
+    assert_eq!(latency.unknown(1.0), f64::INFINITY);
+    // Unless the positions show that noise to be far smaller.
+    assert!(latency.unknown(1e-4) < 0.01);
 }
 
 #[test]
@@ -251,7 +268,7 @@ fn a_track_is_of_sound_fixes_in_metres() {
         fix(1, 1.0, -1.0),
         fix(2, 4.0, 0.25),
     ];
-    let track = Track::of(fixes.into_iter());
+    let track = Track::of(fixes.iter().filter_map(Seen::of));
     assert_eq!(track.time, [0.0, 2.0]);
     assert_eq!(track.stated[1], Vector3::repeat(4.0));
     assert_eq!(track.stated_velocity[1], Vector3::repeat(0.25));

@@ -42,3 +42,6 @@ impl FixWatch {
         study_track(&track)
     }
 }
+
+#[cfg(test)]
+mod tests;

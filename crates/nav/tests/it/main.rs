@@ -3,6 +3,7 @@
 mod aiding;
 mod doubts;
 mod jacobians;
+mod lasting;
 mod properties;
 mod refused;
 mod smoother;
