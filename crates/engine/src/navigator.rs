@@ -60,33 +60,33 @@ impl From<FilterError> for EndError {
 }
 
 /// The whole state before a sample.
-struct Snapshot {
-    run: Run,
+pub(crate) struct Snapshot {
+    pub(crate) run: Run,
     /// The number of the first sample behind it.
-    next: u64,
+    pub(crate) next: u64,
     /// End of the sample before it \[s\].
-    time: f64,
+    pub(crate) time: f64,
 }
 
 /// Samples and measurements in, a solution out.
 pub struct Navigator {
-    run: Run,
-    measured: Measured,
+    pub(crate) run: Run,
+    pub(crate) measured: Measured,
     /// How far from the IMU's time base a fix may be stamped late \[s\]: see [`Navigator::ahead`].
     ahead: f64,
     /// By how much a measurement may come late \[s\].
-    horizon: f64,
+    pub(crate) horizon: f64,
     /// Samples within the horizon, and how many went before them.
-    samples: VecDeque<ImuSample>,
-    gone: u64,
-    past: VecDeque<Snapshot>,
+    pub(crate) samples: VecDeque<ImuSample>,
+    pub(crate) gone: u64,
+    pub(crate) past: VecDeque<Snapshot>,
     /// End of the last sample \[s\].
-    last: Option<f64>,
-    too_late: u64,
+    pub(crate) last: Option<f64>,
+    pub(crate) too_late: u64,
     /// Those, until they are handed out as events.
-    rejected: Vec<Event>,
+    pub(crate) rejected: Vec<Event>,
     /// Events that were handed out.
-    handed_out: Vec<Event>,
+    pub(crate) handed_out: Vec<Event>,
 }
 
 impl Navigator {
@@ -311,7 +311,7 @@ impl Navigator {
     }
 
     /// Does again what was done since a snapshot.
-    fn again(&mut self, since: usize) -> Result<(), FilterError> {
+    pub(crate) fn again(&mut self, since: usize) -> Result<(), FilterError> {
         self.past.truncate(since + 1);
         let Some(snapshot) = self.past.back() else {
             return Ok(());

@@ -35,6 +35,7 @@ const DOWN: f64 = 0.5;
 
 /// What is known so far.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Plausible {
     /// Whether body axes are promised to be forward, right, down.
     level: bool,

@@ -33,7 +33,12 @@ use undrift_nav::{
 
 /// The state of the navigator between samples.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Run {
+    #[cfg_attr(
+        feature = "checkpoint",
+        serde(skip, default = "crate::checkpoint::no_settings")
+    )]
     settings: Arc<Settings>,
     /// Measurements that were taken in and are not due yet.
     queue: Queue,
@@ -55,6 +60,7 @@ pub(crate) struct Run {
 
 /// The alignment that goes on: the first one, or another one beside or after a solution.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct CurrentAlignment {
     aligner: Aligner,
     /// Whether one goes on beside the solution.
@@ -63,6 +69,7 @@ struct CurrentAlignment {
 
 /// What of the log went by.
 #[derive(Clone, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct LogProgress {
     /// Time of the first sample \[s\].
     first_sample: Option<f64>,
@@ -146,6 +153,24 @@ impl Run {
     /// What happened so far.
     pub(super) fn summary(&self) -> &Summary {
         &self.summary
+    }
+
+    /// Under what it navigates.
+    #[cfg(feature = "checkpoint")]
+    pub(super) fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Navigates under these from now on.
+    #[cfg(feature = "checkpoint")]
+    pub(super) fn go_on_under(&mut self, settings: Settings) {
+        self.settings = Arc::new(settings);
+    }
+
+    /// What happened so far, to be put in place.
+    #[cfg(feature = "checkpoint")]
+    pub(super) fn summary_mut(&mut self) -> &mut Summary {
+        &mut self.summary
     }
 
     /// The filter, once there is a solution.

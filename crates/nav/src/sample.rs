@@ -7,6 +7,7 @@ pub const AXES: usize = 6;
 
 /// One inertial sample as increments over the interval `(time − dt, time]`, body axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ImuSample {
     /// End of the interval \[s\], in the log's time base.
     pub time: f64,
@@ -20,6 +21,7 @@ pub struct ImuSample {
 
 /// Where a position fix is, and relative to what.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Position {
     /// Antenna position on the ellipsoid.
     Geodetic(Geodetic),
@@ -34,6 +36,7 @@ pub enum Position {
 
 /// One GNSS epoch of the antenna: position, velocity, or both.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GnssFix {
     /// Time of validity \[s\], in the same base as the inertial samples.
     pub time: f64,
@@ -69,6 +72,7 @@ impl GnssFix {
 
 /// Kind of GNSS solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FixQuality {
     /// The file does not say.
     #[default]
@@ -85,6 +89,7 @@ pub enum FixQuality {
 
 /// A measurement of one number.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Scalar {
     /// Time \[s\], in the same base as the inertial samples.
     pub time: f64,
