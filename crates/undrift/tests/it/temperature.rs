@@ -10,7 +10,7 @@ use undrift::noise::{
 };
 use undrift::reference::HORIZONTAL;
 use undrift::simulate::{GnssNoise, SimulatedLog};
-use undrift::{Drive, Logs, Schedule, Trajectory, navigate};
+use undrift::{Drive, Logs, Schedule, Trajectory, navigate, navigate_drive};
 
 const RATE: f64 = 100.0;
 const SEED: u64 = 1;
@@ -153,7 +153,7 @@ fn what_has_no_temperature_or_one_beyond_the_recording_is_reported() {
     };
     let drive = drive("gap", column);
     let report = |drive: &Drive| {
-        let report = navigate(drive, BiasModel::GaussMarkov, navigate::Wanted::default());
+        let report = navigate_drive(drive, BiasModel::GaussMarkov, navigate::Wanted::default());
         let report = report.unwrap();
         assert_eq!(report.imu_skipped.total(), 0);
         let found = report.findings().into_iter();
