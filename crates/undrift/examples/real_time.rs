@@ -13,7 +13,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         if let Some(fix) = fixes.next_if(|fix| fix.time + 0.15 <= sample.time) {
             navigator.fix(*fix)?;
             let (time, speed) = (sample.time, navigator.filter().map(|f| f.nav().v_n.norm()));
-            println!("{time:.2} s: {speed:.2?} m/s {:?}", navigator.events());
+            println!("{time:.2} s: [m/s] {speed:.2?} {:?}", navigator.events());
         }
     }
     Ok(())
