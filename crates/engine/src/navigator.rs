@@ -69,6 +69,33 @@ pub(crate) struct Snapshot {
 }
 
 /// Samples and measurements in, a solution out.
+///
+/// In real time, with fixes that come late and events as they happen:
+///
+/// ```
+/// use undrift_engine::{Navigator, settings::Settings};
+/// # use undrift_nav::shaping::ShapingFilter;
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+/// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+/// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+/// # let mut fixes = log.gnss.iter().peekable();
+///
+/// // `sensors`: the noise models of gyro x, y, z and accelerometer x, y, z at the interval of the samples.
+/// let mut navigator = Navigator::new(Settings::new(sensors)).with_horizon(0.5);
+/// for sample in log.imu {
+///     navigator.imu(sample)?;
+///     // A fix of 0.2 s ago counts from when it holds: the solution is as if it had come in time.
+///     while let Some(fix) = fixes.next_if(|fix| fix.time + 0.2 <= sample.time) {
+///         assert!(navigator.fix(*fix)?, "within the horizon");
+///     }
+///     for event in navigator.events() {
+///         println!("{event:?}");
+///     }
+/// }
+/// assert!(navigator.filter().is_some_and(|filter| filter.nav_std()[0] < 5.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Navigator {
     pub(crate) run: Run,
     pub(crate) measured: Measured,

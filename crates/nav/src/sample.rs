@@ -19,6 +19,24 @@ pub struct ImuSample {
     pub dvel: Vector3,
 }
 
+impl ImuSample {
+    /// The sample of a sensor that gives rates: angular rate [rad/s] and specific force [m/s²], body axes, that hold over the
+    /// `dt` \[s\] up to `time` \[s\].
+    pub fn from_rates(
+        time: f64,
+        dt: f64,
+        omega_ib_b: impl Into<Vector3>,
+        force_b: impl Into<Vector3>,
+    ) -> Self {
+        Self {
+            time,
+            dt,
+            dtheta: omega_ib_b.into() * dt,
+            dvel: force_b.into() * dt,
+        }
+    }
+}
+
 /// Where a position fix is, and relative to what.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -49,6 +67,24 @@ pub struct GnssFix {
 }
 
 impl GnssFix {
+    /// A position of the antenna at `time` \[s\], with standard deviations north, east, down \[m\].
+    pub fn at(time: f64, place: Geodetic, std: impl Into<Vector3>) -> Self {
+        Self {
+            time,
+            position: Some((Position::Geodetic(place), variances(std.into()))),
+            velocity: None,
+            quality: FixQuality::Unknown,
+        }
+    }
+
+    /// The fix with a velocity of the antenna over ground [m/s], north, east, down, and standard deviations.
+    pub fn with_velocity(self, v_n: impl Into<Vector3>, std: impl Into<Vector3>) -> Self {
+        Self {
+            velocity: Some((v_n.into(), variances(std.into()))),
+            ..self
+        }
+    }
+
     /// Whether its time and every number of it is finite.
     pub fn is_finite(&self) -> bool {
         let of_position = |(position, r): &(Position, Matrix3)| {
@@ -68,6 +104,10 @@ impl GnssFix {
             && self.position.as_ref().is_none_or(of_position)
             && self.velocity.as_ref().is_none_or(of_velocity)
     }
+}
+
+fn variances(std: Vector3) -> Matrix3 {
+    Matrix3::from_diagonal(&std.component_mul(&std))
 }
 
 /// Kind of GNSS solution.
