@@ -3,7 +3,7 @@
 use crate::terminal::detail;
 use std::path::{Path, PathBuf};
 use undrift::{
-    drive::Drive,
+    drive::{Drive, ScalarLog},
     io::{
         Opened, gnss::GnssSource, imu::ImuSource, source::BytesRead, truth::TruthSource, visible,
     },
@@ -36,12 +36,9 @@ pub fn drive(file: &Path, drive: &Drive) {
     log(drive, "IMU", Some(&drive.imu.0), is_table);
     let is_table = matches!(drive.gnss.1, GnssSource::Table(_));
     log(drive, "GNSS", Some(&drive.gnss.0), is_table);
-    let scalars = [
-        ("odometer", &drive.odometer),
-        ("barometer", &drive.barometer),
-    ];
-    for (what, scalar) in scalars {
-        log(drive, what, scalar.as_ref().map(|(path, _)| path), true);
+    for sensor in ScalarLog::ALL {
+        let path = drive.scalars[sensor].as_ref().map(|(path, _)| path);
+        log(drive, sensor.name(), path, true);
     }
     let truth = drive.truth.as_ref();
     let is_table = truth.is_some_and(|(_, source)| matches!(source, TruthSource::Table(_)));

@@ -50,7 +50,7 @@ struct Kept {
     /// What the fixes and the filter's parameters were found to be: in the settings of the run.
     fix_errors: FixErrors,
     parameters: Parameters,
-    innovations: [Option<[f64; 3]>; 6],
+    innovations: [Option<[f64; 3]>; crate::aid::Aid::COUNT],
     measured: Measured,
     horizon: f64,
     samples: Vec<ImuSample>,

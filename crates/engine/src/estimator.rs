@@ -3,6 +3,7 @@
 //! [`build`] picks the smallest size that holds the models' states. Replays, observers and Python use
 //! [`Estimator`] only; nothing but this file knows the sizes.
 
+use crate::aid::{Observed, observe};
 use alloc::{boxed::Box, sync::Arc};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
@@ -18,7 +19,7 @@ use undrift_nav::{
     },
     mechanisation::NavState,
     parameters::{Parameter, Parameters},
-    sample::{ImuSample, Position},
+    sample::ImuSample,
     shaping::ShapingFilter,
     tape::Tape,
 };
@@ -26,75 +27,7 @@ use undrift_nav::{
 /// Stamps closer than this \[s\] are the same instant.
 pub const STAMP_ROUNDING: f64 = 1e-6;
 
-/// A measurement that a filter is updated with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Aiding {
-    /// GNSS position.
-    Position {
-        /// As measured.
-        position: Position,
-        /// IMU → antenna, body axes \[m\].
-        lever_arm: Vector3,
-        /// Standard deviation of the time-correlated part of its error, in its own axes \[m\].
-        correlated: Vector3,
-        /// When it holds \[s\]: the filter stands there or after it.
-        due: f64,
-    },
-    /// GNSS velocity.
-    Velocity {
-        /// North-east-down \[m/s\].
-        v_n: Vector3,
-        /// IMU → antenna, body axes \[m\].
-        lever_arm: Vector3,
-        /// Standard deviation of the time-correlated part of its error \[m/s\].
-        correlated: Vector3,
-        /// When it holds \[s\]: the filter stands there or after it.
-        due: f64,
-    },
-    /// Heading by the course over ground \[rad\].
-    Course(f64),
-    /// The vehicle stands.
-    ZeroVelocity,
-    /// The body turns with the Earth: angular rate as read \[rad/s\].
-    EarthRate(Vector3),
-    /// The body stands: specific force as read \[m/s²\].
-    Level(Vector3),
-    /// No velocity across the vehicle at this point, IMU → axle, body axes \[m\].
-    NonHolonomic(Vector3),
-    /// Speed of a wheel.
-    Odometer {
-        /// Forward positive \[m/s\].
-        speed: f64,
-        /// IMU → wheel, body axes \[m\].
-        lever_arm: Vector3,
-    },
-    /// Height by a barometer \[m\].
-    Barometer(f64),
-}
-
-/// What an update belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Channel {
-    /// GNSS position.
-    Position,
-    /// GNSS velocity.
-    Velocity,
-    /// No velocity across the vehicle.
-    NonHolonomic,
-    /// Any other.
-    Other,
-}
-
-impl Aiding {
-    fn channel(&self) -> Channel {
-        match self {
-            Self::Position { .. } => Channel::Position,
-            Self::Velocity { .. } => Channel::Velocity,
-            Self::NonHolonomic(_) => Channel::NonHolonomic,
-            _ => Channel::Other,
-        }
-    }
-}
+pub use crate::aid::{Aiding, Channel};
 
 /// What is written down of a filter's run ([`Estimator::log_to`]): with it the run can be done again under other
 /// noise, as a linear filter about the solution of this one.
@@ -376,62 +309,7 @@ struct Sized<const N: usize> {
     log: Option<LogTo>,
 }
 
-/// A measurement as the filter takes it, by the number of its components.
-enum Observed<const N: usize> {
-    One(Observation<1, N>),
-    Two(Observation<2, N>),
-    Three(Observation<3, N>),
-}
-
 impl<const N: usize> Sized<N> {
-    fn observe(&self, aiding: &Aiding) -> Option<Observed<N>> {
-        let filter = &self.filter;
-        Some(match aiding {
-            Aiding::Position {
-                position,
-                lever_arm,
-                correlated,
-                due,
-            } => {
-                let observed = filter.observe_position(position, lever_arm);
-                let mut observed =
-                    filter.observe_fix_error(observed, Parameter::PositionError, correlated);
-                let late = filter.nav().time - due;
-                if late > STAMP_ROUNDING {
-                    let c_mn = observed.h.fixed_view::<3, 3>(0, 0);
-                    let moved = filter.antenna_velocity(lever_arm) * late
-                        - filter.acceleration() * (0.5 * late * late);
-                    observed.innovation -= c_mn * moved;
-                }
-                Observed::Three(observed)
-            }
-            Aiding::Velocity {
-                v_n,
-                lever_arm,
-                correlated,
-                due,
-            } => {
-                let observed = filter.observe_velocity(v_n, lever_arm);
-                let mut observed =
-                    filter.observe_fix_error(observed, Parameter::VelocityError, correlated);
-                let late = filter.nav().time - due;
-                if late > STAMP_ROUNDING {
-                    observed.innovation -= filter.acceleration() * late;
-                }
-                Observed::Three(observed)
-            }
-            Aiding::Course(course) => Observed::One(filter.observe_course(*course)?),
-            Aiding::ZeroVelocity => Observed::Three(filter.observe_zero_velocity()),
-            Aiding::EarthRate(rate) => Observed::Three(filter.observe_earth_rate(rate)),
-            Aiding::Level(force) => Observed::Two(filter.observe_level(force)),
-            Aiding::NonHolonomic(axle) => Observed::Two(filter.observe_non_holonomic(axle)),
-            Aiding::Odometer { speed, lever_arm } => {
-                Observed::One(filter.observe_odometer(*speed, lever_arm))
-            }
-            Aiding::Barometer(height) => Observed::One(filter.observe_barometer(*height)),
-        })
-    }
-
     fn take_in<const M: usize>(
         &mut self,
         channel: Channel,
@@ -609,7 +487,7 @@ impl<const N: usize> Estimator for Sized<N> {
     }
 
     fn innovation(&self, aiding: &Aiding) -> Option<Vector3> {
-        Some(match self.observe(aiding)? {
+        Some(match observe(&self.filter, aiding)? {
             Observed::One(observed) => Vector3::new(observed.innovation[0], 0.0, 0.0),
             Observed::Two(observed) => observed.innovation.push(0.0),
             Observed::Three(observed) => observed.innovation,
@@ -623,7 +501,7 @@ impl<const N: usize> Estimator for Sized<N> {
         gate: &Gate,
     ) -> Result<Option<Update>, FilterError> {
         let channel = aiding.channel();
-        match self.observe(aiding) {
+        match observe(&self.filter, aiding) {
             None => Ok(None),
             Some(Observed::One(observed)) => self.take_in(channel, &observed, noise, gate),
             Some(Observed::Two(observed)) => self.take_in(channel, &observed, noise, gate),

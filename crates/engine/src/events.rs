@@ -65,26 +65,6 @@ impl Event {
     }
 }
 
-/// A log of a drive, or a static recording.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
-pub enum Log {
-    /// Inertial samples.
-    Imu,
-    /// Fixes.
-    Gnss,
-    /// The reference.
-    Truth,
-    /// Speeds.
-    Odometer,
-    /// Heights.
-    Barometer,
-    /// A static recording.
-    Recording,
-}
-
 /// Part of a fix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

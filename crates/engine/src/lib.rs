@@ -2,7 +2,7 @@
 //!
 //! A sample's way: [`Navigator::imu`] keeps it until the next one shows that it can be right (`inertial`), carries the
 //! solution over it ([`estimator`]), and stops on the way at each measurement that falls due (`measurement`): a fix is
-//! judged by `receiver`, a rest, a wheel speed, a height or what the vehicle cannot do by `constraints`. Before there
+//! judged by `receiver`, any other is used in its room of `aid`, what the vehicle cannot do when `constraints` says so. Before there
 //! is a solution both go to the alignment ([`align`]). What the watches may do to the filter (widen, doubt, fade,
 //! restart) they do through [`estimator::Estimator`] alone; what happened is in [`Summary`].
 //!
@@ -37,6 +37,7 @@ extern crate alloc;
 #[cfg(test)]
 extern crate std;
 
+mod aid;
 pub mod align;
 mod bridge;
 #[cfg(feature = "checkpoint")]
@@ -69,14 +70,15 @@ pub mod vehicle;
 pub mod vibration;
 mod watch;
 
+pub use aid::{Aid, ByAid, Log, Measurement};
 #[cfg(feature = "checkpoint")]
 pub use checkpoint::RestoreError;
 pub use events::{
-    Contradiction, Event, FixMend, HeadingOff, Implausible, Lean, Log, Part, Restart, RestartCause,
+    Contradiction, Event, FixMend, HeadingOff, Implausible, Lean, Part, Restart, RestartCause,
     SampleFault,
 };
 pub use health::CovarianceHealth;
-pub use measurement::{Measurement, Scalar};
+pub use measurement::Scalar;
 pub use navigator::{EndError, Navigator, PushError};
 pub use not_aligned::NotAligned;
 pub use observer::Observer;

@@ -1,61 +1,10 @@
-//! What the filter is aided with besides the samples: fixes, wheel speeds, barometric heights, merged in time.
+//! What the filter is aided with besides the samples ([`crate::aid`]), merged in time.
 
 pub use undrift_nav::sample::Scalar;
 
-use super::events::Part;
+use super::{aid::Measurement, events::Part};
 use alloc::collections::VecDeque;
-use alloc::vec::Vec;
 use undrift_nav::sample::GnssFix;
-
-/// One measurement.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "passed on one by one; in memory most are fixes"
-)]
-pub enum Measurement {
-    /// A GNSS fix.
-    Gnss(GnssFix),
-    /// Speed of a wheel, forward positive [m/s].
-    Odometer(Scalar),
-    /// Height by the barometer \[m\].
-    Barometer(Scalar),
-}
-
-impl Measurement {
-    /// Fixes as measurements.
-    pub fn of_fixes(fixes: &[GnssFix]) -> Vec<Self> {
-        fixes.iter().copied().map(Self::Gnss).collect()
-    }
-
-    /// Time as stamped \[s\].
-    pub fn time(&self) -> f64 {
-        match self {
-            Self::Gnss(fix) => fix.time,
-            Self::Odometer(s) | Self::Barometer(s) => s.time,
-        }
-    }
-
-    /// What it is, where a time or a value of it is not finite.
-    pub(crate) fn unusable(&self) -> Option<&'static str> {
-        let (what, finite) = match self {
-            Self::Gnss(fix) => ("fix", fix.is_finite()),
-            Self::Odometer(speed) => ("wheel speed", speed.is_finite()),
-            Self::Barometer(height) => ("height", height.is_finite()),
-        };
-        (!finite).then_some(what)
-    }
-
-    /// Place among those of one time.
-    fn rank(&self) -> u8 {
-        match self {
-            Self::Gnss(_) => 0,
-            Self::Odometer(_) => 1,
-            Self::Barometer(_) => 2,
-        }
-    }
-}
 
 /// Measurements in order of time, as far as they may still be needed.
 #[derive(Clone, Debug, Default)]
@@ -67,7 +16,7 @@ pub(crate) struct Measured {
 }
 
 impl Measured {
-    /// Puts a measurement behind all that are as early: of one time fixes come first, then wheel speeds, then heights.
+    /// Puts a measurement behind all that are as early: of one time by their [`Measurement::rank`].
     pub(crate) fn insert(&mut self, measurement: Measurement) {
         let order = |m: &Measurement| (m.time(), m.rank());
         let (time, rank) = order(&measurement);
@@ -283,6 +232,7 @@ impl Queue {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use alloc::vec::Vec;
 
     #[test]
     fn fixes_are_given_out_at_their_stamps_and_the_offset() {

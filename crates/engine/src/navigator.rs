@@ -1,9 +1,10 @@
 //! The navigator as its user sees it, and how a measurement that comes late finds its place.
 
 use crate::{
+    aid::Measurement,
     estimator::Estimator,
     events::Event,
-    measurement::{Measured, Measurement, Scalar},
+    measurement::Measured,
     not_aligned::NotAligned,
     observer::Observer,
     run::Run,
@@ -198,22 +199,6 @@ impl Navigator {
     /// [`PushError`]; nothing is taken in then.
     pub fn fix(&mut self, fix: GnssFix) -> Result<bool, PushError> {
         self.measure(Measurement::Gnss(fix))
-    }
-
-    /// Takes in a wheel speed, forward positive \[m/s\], as [`Navigator::fix`].
-    ///
-    /// # Errors
-    /// As [`Navigator::fix`].
-    pub fn odometer(&mut self, speed: Scalar) -> Result<bool, PushError> {
-        self.measure(Measurement::Odometer(speed))
-    }
-
-    /// Takes in a barometric height \[m\], as [`Navigator::fix`].
-    ///
-    /// # Errors
-    /// As [`Navigator::fix`].
-    pub fn barometer(&mut self, height: Scalar) -> Result<bool, PushError> {
-        self.measure(Measurement::Barometer(height))
     }
 
     /// Takes in any measurement, as [`Navigator::fix`].

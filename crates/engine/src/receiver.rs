@@ -1,6 +1,7 @@
 //! A fix into the filter: gated, scaled, watched.
 
 use super::{
+    aid::Aid,
     events::Part,
     fading::{Fading, MOST_HEADING},
     gate::{FixGate, Scale, Verdict},
@@ -378,8 +379,8 @@ impl FixPart {
         }
         self.lean.add(time, &innovation, &update, summary);
         match self.part {
-            Part::Position => summary.position.add(update),
-            Part::Velocity => summary.velocity.add(update),
+            Part::Position => summary.innovations[Aid::Position].add(update),
+            Part::Velocity => summary.innovations[Aid::Velocity].add(update),
         }
         Ok(update)
     }

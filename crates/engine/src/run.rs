@@ -1,12 +1,13 @@
 //! The state of the navigator between samples, and what a sample and a fix do to it.
 
 use super::{
+    aid::{self, Measurement},
     constraints::Vehicle,
     course::CourseWatch,
     events::{Part, Restart, RestartCause},
     health::CovarianceHealth,
     inertial::{Checked, Inertial},
-    measurement::{Latency, Measured, Measurement, Queue},
+    measurement::{Latency, Measured, Queue},
     not_aligned::NotAligned,
     observer::Observer,
     plausible::Plausible,
@@ -244,14 +245,9 @@ impl Run {
                     }
                     self.fix(&fix, part, &sample, observer)?;
                 }
-                Measurement::Odometer(speed) => {
+                other => {
                     if let Some(solution) = &mut self.solution {
-                        Vehicle::odometer(solution, &speed, &self.settings, &mut self.summary);
-                    }
-                }
-                Measurement::Barometer(height) => {
-                    if let Some(solution) = &mut self.solution {
-                        Vehicle::barometer(solution, &height, &mut self.summary);
+                        aid::update(solution, &other, &self.settings, &mut self.summary);
                     }
                 }
             }

@@ -4,7 +4,10 @@ use super::{
     CovarianceHealth,
     events::{Contradiction, Event, HeadingOff, Implausible, Lean, Restart, SampleFault},
 };
+#[cfg(feature = "checkpoint")]
+use crate::aid::Aid;
 use crate::{
+    aid::ByAid,
     align::Alignment,
     fixes::FixStudy,
     settings::{Doubt, fix_errors::FixErrors},
@@ -105,18 +108,8 @@ pub struct Summary {
     pub bad_fixes: u64,
     /// Fixes that repeat the previous one, held by the logger: not used.
     pub repeated: u64,
-    /// Position updates.
-    pub position: Innovations,
-    /// Velocity updates.
-    pub velocity: Innovations,
-    /// Non-holonomic constraints.
-    pub non_holonomic: Innovations,
-    /// Zero-velocity updates.
-    pub zero_velocity: Innovations,
-    /// Odometer updates.
-    pub odometer: Innovations,
-    /// Barometer updates.
-    pub barometer: Innovations,
+    /// Updates by kind of measurement.
+    pub innovations: ByAid<Innovations>,
     /// Parameters estimated: their last values and standard deviations, in the units of [`Parameter`].
     pub parameters: Vec<(Parameter, Vec<f64>, Vec<f64>)>,
     /// Fixes that were rejected, run by run; the first [`MOST_EVENTS`].
@@ -208,33 +201,16 @@ impl Summary {
 
     /// The last innovations of each kind of measurement, which are not among what is shown of them.
     #[cfg(feature = "checkpoint")]
-    pub(super) fn last_innovations(&self) -> [Option<[f64; 3]>; 6] {
-        [
-            self.position,
-            self.velocity,
-            self.non_holonomic,
-            self.zero_velocity,
-            self.odometer,
-            self.barometer,
-        ]
-        .map(|kind| kind.last)
+    pub(super) fn last_innovations(&self) -> [Option<[f64; 3]>; Aid::COUNT] {
+        self.innovations.0.map(|kind| kind.last)
     }
 
     /// Puts them in place.
     #[cfg(feature = "checkpoint")]
-    pub(super) fn set_last_innovations(&mut self, last: [Option<[f64; 3]>; 6]) {
-        let kinds = [
-            &mut self.position,
-            &mut self.velocity,
-            &mut self.non_holonomic,
-            &mut self.zero_velocity,
-            &mut self.odometer,
-            &mut self.barometer,
-        ];
-        kinds
-            .into_iter()
-            .zip(last)
-            .for_each(|(kind, last)| kind.last = last);
+    pub(super) fn set_last_innovations(&mut self, last: [Option<[f64; 3]>; Aid::COUNT]) {
+        for (kind, last) in self.innovations.0.iter_mut().zip(last) {
+            kind.last = last;
+        }
     }
 
     /// Judges the signs of the velocity, at the end of the log.

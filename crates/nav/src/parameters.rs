@@ -69,6 +69,26 @@ impl Parameter {
         Self::VelocityError,
     ];
 
+    /// Its name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::GyroScale => "gyro_scale",
+            Self::AccelScale => "accel_scale",
+            Self::GyroMisalignment => "gyro_misalignment",
+            Self::AccelMisalignment => "accel_misalignment",
+            Self::LeverArm => "lever_arm",
+            Self::TimeOffset => "time_offset",
+            Self::Mounting => "mounting",
+            Self::Axle => "axle",
+            Self::OdometerScale => "odometer_scale",
+            Self::BarometerBias => "barometer_bias",
+            Self::VelocityTimeOffset => "velocity_time_offset",
+            Self::ClockRate => "clock_rate",
+            Self::PositionError => "position_error",
+            Self::VelocityError => "velocity_error",
+        }
+    }
+
     /// States of a block.
     pub const fn width(self) -> usize {
         match self {

@@ -133,7 +133,7 @@ pub enum FixQuality {
 pub struct Scalar {
     /// Time \[s\], in the same base as the inertial samples.
     pub time: f64,
-    /// The number: speed [m/s] of an odometer, height \[m\] of a barometer.
+    /// The number, in SI units.
     pub value: f64,
     /// Its standard deviation, in the same unit.
     pub std: f64,

@@ -34,21 +34,13 @@ use undrift::{
 };
 use undrift_report::say;
 
-/// The parameters that can be estimated, by their names.
-const PARAMETERS: [(&str, Parameter); 12] = [
-    ("gyro_scale", Parameter::GyroScale),
-    ("accel_scale", Parameter::AccelScale),
-    ("gyro_misalignment", Parameter::GyroMisalignment),
-    ("accel_misalignment", Parameter::AccelMisalignment),
-    ("lever_arm", Parameter::LeverArm),
-    ("time_offset", Parameter::TimeOffset),
-    ("mounting", Parameter::Mounting),
-    ("axle", Parameter::Axle),
-    ("odometer_scale", Parameter::OdometerScale),
-    ("barometer_bias", Parameter::BarometerBias),
-    ("velocity_time_offset", Parameter::VelocityTimeOffset),
-    ("clock_rate", Parameter::ClockRate),
-];
+/// The parameters that can be estimated; what fixes are wrong by is asked for in another way.
+fn estimable() -> impl Iterator<Item = Parameter> {
+    let of_fixes = [Parameter::PositionError, Parameter::VelocityError];
+    Parameter::ALL
+        .into_iter()
+        .filter(move |kind| !of_fixes.contains(kind))
+}
 
 /// The filter; `undrift.Filter` wraps it.
 #[pyclass(frozen, module = "undrift._undrift")]
@@ -154,9 +146,8 @@ impl Filter {
         let sensors = model.filters(bias_model, rate)?;
         let mut asked = Parameters::none();
         for (name, std, walk) in parameters {
-            let known = PARAMETERS.iter().find(|(other, _)| *other == name);
-            let Some((_, kind)) = known else {
-                let names = PARAMETERS.map(|(name, _)| name).join(", ");
+            let Some(kind) = estimable().find(|kind| kind.name() == name) else {
+                let names = Vec::from_iter(estimable().map(Parameter::name)).join(", ");
                 return Err(error(format!(
                     "unknown parameter \"{name}\"; available: {names}"
                 )));
@@ -165,7 +156,7 @@ impl Filter {
                 return Err(error(format!("{name}: invalid standard deviation {std}")));
             }
             asked = asked.with(
-                *kind,
+                kind,
                 Prior {
                     std,
                     walk,
@@ -392,13 +383,13 @@ impl Filter {
     /// Estimated parameters: name, values and standard deviations.
     fn parameters(&self, py: Python<'_>) -> Vec<(&'static str, Vec<f64>, Vec<f64>)> {
         self.locked(py, |held| {
-            let all = PARAMETERS.iter();
-            all.filter_map(|(name, kind)| {
-                let (value, std) = held.estimator.parameter(*kind)?;
-                let n = kind.width();
-                Some((*name, value[..n].to_vec(), std[..n].to_vec()))
-            })
-            .collect()
+            estimable()
+                .filter_map(|kind| {
+                    let (value, std) = held.estimator.parameter(kind)?;
+                    let n = kind.width();
+                    Some((kind.name(), value[..n].to_vec(), std[..n].to_vec()))
+                })
+                .collect()
         })
     }
 }

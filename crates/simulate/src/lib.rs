@@ -2,7 +2,7 @@
 //!
 //! The motion is analytic ([`trajectory`]), so the IMU's increments are exact ([`ideal_imu`]);
 //! sensor errors are any six shaping filters ([`sensors`]), GNSS noise is white ([`gnss`]), and there
-//! may be an odometer and a barometer ([`scalars`]).
+//! may be sensors of one number ([`scalars`]).
 //! Time runs from 0 at the trajectory's start. The same seed gives the same bytes.
 //!
 //! ```
@@ -29,7 +29,7 @@ pub use gnss::{GnssFixes, GnssNoise};
 pub use ideal_imu::{IdealImu, State, Stepper, antenna};
 pub use profile::{Channel, Profile, Wave};
 pub use recorded::RecordedErrors;
-pub use scalars::{Barometer, Odometer};
+pub use scalars::*;
 pub use scenarios::REST_BEFORE;
 pub use sensors::{SensorErrors, stream_seed};
 pub use trajectory::{MAX_DURATION, Motion, Trajectory};
@@ -74,9 +74,9 @@ pub enum SimulationError {
     /// The GNSS receiver cannot be.
     #[error("GNSS: {0}")]
     Gnss(&'static str),
-    /// An odometer or barometer cannot be.
+    /// A sensor of one number cannot be.
     #[error(
-        "an odometer's or barometer's errors must be finite, and standard deviations not negative"
+        "the errors of a sensor of one number must be finite, and standard deviations not negative"
     )]
     Scalar,
 }

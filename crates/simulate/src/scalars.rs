@@ -2,12 +2,18 @@
 
 use super::SimulationError;
 use super::ideal_imu::{Stepper, epochs};
-use super::sensors::{BAROMETER_STREAM, ODOMETER_STREAM, stream_seed};
+use super::sensors::{GNSS_STREAM, stream_seed};
 use super::trajectory::Trajectory;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift_nav::{Vector3, sample::Scalar};
+
+/// Streams of one seed, behind the receiver's.
+const ODOMETER_STREAM: usize = GNSS_STREAM + 1;
+const BAROMETER_STREAM: usize = GNSS_STREAM + 2;
+/// The last stream of all.
+pub(super) const LAST_STREAM: usize = BAROMETER_STREAM;
 
 /// A wheel that measures its speed along the body's forward axis.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! Sensor errors drawn from shaping filters.
 
-use super::SimulationError;
+use super::{SimulationError, scalars::LAST_STREAM};
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift_nav::{
@@ -9,17 +9,15 @@ use undrift_nav::{
 };
 use undrift_noise::synthesis::NoiseGenerator;
 
-/// Streams of one seed: six sensor axes, then these.
+/// Streams of one seed: six sensor axes, then this, then those of the sensors of one number.
 pub(super) const GNSS_STREAM: usize = 6;
-pub(super) const ODOMETER_STREAM: usize = 7;
-pub(super) const BAROMETER_STREAM: usize = 8;
 
 /// Seed of a stream: the `stream`-th draw (from 0) of xoshiro256++ seeded by `seed`. Streams 0–2 are
-/// the gyros about x, y, z, 3–5 the accelerometers along x, y, z, 6 is the GNSS receiver, 7 the odometer,
-/// 8 the barometer: each keeps its noise whatever the others are.
+/// the gyros about x, y, z, 3–5 the accelerometers along x, y, z, 6 is the GNSS receiver, the next ones
+/// are the sensors of one number: each keeps its noise whatever the others are.
 pub fn stream_seed(seed: u64, stream: usize) -> u64 {
     let mut generator = Xoshiro256PlusPlus::seed_from_u64(seed);
-    for _ in 0..stream.min(BAROMETER_STREAM) {
+    for _ in 0..stream.min(LAST_STREAM) {
         generator.next_u64();
     }
     generator.next_u64()

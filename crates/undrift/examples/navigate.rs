@@ -7,6 +7,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use undrift::io::write::{SolutionFile, SolutionFormat, SolutionOptions};
 use undrift::nav::Vector3;
+use undrift::replay::Aid;
 use undrift::simulate::{GnssNoise, SimulatedLog};
 use undrift::{BiasModel, Drive, ImuModel, Trajectory, navigate, navigate_drive};
 
@@ -64,7 +65,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         solution.display()
     );
     // Innovations as large as predicted have a normalised square of 1 per degree of freedom.
-    if let Some(nis) = summary.position.per_dof() {
+    if let Some(nis) = summary.innovations[Aid::Position].per_dof() {
         println!("position: NIS {nis:.2} per degree of freedom");
     }
     if let Some((errors, samples)) = &report.rmse {

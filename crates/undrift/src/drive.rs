@@ -36,6 +36,7 @@ pub use epoch::Beginning;
 pub use error::{ConfigError, DriveError};
 pub use imu::{ImuLog, load_imu};
 pub use logs::Logs;
+pub use scalars::{ScalarLog, Scalars};
 pub use section::Section;
 pub(crate) use section::{parse, read_text};
 pub(crate) use tables::{AXLE_STD, read_initial, read_switch};
@@ -55,7 +56,7 @@ use undrift_io::{
     gnss::{GnssReader, GnssSource},
     imu::{ImuFormat, ImuReader},
     reader::{Kind, Reader},
-    scalar::{ScalarFormat, ScalarReader},
+    scalar::ScalarReader,
     source::BytesRead,
     truth::{TruthReader, TruthSource},
 };
@@ -95,10 +96,8 @@ pub struct Drive {
     pub vibration: Option<[f64; AXES]>,
     /// GNSS log.
     pub gnss: (PathBuf, GnssSource),
-    /// Log of a wheel's speed, if there is one.
-    pub odometer: Option<(PathBuf, ScalarFormat)>,
-    /// Log of barometric heights, if there is one.
-    pub barometer: Option<(PathBuf, ScalarFormat)>,
+    /// Logs of sensors that measure one number, where there are such.
+    pub scalars: Scalars,
     /// Which parts of a fix are used.
     pub gnss_use: GnssUse,
     /// Reference solution, if there is one.
@@ -171,19 +170,8 @@ impl Drive {
     ) -> Result<Self, DriveError> {
         let table = parse(text, file)?;
         let top = Section::top(table.get_ref(), text, file);
-        top.only(&[
-            "model",
-            "epoch",
-            "imu",
-            "gnss",
-            "odometer",
-            "barometer",
-            "truth",
-            "initial",
-            "span",
-            "vehicle",
-            "states",
-        ])?;
+        let tables = ["model", "epoch", "initial", "span", "vehicle", "states"];
+        top.only(&Vec::from_iter(tables.into_iter().chain(log_tables())))?;
         logs.span = tables::read_span(&top.section("span")?)?;
         let gnss = top.section("gnss")?;
         let gnss_use = gnss::read_use(&gnss)?;
@@ -200,14 +188,10 @@ impl Drive {
         let (constraints, parameters) = tables::read_vehicle(&top.section("vehicle")?)?;
         let (imu, options) = imu::read_imu(&top.section("imu")?, &mut logs)?;
         let parameters = tables::read_states(&top.section("states")?, parameters)?;
-        let (odometer, parameters) =
-            scalars::read_odometer(&top.section("odometer")?, &mut logs, parameters)?;
-        let (barometer, parameters) =
-            scalars::read_barometer(&top.section("barometer")?, &mut logs, parameters)?;
+        let (scalars, parameters) = scalars::read(&top, &mut logs, parameters)?;
         let mut drive = Self {
             parameters,
-            odometer,
-            barometer,
+            scalars,
             constraints,
             gating: tables::read_switch(&gnss, "gate")?.unwrap_or(true),
             imu,
@@ -234,8 +218,7 @@ impl Drive {
 
     /// The logs that the drive reads.
     pub fn logs(&self) -> Vec<&Path> {
-        let scalars = [&self.odometer, &self.barometer];
-        let scalars = scalars.into_iter().flatten().map(|(path, _)| path);
+        let scalars = self.scalars.iter().flatten().map(|(path, _)| path);
         let truth = self.truth.iter().map(|(path, _)| path);
         let logs = [&self.imu.0, &self.gnss.0].into_iter();
         logs.chain(scalars)
@@ -263,20 +246,18 @@ impl Drive {
         self.logs.read(&self.gnss.0, &self.gnss.1)
     }
 
-    /// Opens the log of the wheel's speed from its start, if there is one.
+    /// Opens the logs of one number that there are from their start.
     ///
     /// # Errors
     /// As [`Drive::open_imu`].
-    pub fn open_odometer(&self) -> Result<Option<ScalarReader>, ReadError> {
-        self.open_optional(&self.odometer)
-    }
-
-    /// Opens the log of barometric heights from its start, if there is one.
-    ///
-    /// # Errors
-    /// As [`Drive::open_imu`].
-    pub fn open_barometer(&self) -> Result<Option<ScalarReader>, ReadError> {
-        self.open_optional(&self.barometer)
+    pub fn open_scalars(&self) -> Result<Vec<(ScalarLog, ScalarReader)>, ReadError> {
+        let mut opened = Vec::new();
+        for log in ScalarLog::ALL {
+            if let Some(reader) = self.open_optional(&self.scalars[log])? {
+                opened.push((log, reader));
+            }
+        }
+        Ok(opened)
     }
 
     /// Opens the reference from its start, if there is one.
@@ -359,14 +340,18 @@ pub fn files_named(text: &str) -> Vec<(&'static str, String)> {
         return Vec::new();
     };
     let top = Section::top(table.get_ref(), text, "");
-    let logs = ["imu", "gnss", "odometer", "barometer", "truth"];
-    let mut named: Vec<_> = logs
-        .into_iter()
+    let mut named: Vec<_> = log_tables()
         .filter_map(|log| Some((log, top.section(log).ok()?.text("file").ok()??.to_owned())))
         .collect();
     let model = top.text("model").ok().flatten();
     named.extend(model.map(|name| ("model", name.to_owned())));
     named
+}
+
+/// Tables of a drive file that name a log.
+pub(crate) fn log_tables() -> impl Iterator<Item = &'static str> {
+    let scalars = ScalarLog::ALL.map(ScalarLog::name);
+    ["imu", "gnss"].into_iter().chain(scalars).chain(["truth"])
 }
 
 /// Longest lever arm \[m\]: the largest ships are 400 m long.

@@ -267,7 +267,7 @@ struct Drawn {
 }
 
 impl Drawn {
-    /// With the last stream of `seed` ([`crate::simulate::stream_seed`]), which no barometer needs here.
+    /// With the last stream of `seed` ([`crate::simulate::stream_seed`]), which no other sensor needs here.
     fn new(spec: &Spec, seed: u64) -> Self {
         let mut generator = Xoshiro256PlusPlus::seed_from_u64(stream_seed(seed, usize::MAX));
         let mut draw = |std: f64| -> f64 {

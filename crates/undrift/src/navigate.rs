@@ -14,13 +14,13 @@ pub use start::{Started, start};
 use crate::{
     align::{AlignSettings, Heading},
     consistency::Consistency,
-    drive::{Drive, DriveError},
+    drive::{Drive, DriveError, ScalarLog},
     engine::derived::with_velocities,
     findings::Log,
     fixes::{self, FixStudy},
     mounting::{self, Mounting, MountingError},
     reference::Errors,
-    replay::{Measurement, ReplayError, Settings, Summary, merge, replay},
+    replay::{Aid, Measurement, ReplayError, Settings, Summary, merge, replay},
     settings::fix_errors::{FixErrors, FromFixes},
     smooth,
     vehicle::Constraints,
@@ -35,11 +35,7 @@ use undrift_io::{
     skipped::Skipped,
     write::solution::SolutionRow,
 };
-use undrift_nav::{
-    Matrix3, Vector3,
-    parameters::Parameters,
-    sample::{GnssFix, Scalar},
-};
+use undrift_nav::{Matrix3, Vector3, parameters::Parameters, sample::GnssFix};
 use undrift_noise::BiasModel;
 
 /// What came of it.
@@ -71,8 +67,8 @@ pub struct Report {
     pub imu_skipped: Skipped,
     /// What was left out of the GNSS log.
     pub gnss_skipped: Skipped,
-    /// What was left out of the odometer's and the barometer's logs, and their gaps, where there are such.
-    pub scalars: Vec<(Log, Skipped, GapSummary)>,
+    /// What was left out of the logs of one number that there are, and their gaps.
+    pub scalars: Vec<(ScalarLog, Skipped, GapSummary)>,
     /// What was left out of the truth.
     pub truth_skipped: Skipped,
     /// Samples that were corrected for temperature, where the model knows its effect.
@@ -335,52 +331,48 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
 /// The logs that aid a drive.
 struct Aids {
     gnss: GnssReader,
-    odometer: Option<ScalarReader>,
-    barometer: Option<ScalarReader>,
+    scalars: Vec<(ScalarLog, ScalarReader)>,
 }
 
 impl Aids {
     fn open(drive: &Drive) -> Result<Self, ReadError> {
         Ok(Self {
             gnss: drive.open_gnss()?,
-            odometer: drive.open_odometer()?,
-            barometer: drive.open_barometer()?,
+            scalars: drive.open_scalars()?,
         })
     }
 
-    /// Fixes, wheel speeds and heights in order of time.
+    /// Fixes and all other measurements in order of time.
     fn measurements(&mut self) -> impl Iterator<Item = Result<Measurement, ReadError>> {
         merge(
             self.gnss.by_ref().map(|fix| fix.map(Measurement::Gnss)),
-            merge(
-                scalars(&mut self.odometer, Measurement::Odometer),
-                scalars(&mut self.barometer, Measurement::Barometer),
-            ),
+            scalars(&mut self.scalars),
         )
     }
 
     /// Records that were skipped and gaps of the logs of one number.
-    fn scalars(&self) -> Vec<(Log, Skipped, GapSummary)> {
-        [
-            (Log::Odometer, &self.odometer),
-            (Log::Barometer, &self.barometer),
-        ]
-        .into_iter()
-        .filter_map(|(log, reader)| {
-            let reader = reader.as_ref()?;
-            Some((log, reader.skipped().clone(), reader.gaps()))
-        })
-        .collect()
+    fn scalars(&self) -> Vec<(ScalarLog, Skipped, GapSummary)> {
+        scalars_read(&self.scalars)
     }
 }
 
-/// The measurements of a log that may not be there.
+/// The measurements of these logs in order of time; of one time in the order of the logs.
 pub fn scalars(
-    reader: &mut Option<ScalarReader>,
-    kind: fn(Scalar) -> Measurement,
-) -> impl Iterator<Item = Result<Measurement, ReadError>> {
-    let scalars = reader.iter_mut().flatten();
-    scalars.map(move |scalar| scalar.map(kind))
+    logs: &mut [(ScalarLog, ScalarReader)],
+) -> Box<dyn Iterator<Item = Result<Measurement, ReadError>> + '_> {
+    let mut merged: Box<dyn Iterator<Item = _> + '_> = Box::new(std::iter::empty());
+    for (log, reader) in logs.iter_mut().rev() {
+        let of_one = reader.map(|scalar| scalar.map(|scalar| log.measurement(scalar)));
+        merged = Box::new(merge(of_one, merged));
+    }
+    merged
+}
+
+/// Records that were skipped and gaps of these logs.
+pub fn scalars_read(logs: &[(ScalarLog, ScalarReader)]) -> Vec<(ScalarLog, Skipped, GapSummary)> {
+    let logs = logs.iter();
+    logs.map(|(log, reader)| (*log, reader.skipped().clone(), reader.gaps()))
+        .collect()
 }
 
 /// NIS per degree of freedom outside of which the stated accuracy is looked into.
@@ -396,7 +388,8 @@ fn std_factors(
     settings: &Settings,
     summary: &Summary,
 ) -> Result<[Option<f64>; 2], NavigateError> {
-    let plausible = [&summary.position, &summary.velocity]
+    let plausible = [Aid::Position, Aid::Velocity]
+        .map(|aid| &summary.innovations[aid])
         .iter()
         .all(|sums| sums.per_dof().is_none_or(|nis| PLAUSIBLE.contains(&nis)));
     let adapted = if settings.adapt {

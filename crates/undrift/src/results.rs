@@ -10,6 +10,7 @@ mod demo;
 mod drive;
 mod fleet;
 mod identify;
+mod keyed;
 mod known;
 mod montecarlo;
 mod navigate;
@@ -34,6 +35,7 @@ pub use identify::{
     Origin, PanditWuOrders, ParameterInterval, Pool, PooledRecord, Psd, RecordShare, Residuals,
     TurnOn,
 };
+pub use keyed::{Key, Keyed};
 pub(crate) use known::{finding, findings};
 pub use montecarlo::{Group, MonteCarlo, MonteCarloDrive, MonteCarloModel, NisKind, Verdict};
 pub use navigate::{
@@ -46,6 +48,8 @@ pub use text::text;
 pub use tune::{Tune, TunedDrift, TunedParameter, TunedVibration};
 
 pub use undrift_noise::{allan::Term, identify::Detrend};
+
+pub use crate::{drive::ScalarLog, replay::Aid};
 
 pub use crate::replay::{
     Contradiction, CovarianceHealth, Implausible, Innovations, Lean, Part, Restart,

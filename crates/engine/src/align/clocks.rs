@@ -1,6 +1,6 @@
 //! How the clocks of two logs differ that do not overlap.
 
-use crate::events::Log;
+use crate::aid::Log;
 use core::{fmt, ops::Range};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;

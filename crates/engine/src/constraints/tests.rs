@@ -2,11 +2,14 @@
 
 use super::*;
 use crate::{
+    aid::{Aid, NonHolonomic, zero_velocity::nis_of_rest},
     estimator::build,
+    rest::RestBlock,
     tests::{driving_north, sensors},
 };
 use alloc::boxed::Box;
 use undrift_nav::{
+    Matrix3, Vector3,
     attitude::from_rpy,
     earth::{Geodetic, earth_rate_n, gravity},
     filter::InitialStd,
@@ -57,7 +60,7 @@ fn a_sensor_at_rest_reads_the_earth_and_gravity_and_its_own_error() {
     let mut filter = build(nav, &std, &sensors(), Parameters::none()).unwrap();
     let error = [1e-3, 2e-3, 3e-3, 0.1, 0.2, 0.3];
     filter.set_sensor_error(&error);
-    let (rate, force) = readings_at_rest(&*filter);
+    let (rate, force) = zero_velocity::readings(&*filter);
     let to_body = nav.q_nb.inverse();
     let place = &nav.position;
     let earth = to_body * earth_rate_n(place.lat);
@@ -81,7 +84,7 @@ fn stands(speed: f64, stood: bool, block: &RestBlock) -> (bool, bool, f64) {
     settings.constraints.zero_velocity = Some(0.05);
     let mut filter = moving(Vector3::new(speed, 0.0, 0.0), Vector3::repeat(0.05));
     let (mut stood, mut summary) = (stood, Summary::default());
-    let rest = stand_still(&mut *filter, block, &mut stood, &settings, &mut summary);
+    let rest = zero_velocity::update(&mut *filter, block, &mut stood, &settings, &mut summary);
     (rest, stood, filter.nav().v_n.x)
 }
 
@@ -208,7 +211,7 @@ fn wheels_hold_a_velocity_to_the_right_and_down() {
     };
     let built = || build(nav, &std, &sensors(), Parameters::none()).unwrap();
     let mut filter = built();
-    let update = stay_on_track(&mut *filter, &rule).unwrap();
+    let update = non_holonomic::update(&mut *filter, &rule, &mut Summary::default()).unwrap();
     assert_eq!(update.dof, 2);
     let v = filter.nav().v_n;
     // Equal variances to the right, a fifth of the whole down.
@@ -232,9 +235,9 @@ fn wheels_hold_a_velocity_to_the_right_and_down() {
             dtheta: Vector3::zeros(),
             dvel: Vector3::zeros(),
         };
-        let before = summary.non_holonomic.updates;
+        let before = summary.innovations[Aid::NonHolonomic].updates;
         vehicle.end_sample(&mut *filter, &sample, None, settings, &mut summary, &mut ());
-        summary.non_holonomic.updates - before
+        summary.innovations[Aid::NonHolonomic].updates - before
     };
     let mut slow = settings.clone();
     slow.constraints.non_holonomic = Some(NonHolonomic {

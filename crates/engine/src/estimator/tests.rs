@@ -3,7 +3,7 @@
 use super::*;
 use alloc::{boxed::Box, vec::Vec};
 use std::sync::mpsc;
-use undrift_nav::{attitude::from_rpy, parameters::Prior};
+use undrift_nav::{attitude::from_rpy, parameters::Prior, sample::Position};
 
 const T: f64 = 0.01;
 const LEVER: Vector3 = Vector3::new(0.5, -0.2, -1.0);

@@ -1,4 +1,5 @@
 use super::*;
+use crate::Scalar;
 use crate::tests::{Scenario, receiver};
 use alloc::vec::Vec;
 use nalgebra::DMatrix;

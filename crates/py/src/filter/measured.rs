@@ -99,13 +99,8 @@ impl Measured {
                 noise = Matrix3::from_diagonal(&Vector3::new(right * right, down * down, 0.0));
                 Aiding::NonHolonomic(lever_arm)
             }
-            "odometer" => Aiding::Odometer {
-                speed: value[0],
-                lever_arm,
-            },
-            "barometer" => Aiding::Barometer(value[0]),
-            "course" => Aiding::Course(value[0]),
-            other => return Err(error(format!("unknown measurement \"{other}\""))),
+            other => Aiding::scalar(other, value[0], lever_arm)
+                .ok_or_else(|| error(format!("unknown measurement \"{other}\"")))?,
         };
         Ok((aiding, noise))
     }

@@ -7,7 +7,7 @@ use crate::{
     numbers::{bounded, count, error, get, short, span},
     parts::{Run, named, of_which, prefixed, text, verdict_of, warnings},
 };
-use undrift::results::{Innovations, Navigate, Nis, Number, Numbers, Parameter};
+use undrift::results::{Aid, Navigate, Nis, Number, Numbers, Parameter};
 
 /// NIS per degree of freedom that is reported as correct.
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 0.6..=1.6;
@@ -135,19 +135,16 @@ fn innovations(part: &str, nis: &Nis) -> String {
 
 fn updates(runs: &[Run<'_, Navigate>]) -> Table {
     let rows = runs.iter().flat_map(|(name, run)| {
-        let s = &run.summary;
-        let none = Nis::default();
-        let kinds: [(&str, &Innovations, Nis); 6] = [
-            ("position", &s.position, run.position),
-            ("velocity", &s.velocity, run.velocity),
-            ("non-holonomic", &s.non_holonomic, none),
-            ("zero velocity", &s.zero_velocity, none),
-            ("odometer", &s.odometer, none),
-            ("barometer", &s.barometer, none),
-        ];
-        let kinds = kinds.into_iter();
-        let kinds = kinds.filter(|(_, counts, _)| counts.updates + counts.rejected > 0);
-        kinds.map(|(kind, counts, nis)| (prefixed(name, kind), counts, nis))
+        let kinds = run.summary.innovations.iter();
+        let kinds = kinds.filter(|(_, counts)| counts.updates + counts.rejected > 0);
+        kinds.map(|(kind, counts)| {
+            let nis = match kind {
+                Aid::Position => run.position,
+                Aid::Velocity => run.velocity,
+                _ => Nis::default(),
+            };
+            (prefixed(name, kind.name()), counts, nis)
+        })
     });
     Table::of(
         "updates",

@@ -7,7 +7,7 @@ use undrift::findings::{Finding, Log};
 /// A finding of one log.
 pub(super) fn of(log: Log, finding: &Finding) -> String {
     use Finding as F;
-    let name = name(log);
+    let name = log.name();
     match finding {
         F::Skipped { kinds, .. } => format!("{name} log: {}", kinds.replace('\n', "; ")),
         F::OutOfOrder { rows, line, .. } => format!(
@@ -60,15 +60,4 @@ pub(super) fn uneven(gaps: usize, jitter_rms: f64, interval: f64) -> String {
         jitter_rms * 1e3,
         interval * 1e3
     )
-}
-
-fn name(log: Log) -> &'static str {
-    match log {
-        Log::Imu => "IMU",
-        Log::Gnss => "GNSS",
-        Log::Truth => "truth",
-        Log::Odometer => "odometer",
-        Log::Barometer => "barometer",
-        Log::Recording => "recording",
-    }
 }

@@ -7,7 +7,7 @@ use crate::{
     parts::COMPONENTS,
     say,
 };
-use undrift::results::{Innovations, Navigate, Number, Numbers};
+use undrift::results::{Aid, Innovations, Navigate, Number, Numbers};
 
 /// How a drive was navigated, line by line.
 pub fn navigate(result: &Navigate) -> String {
@@ -33,22 +33,24 @@ pub fn navigate(result: &Navigate) -> String {
             n => format!("their errors, as they show them: estimated from {from:.3} s on, anew {n} times since"),
         });
     }
-    for (name, sums) in [("position", &s.position), ("velocity", &s.velocity)] {
-        if sums.updates + sums.rejected > 0 {
-            lines.push(format!("{name}: {}", innovations(sums)));
-        }
-    }
-    for (name, sums) in [
-        ("non-holonomic constraint", &s.non_holonomic),
-        ("zero velocity", &s.zero_velocity),
-        ("odometer", &s.odometer),
-        ("barometer", &s.barometer),
-    ] {
-        if sums.updates > 0 {
-            let (n, nis) = (sums.updates, nis(sums));
-            lines.push(format!(
-                "{name}: {n} updates, NIS per degree of freedom {nis}"
-            ));
+    for (aid, sums) in s.innovations.iter() {
+        let (name, n) = (aid.name(), sums.updates);
+        match aid {
+            Aid::Position | Aid::Velocity if n + sums.rejected > 0 => {
+                lines.push(format!("{name}: {}", innovations(sums)));
+            }
+            Aid::Position | Aid::Velocity => {}
+            _ if n == 0 => {}
+            _ => {
+                let constraint = match aid {
+                    Aid::NonHolonomic => " constraint",
+                    _ => "",
+                };
+                let nis = nis(sums);
+                lines.push(format!(
+                    "{name}{constraint}: {n} updates, NIS per degree of freedom {nis}"
+                ));
+            }
         }
     }
     if let Some(louder) = &s.louder {

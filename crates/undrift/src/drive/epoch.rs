@@ -59,10 +59,7 @@ impl Drive {
             let epoch = epoch_of::<Truth>(logs, (path, truth), offset);
             others.push((epoch, truth.time_offset()));
         }
-        for (path, format) in [&mut self.odometer, &mut self.barometer]
-            .into_iter()
-            .flatten()
-        {
+        for (path, format) in self.scalars.iter_mut().flatten() {
             let epoch = epoch_of::<Scalars>(logs, (path, format), format.time_offset);
             others.push((epoch, &mut format.time_offset));
         }

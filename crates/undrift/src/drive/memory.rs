@@ -1,6 +1,6 @@
 //! Drives of samples in memory.
 
-use super::{Beginning, Drive, Logs, scalars, tables};
+use super::{Beginning, Drive, Logs, ScalarLog, tables};
 use crate::{
     align::AlignSettings,
     replay::{GnssUse, QualityStd},
@@ -22,8 +22,6 @@ use undrift_nav::{
 const IMU: &str = "<imu>";
 const GNSS: &str = "<gnss>";
 const TRUTH: &str = "<truth>";
-const ODOMETER: &str = "<odometer>";
-const BAROMETER: &str = "<barometer>";
 
 impl Drive {
     /// A drive of samples and fixes in memory, each in order of time in the same time base: samples in body axes, antenna at
@@ -52,8 +50,7 @@ impl Drive {
                     span: None,
                 },
             ),
-            odometer: None,
-            barometer: None,
+            scalars: Default::default(),
             gnss_use: GnssUse::default(),
             truth: None,
             lever_arm: Vector3::zeros(),
@@ -87,21 +84,15 @@ impl Drive {
         self
     }
 
-    /// The drive with wheel speeds in memory, forward positive \[m/s\], in order of time.
-    pub fn with_odometer(mut self, speeds: &[Scalar]) -> Self {
-        let path = self.hold(ODOMETER, Memory::Scalars(speeds.into()));
-        let format = ScalarFormat::scalars("odometer", scalars::SPEEDS);
-        self.odometer = Some((path, format));
-        self.parameters = scalars::odometer_by_default(self.parameters);
-        self
-    }
-
-    /// The drive with barometric heights in memory \[m\], in order of time.
-    pub fn with_barometer(mut self, heights: &[Scalar]) -> Self {
-        let path = self.hold(BAROMETER, Memory::Scalars(heights.into()));
-        let format = ScalarFormat::scalars("barometer", scalars::HEIGHTS);
-        self.barometer = Some((path, format));
-        self.parameters = scalars::barometer_by_default(self.parameters);
+    /// The drive with the measurements of a sensor of one number in memory, in SI units and in order of time, and the
+    /// constants that such a sensor asks for where no more is known of it.
+    pub fn with_scalars(mut self, log: ScalarLog, measured: &[Scalar]) -> Self {
+        let path = self.hold(
+            &format!("<{}>", log.name()),
+            Memory::Scalars(measured.into()),
+        );
+        self.scalars[log] = Some((path, ScalarFormat::scalars(log.name(), log.range())));
+        self.parameters = log.by_default(self.parameters);
         self
     }
 

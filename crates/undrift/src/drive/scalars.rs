@@ -1,18 +1,24 @@
-//! The tables of sensors that measure one number: `[odometer]` and `[barometer]`.
+//! The tables of sensors that measure one number, and all that is different from one such sensor to the other.
 
 use super::{
+    Drive,
     error::{ConfigError, DriveError},
     logs::Logs,
     section::Section,
     tables::{read_delimiter, read_std},
 };
-use std::path::PathBuf;
+use crate::replay::{Aid, Log, Measurement};
+use std::{
+    ops::{Index, IndexMut},
+    path::PathBuf,
+};
 use undrift_io::{
     scalar::{Reading, ScalarFormat, ScalarStd},
     table::Column,
 };
 use undrift_nav::{
     parameters::{Parameter, Parameters, Prior},
+    sample::Scalar,
     units::Quantity,
 };
 
@@ -20,7 +26,7 @@ use undrift_nav::{
 const SPEED_STD: f64 = 0.1;
 const SCALE_STD: f64 = 0.03;
 /// Speeds that a wheel can have [m/s].
-pub(super) const SPEEDS: (f64, f64) = (-150.0, 150.0);
+const SPEEDS: (f64, f64) = (-150.0, 150.0);
 /// Standard deviation of a barometric height \[m\]: gusts, doors, ventilation.
 const HEIGHT_STD: f64 = 1.0;
 /// Weather and the geoid's height make an error of this size \[m\] …
@@ -28,20 +34,163 @@ const BIAS_STD: f64 = 100.0;
 /// … and weather and the air's temperature on slopes change it by this [m/√s].
 const BIAS_WALK: f64 = 0.1;
 /// Heights of the standard atmosphere's lowest layer \[m\].
-pub(super) const HEIGHTS: (f64, f64) = (-1000.0, 11_000.0);
+const HEIGHTS: (f64, f64) = (-1000.0, 11_000.0);
 
 /// A log of one number: its file and layout.
-pub(super) type Log = (PathBuf, ScalarFormat);
+pub type Source = (PathBuf, ScalarFormat);
+
+/// A sensor that measures one number: a table of the drive file and a log of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ScalarLog {
+    /// `[odometer]`: speeds of a wheel, forward positive \[m/s\].
+    Odometer,
+    /// `[barometer]`: heights \[m\].
+    Barometer,
+}
+
+/// All that is different from one to the other.
+struct About {
+    name: &'static str,
+    described: &'static str,
+    log: Log,
+    aid: Aid,
+    measurement: fn(Scalar) -> Measurement,
+    range: (f64, f64),
+    read: fn(&Section, &mut Logs, Parameters) -> Result<(Source, Parameters), DriveError>,
+    by_default: fn(Parameters) -> Parameters,
+}
+
+impl ScalarLog {
+    /// All of them, in the order in which they are read.
+    pub const ALL: [Self; 2] = [Self::Odometer, Self::Barometer];
+
+    fn about(self) -> About {
+        match self {
+            Self::Odometer => About {
+                name: "odometer",
+                described: "The log of wheel speeds.",
+                log: Log::Odometer,
+                aid: Aid::Odometer,
+                measurement: Measurement::Odometer,
+                range: SPEEDS,
+                read: read_odometer,
+                by_default: |parameters| of_odometer(parameters, SCALE_STD),
+            },
+            Self::Barometer => About {
+                name: "barometer",
+                described: "The log of heights.",
+                log: Log::Barometer,
+                aid: Aid::Barometer,
+                measurement: Measurement::Barometer,
+                range: HEIGHTS,
+                read: read_barometer,
+                by_default: |parameters| of_barometer(parameters, BIAS_STD, BIAS_WALK),
+            },
+        }
+    }
+
+    /// Its table in a drive file, and what it is called.
+    pub fn name(self) -> &'static str {
+        self.about().name
+    }
+
+    /// What it is a log of, as a sentence.
+    pub fn described(self) -> &'static str {
+        self.about().described
+    }
+
+    /// The log that findings name.
+    pub fn log(self) -> Log {
+        self.about().log
+    }
+
+    /// What its updates are counted by.
+    pub fn aid(self) -> Aid {
+        self.about().aid
+    }
+
+    /// A number of it as the navigator takes it.
+    pub fn measurement(self, scalar: Scalar) -> Measurement {
+        (self.about().measurement)(scalar)
+    }
+
+    /// Numbers that it can have, in SI units.
+    pub(super) fn range(self) -> (f64, f64) {
+        self.about().range
+    }
+
+    /// The parameters with the one that it asks for where no more is known of it.
+    pub(super) fn by_default(self, parameters: Parameters) -> Parameters {
+        (self.about().by_default)(parameters)
+    }
+}
+
+/// The logs of a drive by sensor, got by `scalars[log]`.
+#[derive(Clone, Debug, Default)]
+pub struct Scalars([Option<Source>; ScalarLog::ALL.len()]);
+
+impl Scalars {
+    /// Those of all sensors in order.
+    pub fn iter(&self) -> impl Iterator<Item = &Option<Source>> {
+        self.0.iter()
+    }
+
+    /// As [`Scalars::iter`], to be changed.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut Option<Source>> {
+        self.0.iter_mut()
+    }
+}
+
+impl Index<ScalarLog> for Scalars {
+    type Output = Option<Source>;
+
+    fn index(&self, log: ScalarLog) -> &Option<Source> {
+        &self.0[log as usize]
+    }
+}
+
+impl IndexMut<ScalarLog> for Scalars {
+    fn index_mut(&mut self, log: ScalarLog) -> &mut Option<Source> {
+        &mut self.0[log as usize]
+    }
+}
+
+impl Drive {
+    /// The drive with wheel speeds in memory, forward positive \[m/s\], in order of time.
+    pub fn with_odometer(self, speeds: &[Scalar]) -> Self {
+        self.with_scalars(ScalarLog::Odometer, speeds)
+    }
+
+    /// The drive with barometric heights in memory \[m\], in order of time.
+    pub fn with_barometer(self, heights: &[Scalar]) -> Self {
+        self.with_scalars(ScalarLog::Barometer, heights)
+    }
+}
+
+/// The tables that there are, and the parameters with those that they ask for.
+pub(super) fn read(
+    top: &Section,
+    logs: &mut Logs,
+    mut parameters: Parameters,
+) -> Result<(Scalars, Parameters), DriveError> {
+    let mut scalars = Scalars::default();
+    for log in ScalarLog::ALL {
+        let section = top.section(log.name())?;
+        if section.exists() {
+            let (source, asked) = (log.about().read)(&section, logs, parameters)?;
+            scalars[log] = Some(source);
+            parameters = asked;
+        }
+    }
+    Ok((scalars, parameters))
+}
 
 /// `[odometer]`, and the parameters with the one that it asks for.
-pub(super) fn read_odometer(
+fn read_odometer(
     section: &Section,
     logs: &mut Logs,
     mut parameters: Parameters,
-) -> Result<(Option<Log>, Parameters), DriveError> {
-    if !section.exists() {
-        return Ok((None, parameters));
-    }
+) -> Result<(Source, Parameters), DriveError> {
     let path = logs.named(section)?;
     let per_metre = section.factor("ticks_per_metre")?;
     let unit = section.unit("speed_unit", Quantity::Velocity, 1.0)?;
@@ -82,18 +231,15 @@ pub(super) fn read_odometer(
         parameters = of_odometer(parameters, std);
     }
     section.only_known()?;
-    Ok((Some((path, format)), parameters))
+    Ok(((path, format), parameters))
 }
 
 /// `[barometer]`, and the parameters with the one that it asks for.
-pub(super) fn read_barometer(
+fn read_barometer(
     section: &Section,
     logs: &mut Logs,
     mut parameters: Parameters,
-) -> Result<(Option<Log>, Parameters), DriveError> {
-    if !section.exists() {
-        return Ok((None, parameters));
-    }
+) -> Result<(Source, Parameters), DriveError> {
     let path = logs.named(section)?;
     let units = [("hPa", 100.0), ("mbar", 100.0), ("kPa", 1e3), ("Pa", 1.0)];
     let pressure_unit = section.word("pressure_unit", &units)?.unwrap_or(100.0);
@@ -146,7 +292,7 @@ pub(super) fn read_barometer(
             .into());
     }
     section.only_known()?;
-    Ok((Some((path, format)), parameters))
+    Ok(((path, format), parameters))
 }
 
 fn of_odometer(parameters: Parameters, scale_std: f64) -> Parameters {
@@ -159,16 +305,6 @@ fn of_barometer(parameters: Parameters, std: f64, walk: f64) -> Parameters {
         ..Prior::constant(std)
     };
     parameters.with(Parameter::BarometerBias, prior)
-}
-
-/// The parameters with the one that an odometer of which no more is known asks for.
-pub(super) fn odometer_by_default(parameters: Parameters) -> Parameters {
-    of_odometer(parameters, SCALE_STD)
-}
-
-/// The parameters with the one that a barometer of which no more is known asks for.
-pub(super) fn barometer_by_default(parameters: Parameters) -> Parameters {
-    of_barometer(parameters, BIAS_STD, BIAS_WALK)
 }
 
 /// A standard deviation by the keys `constant` or `column`, else `default`; a column's times `unit`.

@@ -4,7 +4,7 @@ use super::{Finding, Log};
 use crate::{
     fixes::FixStudy,
     outages::ModelErrors,
-    replay::{Implausible, Innovations, Part, SampleFault, Summary},
+    replay::{Aid, Implausible, Innovations, Part, SampleFault, Summary},
     settings::fix_errors::{Correlated, FixErrors},
 };
 use undrift_io::{
@@ -375,7 +375,8 @@ pub fn of_timing(timing: Option<&Timing>) -> Option<Finding> {
 /// A stated accuracy of a part of the fixes that does not fit the innovations by a factor: it is wrong, or, where the
 /// fixes are `known` to be as good as they state, the noise model of the sensors is.
 pub fn of_accuracy(part: Part, factor: f64, summary: &Summary, known: bool) -> Finding {
-    let correlated = [&summary.position, &summary.velocity]
+    let correlated = [Aid::Position, Aid::Velocity]
+        .map(|aid| &summary.innovations[aid])
         .iter()
         .any(|sums| sums.autocorrelation().is_some_and(|(c, _)| c > CORRELATED));
     if known && factor > 1.0 {
@@ -393,8 +394,8 @@ pub fn of_accuracy(part: Part, factor: f64, summary: &Summary, known: bool) -> F
 /// and sensors are larger than the covariance has them.
 pub fn of_correlation(summary: &Summary) -> Option<Finding> {
     let parts = [
-        (Part::Velocity, &summary.velocity),
-        (Part::Position, &summary.position),
+        (Part::Velocity, &summary.innovations[Aid::Velocity]),
+        (Part::Position, &summary.innovations[Aid::Position]),
     ];
     parts.into_iter().find_map(|(part, sums)| {
         let (correlation, _) = sums.autocorrelation()?;

@@ -41,11 +41,8 @@ impl Report {
         let disagreements = findings::of_disagreement(s);
         found.extend(findings::with_axes(disagreements, &self.rotation));
         for (log, skipped, gaps) in &self.scalars {
-            let used = match log {
-                Log::Odometer => &s.odometer,
-                _ => &s.barometer,
-            };
-            found.extend(findings::of_scalar(*log, skipped, gaps, used));
+            let used = &s.innovations[log.aid()];
+            found.extend(findings::of_scalar(log.log(), skipped, gaps, used));
         }
         // With a wrong unit or axis the innovations say nothing about the accuracy.
         if s.implausible.is_empty() {

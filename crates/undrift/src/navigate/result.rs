@@ -3,10 +3,10 @@
 use super::{Hindsight, Report};
 use crate::{
     consistency::GROUP,
-    replay::{self, Innovations},
+    replay::{self, Aid, Innovations},
     results::{
-        Drive, FixErrors, Navigate, Nis, Number, Parameter, SCHEMA, StdFactors, Summary, VERSION,
-        by_name,
+        Drive, FixErrors, Keyed, Navigate, Nis, Number, Parameter, SCHEMA, StdFactors, Summary,
+        VERSION, by_name,
     },
     settings::fix_errors::{self, Correlated},
 };
@@ -35,8 +35,8 @@ impl Report {
             smooth: self.hindsight == Hindsight::Smooth,
             look_ahead: self.hindsight != Hindsight::Causal,
             mounting: None,
-            position: nis(&s.position),
-            velocity: nis(&s.velocity),
+            position: nis(&s.innovations[Aid::Position]),
+            velocity: nis(&s.innovations[Aid::Velocity]),
             std_factors: StdFactors { position, velocity },
             velocity_sign_wrong: s.wrong_signs.iter().map(|i| AXES[*i].into()).collect(),
             rms_error: self.rmse.as_ref().map(|(errors, _)| errors.numbers()),
@@ -92,12 +92,7 @@ fn summary(s: &replay::Summary) -> Summary {
         withheld: s.withheld,
         fixes_before: s.fixes_before,
         bad_fixes: s.bad_fixes,
-        position: s.position,
-        velocity: s.velocity,
-        non_holonomic: s.non_holonomic,
-        zero_velocity: s.zero_velocity,
-        odometer: s.odometer,
-        barometer: s.barometer,
+        innovations: Keyed::new(|aid| s.innovations[aid]),
         parameters: by_name(s.parameters.iter().map(parameter)),
         contradictions: s.contradictions.clone(),
         more_contradictions: s.more_contradictions,

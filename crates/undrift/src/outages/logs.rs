@@ -7,18 +7,19 @@ use super::{
     schedule::{Schedule, ScheduleError, schedule},
 };
 use crate::{
-    drive::Drive,
+    drive::{Drive, ScalarLog},
     findings::{self, Finding, Log},
     fixes::{self, FixStudy},
     mounting::Mounting,
-    navigate::{Hindsight, NavigateError, look_ahead, resolve_mounting, scalars, settings},
+    navigate::{
+        Hindsight, NavigateError, look_ahead, resolve_mounting, scalars, scalars_read, settings,
+    },
     replay::{Measurement, Outage, ReplayError, merge},
     results::{self, Outages},
 };
 use std::path::Path;
 use undrift_io::{
     imu::{GapSummary, ThermalSummary},
-    scalar::ScalarReader,
     skipped::Skipped,
 };
 use undrift_nav::sample::{GnssFix, ImuSample, TruthSample};
@@ -37,7 +38,7 @@ pub struct Logs {
     pub imu: Vec<ImuSample>,
     /// Fixes.
     pub gnss: Vec<GnssFix>,
-    /// Fixes, wheel speeds and heights in order of time.
+    /// Fixes and all other measurements in order of time.
     pub aiding: Vec<Measurement>,
     /// What the fixes show of themselves.
     study: Option<FixStudy>,
@@ -45,8 +46,7 @@ pub struct Logs {
     pub truth: Vec<TruthSample>,
     skipped: Vec<(Log, Skipped)>,
     thermal: Option<ThermalSummary>,
-    odometer: Option<(Skipped, GapSummary)>,
-    barometer: Option<(Skipped, GapSummary)>,
+    scalars: Vec<(ScalarLog, Skipped, GapSummary)>,
 }
 
 impl Logs {
@@ -60,13 +60,10 @@ impl Logs {
         let imu = imu_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
         let mut gnss_reader = drive.open_gnss()?;
         let gnss = gnss_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
-        let (mut odometer, mut barometer) = (drive.open_odometer()?, drive.open_barometer()?);
+        let mut logs = drive.open_scalars()?;
         let aiding = merge(
             gnss.iter().copied().map(Measurement::Gnss).map(Ok),
-            merge(
-                scalars(&mut odometer, Measurement::Odometer),
-                scalars(&mut barometer, Measurement::Barometer),
-            ),
+            scalars(&mut logs),
         )
         .collect::<Result<Vec<_>, _>>()?;
         let mut skipped = vec![
@@ -80,7 +77,6 @@ impl Logs {
         }
         let applied = gnss.iter().map(|fix| drive.quality.apply(fix));
         let study = fixes::study(applied);
-        let health = |reader: Option<ScalarReader>| reader.map(|r| (r.skipped().clone(), r.gaps()));
         Ok(Self {
             drive,
             mounting,
@@ -91,8 +87,7 @@ impl Logs {
             truth,
             skipped,
             thermal: imu_reader.thermal(),
-            odometer: health(odometer),
-            barometer: health(barometer),
+            scalars: scalars_read(&logs),
         })
     }
 
@@ -179,13 +174,9 @@ impl Logs {
                 let rotation = &self.drive.imu.1.rotation;
                 found.extend(findings::with_axes(findings::of_disagreement(s), rotation));
             }
-            for (log, health, used) in [
-                (Log::Odometer, &self.odometer, &s.odometer),
-                (Log::Barometer, &self.barometer, &s.barometer),
-            ] {
-                if let Some((skipped, gaps)) = health {
-                    found.extend(findings::of_scalar(log, skipped, gaps, used));
-                }
+            for (log, skipped, gaps) in &self.scalars {
+                let used = &s.innovations[log.aid()];
+                found.extend(findings::of_scalar(log.log(), skipped, gaps, used));
             }
         }
         let ran = results

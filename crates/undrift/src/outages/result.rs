@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     reference::GROUPS,
-    replay::Outage,
+    replay::{Aid, Outage},
     results::{
         Cut, Drift, ModelErrors, NisOfParts, Number, Numbers, OutageErrors, Outages, SCHEMA, Track,
         VERSION, by_name, numbers,
@@ -36,8 +36,8 @@ pub fn result(outages: &[Outage], results: &[ModelOutcome], track: &[TruthSample
         result.models.insert(name.clone(), (&run.errors).into());
         let sums = &run.summary;
         let nis = NisOfParts {
-            position: sums.position.per_dof().into(),
-            velocity: sums.velocity.per_dof().into(),
+            position: sums.innovations[Aid::Position].per_dof().into(),
+            velocity: sums.innovations[Aid::Velocity].per_dof().into(),
         };
         result.nis_per_dof.insert(name.clone(), nis);
         result.series.drift.insert(name.clone(), drift(run));

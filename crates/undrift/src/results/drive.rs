@@ -1,10 +1,26 @@
 //! What was navigated.
 
-use super::Number;
-use crate::{drive, replay::GnssUse, series::to_digits};
+use super::{Key, Keyed, Number};
+use crate::{
+    drive::{self, ScalarLog},
+    replay::GnssUse,
+    series::to_digits,
+};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use undrift_io::epoch::{ClockSource, Epoch};
+
+impl Key for ScalarLog {
+    const ALL: &'static [Self] = &Self::ALL;
+
+    fn key(self) -> String {
+        self.name().to_owned()
+    }
+
+    fn describe(self) -> &'static str {
+        self.described()
+    }
+}
 
 /// A drive, logged or simulated. Files go by their names without folders.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -23,10 +39,9 @@ pub struct Drive {
     pub gnss: Option<String>,
     /// The reference trajectory.
     pub truth: Option<String>,
-    /// The log of wheel speeds.
-    pub odometer: Option<String>,
-    /// The log of heights.
-    pub barometer: Option<String>,
+    /// The logs of sensors that measure one number, each under its own name.
+    #[serde(flatten)]
+    pub scalars: Keyed<ScalarLog, Option<String>>,
     /// When it starts; missing where no log has a date.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start: Option<Start>,
@@ -94,8 +109,7 @@ impl Drive {
             imu: Some(name(&drive.imu.0)),
             gnss: Some(name(&drive.gnss.0)),
             truth: drive.truth.as_ref().map(|(path, _)| name(path)),
-            odometer: drive.odometer.as_ref().map(|(path, _)| name(path)),
-            barometer: drive.barometer.as_ref().map(|(path, _)| name(path)),
+            scalars: Keyed::new(|log| drive.scalars[log].as_ref().map(|(path, _)| name(path))),
             start: Start::of(drive),
             rate_hz: interval.map(|interval| to_digits(1.0 / interval)).into(),
             model: drive.model.as_ref().map(|model| model.name.clone()),

@@ -1,11 +1,13 @@
 //! A navigated drive.
 
 use super::{
-    Curve, Drive, Number, Numbers, Track,
+    Curve, Drive, Key, Keyed, Number, Numbers, Track,
     known::{findings, known},
 };
 use crate::findings::Finding;
-use crate::replay::{Contradiction, CovarianceHealth, Implausible, Innovations, Lean, Restart};
+use crate::replay::{
+    Aid, Contradiction, CovarianceHealth, Implausible, Innovations, Lean, Restart,
+};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -79,6 +81,18 @@ pub struct StdFactors {
     pub velocity: Option<f64>,
 }
 
+impl Key for Aid {
+    const ALL: &'static [Self] = &Self::ALL;
+
+    fn key(self) -> String {
+        Self::key(self)
+    }
+
+    fn describe(self) -> &'static str {
+        self.counted()
+    }
+}
+
 /// What a replay was like.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -102,18 +116,9 @@ pub struct Summary {
     pub fixes_before: u64,
     /// Fixes that could not be used because their covariance is not one.
     pub bad_fixes: u64,
-    /// Position updates.
-    pub position: Innovations,
-    /// Velocity updates.
-    pub velocity: Innovations,
-    /// Non-holonomic constraints.
-    pub non_holonomic: Innovations,
-    /// Zero-velocity updates.
-    pub zero_velocity: Innovations,
-    /// Odometer updates.
-    pub odometer: Innovations,
-    /// Barometer updates.
-    pub barometer: Innovations,
+    /// Updates by kind of measurement, each under its own name.
+    #[serde(flatten)]
+    pub innovations: Keyed<Aid, Innovations>,
     /// Parameters estimated, by name.
     pub parameters: BTreeMap<String, Parameter>,
     /// Runs of rejected fixes, the first 1000.

@@ -1,12 +1,10 @@
 //! The drive file with what was found: its own text, changed where that differs.
 
 use super::{Tuned, noise::Noise};
+use crate::drive::log_tables;
 use std::path::Path;
 use toml_edit::{DocumentMut, InlineTable, Item, Table, Value, value};
 use undrift_noise::ImuModel;
-
-/// Tables of a drive file that name a log.
-const LOGS: [&str; 5] = ["imu", "gnss", "odometer", "barometer", "truth"];
 
 /// The text of a drive file with the noise that was found. `logs` is the folder that its logs are to be looked for
 /// from now on, where that is another one.
@@ -63,7 +61,7 @@ pub fn tuned(
         }
     }
     if let Some(folder) = logs {
-        for name in LOGS {
+        for name in log_tables() {
             let table = file.get_mut(name).and_then(Item::as_table_like_mut);
             if let Some(log) = table.and_then(|table| table.get_mut("file"))
                 && let Some(path) = log.as_str()

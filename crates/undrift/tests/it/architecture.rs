@@ -167,3 +167,58 @@ fn no_result_is_serialised_by_hand() {
         }
     }
 }
+
+/// Source files of the crates that mention a word, tests and what only tests use aside.
+fn files_with(word: &str) -> Vec<String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(root.join("crates")).unwrap() {
+        sources(&entry.unwrap().path().join("src"), &mut files);
+    }
+    let mentions = |path: &PathBuf| {
+        let source = std::fs::read_to_string(path).unwrap();
+        let product = source.split("#[cfg(test)]\nmod tests {").next();
+        product.unwrap_or_default().to_lowercase().contains(word)
+    };
+    let name = |path: PathBuf| {
+        let from_root = path.strip_prefix(&root).unwrap();
+        from_root.to_string_lossy().replace('\\', "/")
+    };
+    let mut found: Vec<_> = files.into_iter().filter(mentions).map(name).collect();
+    found.sort();
+    found
+}
+
+/// The files in the tables of a chapter of docs/add-a-measurement.md, those of its parts of their own behind.
+fn files_of_page(chapter: &str) -> Vec<Vec<String>> {
+    let page = include_str!("../../../../docs/add-a-measurement.md");
+    let chapters = page.split("\n## ").find(|of| of.starts_with(chapter));
+    let parts = chapters.unwrap().split("\n### ");
+    parts
+        .map(|part| {
+            let rows = part.lines().filter(|line| line.starts_with("| "));
+            let files = rows.filter_map(|row| Some(row.split('`').nth(1)?.to_owned()));
+            files.filter(|file| file.ends_with(".rs")).collect()
+        })
+        .collect()
+}
+
+/// A new measurement, format or noise model touches few files, and the page names them all.
+#[test]
+fn what_is_added_has_few_places_and_the_page_names_them() {
+    for (chapter, word, most) in [
+        ("Add a measurement", "barometer", &[8, 2][..]),
+        ("Add a format of logs", "gnsslogger", &[4]),
+        ("Add a noise model", "random-walk", &[4]),
+    ] {
+        let parts = files_of_page(chapter);
+        let counts: Vec<usize> = parts.iter().map(Vec::len).collect();
+        assert!(
+            counts.len() == most.len() && counts.iter().zip(most).all(|(n, most)| n <= most),
+            "{chapter}: {counts:?} files, at most {most:?}"
+        );
+        let mut named = parts.concat();
+        named.sort();
+        assert_eq!(files_with(word), named, "{chapter}: {word}");
+    }
+}

@@ -5,7 +5,7 @@ use undrift::{
     estimator::Estimator,
     nav::{Vector3, sample::GnssFix, shaping::ShapingFilter},
     reference::Errors,
-    replay::{GnssUse, Measurement, Observer, Settings, Summary, replay},
+    replay::{Aid, GnssUse, Measurement, Observer, Settings, Summary, replay},
     simulate::{GnssNoise, Simulation, Trajectory, simulate},
 };
 
@@ -102,10 +102,16 @@ fn an_epoch_between_samples_is_met_at_its_own_time() {
 fn position_alone_and_velocity_alone() {
     let (simulation, lever) = exact(0.0037, 5);
     let (seen, summary) = run(&simulation, lever, GnssUse::Position);
-    assert!(summary.velocity.updates == 0 && summary.position.updates > 170);
+    assert!(
+        summary.innovations[Aid::Velocity].updates == 0
+            && summary.innovations[Aid::Position].updates > 170
+    );
     assert!(seen.position < 5e-3, "{}", seen.position);
     let (seen, summary) = run(&simulation, lever, GnssUse::Velocity);
-    assert!(summary.position.updates == 0 && summary.velocity.updates > 170);
+    assert!(
+        summary.innovations[Aid::Position].updates == 0
+            && summary.innovations[Aid::Velocity].updates > 170
+    );
     // The position is the integral of an exact velocity from an exact start.
     assert!(
         seen.position < 0.05 && seen.velocity < 0.012,
@@ -142,5 +148,7 @@ fn a_short_gap_is_bridged_and_a_long_one_grows_the_covariance() {
         "{first} {longest}"
     );
     // Grown by what a vehicle can do in 3 s, the filter takes the next fixes without complaint.
-    assert!(summary.suspect.is_none() && summary.position.per_dof().unwrap() < 2.0);
+    assert!(
+        summary.suspect.is_none() && summary.innovations[Aid::Position].per_dof().unwrap() < 2.0
+    );
 }

@@ -9,7 +9,7 @@ use undrift::{
     noise::BiasModel,
     outages::{self, ModelErrors, Schedule},
     reference::HORIZONTAL,
-    replay::Measurement,
+    replay::{Aid, Measurement},
 };
 
 fn root() -> PathBuf {
@@ -120,7 +120,7 @@ fn navego_whole_run() {
     assert!(errors.0[4..7].iter().all(|v| *v < 0.049), "{errors:?}");
     assert!(report.summary.suspect.is_none() && report.summary.diverged.is_none());
     // 6558 degrees of freedom: one standard deviation of the ratio is 0.017.
-    let nis = report.summary.velocity.per_dof().unwrap();
+    let nis = report.summary.innovations[Aid::Velocity].per_dof().unwrap();
     assert!((nis - 1.0).abs() < 0.1, "{nis}");
 }
 

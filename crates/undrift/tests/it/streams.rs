@@ -11,7 +11,7 @@ use undrift::{
     },
     outages::{self, ModelRun},
     reference::HORIZONTAL,
-    replay::{Innovations, Measurement, Outage, Settings, merge},
+    replay::{Aid, Innovations, Measurement, Outage, Settings, merge},
     simulate::{Barometer, GnssNoise, Odometer, Simulation, Trajectory, simulate},
 };
 
@@ -147,8 +147,8 @@ fn odometer_and_barometer_hold_a_drive_through_outages() {
             without.errors.rms.0[2],
             with.errors.rms.0[2]
         );
-        odometer.push(with_gnss.summary.odometer);
-        barometer.push(with_gnss.summary.barometer);
+        odometer.push(with_gnss.summary.innovations[Aid::Odometer]);
+        barometer.push(with_gnss.summary.innovations[Aid::Barometer]);
         let of = |kind| {
             let found = with.summary.parameters.iter().find(|p| p.0 == kind);
             let (_, value, std) = found.unwrap();

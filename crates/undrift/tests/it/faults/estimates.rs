@@ -7,7 +7,7 @@ use undrift::{
         parameters::{Parameter, Parameters, Prior},
         sample::GnssFix,
     },
-    replay::{GnssUse, Summary},
+    replay::{Aid, GnssUse, Summary},
 };
 
 fn estimate(summary: &Summary, kind: Parameter) -> (Vec<f64>, Vec<f64>) {
@@ -46,13 +46,13 @@ fn a_time_offset_is_estimated() {
                 "seed {seed}, offset {offset}: {:.4} ± {:.4} s; NIS {:.3} {:.3}; left out {} {}",
                 value[0],
                 std[0],
-                summary.position.per_dof().unwrap(),
-                summary.velocity.per_dof().unwrap(),
-                summary.position.rejected,
-                summary.velocity.rejected
+                summary.innovations[Aid::Position].per_dof().unwrap(),
+                summary.innovations[Aid::Velocity].per_dof().unwrap(),
+                summary.innovations[Aid::Position].rejected,
+                summary.innovations[Aid::Velocity].rejected
             );
             assert!((value[0] - offset).abs() < 0.005, "{}", value[0]);
-            let nis = summary.position.per_dof().unwrap();
+            let nis = summary.innovations[Aid::Position].per_dof().unwrap();
             assert!((nis - 1.0).abs() < 0.15, "{nis}");
         }
     }
@@ -73,8 +73,8 @@ fn a_time_offset_is_estimated_on_the_real_drive() {
             "offset {offset}: {:.4} ± {:.4} s; NIS {:.3}; left out {}",
             value[0],
             std[0],
-            summary.position.per_dof().unwrap(),
-            summary.position.rejected
+            summary.innovations[Aid::Position].per_dof().unwrap(),
+            summary.innovations[Aid::Position].rejected
         );
         found.push(value[0] - offset);
     }
@@ -100,7 +100,7 @@ fn a_clock_rate_is_estimated() {
         let (value, std) = estimate(&summary, Parameter::ClockRate);
         // At the end of the log, not at its start.
         let (late, _) = estimate(&summary, Parameter::TimeOffset);
-        let nis = summary.position.per_dof().unwrap();
+        let nis = summary.innovations[Aid::Position].per_dof().unwrap();
         println!(
             "{:.0} ppm: {:.1} ± {:.1} ppm, {:.4} s late at the end; NIS {nis:.3}",
             rate * 1e6,
@@ -150,8 +150,8 @@ fn a_wrong_lever_arm_is_estimated() {
         println!(
             "seed {seed}, wrong by {:?}: missed by {miss:.3?} ± {std:.3?} m; NIS {:.3}; left out {}",
             wrong.as_slice(),
-            summary.position.per_dof().unwrap(),
-            summary.position.rejected
+            summary.innovations[Aid::Position].per_dof().unwrap(),
+            summary.innovations[Aid::Position].rejected
         );
         assert!(miss[0].abs() < 0.05 && miss[1].abs() < 0.05, "{miss:?}");
         assert!(

@@ -4,6 +4,7 @@ use super::{Log, apart, at, drift, hurried, moved, navigate, rtk_drive, simulate
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift::nav::{Vector3, sample::GnssFix};
+use undrift::replay::Aid;
 
 fn uniform(dice: &mut Xoshiro256PlusPlus) -> f64 {
     (dice.next_u64() >> 11) as f64 / (1u64 << 53) as f64
@@ -26,7 +27,7 @@ fn check_gross_outliers(log: &Log) {
     let nominal = drift(log, &log.gnss, &log.settings, &log.gnss);
     println!(
         "clean: drift {nominal:.3} m; left out {}",
-        summary.position.rejected + summary.velocity.rejected
+        summary.innovations[Aid::Position].rejected + summary.innovations[Aid::Velocity].rejected
     );
     for seed in 1..=5 {
         let mut dice = Xoshiro256PlusPlus::seed_from_u64(seed);
@@ -46,7 +47,7 @@ fn check_gross_outliers(log: &Log) {
         let drift = drift(log, &shown, &log.settings, &log.gnss);
         println!(
             "seed {seed}: {count} outliers, {} positions left out; drift {drift:.3} m; from the clean solution at most {distance:.3} m, {angle:.3} deg, RMS {rms:.4} m",
-            summary.position.rejected
+            summary.innovations[Aid::Position].rejected
         );
         assert!((drift / nominal - 1.0).abs() < 0.1, "{drift} {nominal}");
         // The rest is what fifty fixes fewer make of the latencies, at 10 m/s.
@@ -172,7 +173,7 @@ fn check_outliers_of_velocity(log: &Log) {
     let drift = drift(log, &shown, &log.settings, &log.gnss);
     println!(
         "velocity outliers: {} left out; drift {drift:.3} m; at most {distance:.3} m, {angle:.3} deg, RMS {rms:.4} m",
-        summary.velocity.rejected
+        summary.innovations[Aid::Velocity].rejected
     );
     assert!((drift / nominal - 1.0).abs() < 0.1, "{drift} {nominal}");
     assert!(rms < 0.02);

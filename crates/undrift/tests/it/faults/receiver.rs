@@ -3,7 +3,7 @@
 use super::{Log, apart, at, drift, hurried, moved, navigate, navigate_with, rtk_drive, simulated};
 use undrift::{
     nav::{Vector3, sample::GnssFix},
-    replay::{Settings, Summary},
+    replay::{Aid, Settings, Summary},
 };
 
 /// Right of the direction of travel, as a horizontal unit vector.
@@ -131,7 +131,12 @@ fn check_wrong_accuracies_are_found(log: &Log) {
             drift(log, &shown, &log.settings, &log.gnss),
             drift(log, &shown, &adaptive, &log.gnss),
         );
-        let nis = |s: &Summary| [s.position.per_dof().unwrap(), s.velocity.per_dof().unwrap()];
+        let nis = |s: &Summary| {
+            [
+                s.innovations[Aid::Position].per_dof().unwrap(),
+                s.innovations[Aid::Velocity].per_dof().unwrap(),
+            ]
+        };
         println!(
             "stated times {factor}: NIS {:.3?}, adapted {:.3?}; factors found {found:.3?}; drift {before:.3} m, adapted {after:.3} m",
             nis(&plain),
@@ -218,10 +223,10 @@ fn check_a_wrong_sign_is_named(log: &Log) {
     let wrong = summary.wrong_signs;
     println!(
         "velocity down reversed: named {wrong:?}; NIS {:?} {:?}, left out {} {}; leans {}, suspect {:?}, restarts {:?}",
-        summary.position.per_dof(),
-        summary.velocity.per_dof(),
-        summary.position.rejected,
-        summary.velocity.rejected,
+        summary.innovations[Aid::Position].per_dof(),
+        summary.innovations[Aid::Velocity].per_dof(),
+        summary.innovations[Aid::Position].rejected,
+        summary.innovations[Aid::Velocity].rejected,
         summary.leans.len(),
         summary.suspect,
         summary.restarts

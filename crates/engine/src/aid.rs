@@ -1,0 +1,351 @@
+//! What aids the solution besides the inertial samples: a room each.
+//!
+//! A room holds the rows that the filter is updated with, the noise and limits with their reasons, and how a measurement is
+//! used. Here is what is the same for all: the names by which they are counted, and which goes where. When they are used
+//! is decided by [`crate::run`], of a vehicle's motion by [`crate::constraints`].
+//! How to add one: `docs/add-a-measurement.md`.
+
+mod barometer;
+pub(crate) mod course;
+mod gnss;
+pub(crate) mod non_holonomic;
+mod odometer;
+pub(crate) mod zero_velocity;
+
+pub use non_holonomic::NonHolonomic;
+
+use crate::{estimator::Estimator, settings::Settings, solution::Solution, summary::Summary};
+use alloc::{string::String, vec::Vec};
+use core::ops::{Index, IndexMut};
+use undrift_nav::{
+    Matrix3, Vector3,
+    aiding::Observation,
+    filter::{Filter, Gate, Update},
+    sample::{GnssFix, Position, Scalar},
+};
+
+/// A kind of measurement, as updates are counted ([`Summary::innovations`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Aid {
+    /// Positions of fixes.
+    Position,
+    /// Velocities of fixes.
+    Velocity,
+    /// What wheels do not do.
+    NonHolonomic,
+    /// Rest.
+    ZeroVelocity,
+    /// Wheel speeds.
+    Odometer,
+    /// Heights.
+    Barometer,
+}
+
+impl Aid {
+    /// All of them, in the order in which they are reported.
+    pub const ALL: [Self; 6] = [
+        Self::Position,
+        Self::Velocity,
+        Self::NonHolonomic,
+        Self::ZeroVelocity,
+        Self::Odometer,
+        Self::Barometer,
+    ];
+    /// How many there are.
+    pub const COUNT: usize = Self::ALL.len();
+
+    /// What it is called.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Position => "position",
+            Self::Velocity => "velocity",
+            Self::NonHolonomic => "non-holonomic",
+            Self::ZeroVelocity => "zero velocity",
+            Self::Odometer => "odometer",
+            Self::Barometer => "barometer",
+        }
+    }
+
+    /// Its field in results: the name with underscores.
+    pub fn key(self) -> String {
+        self.name().replace([' ', '-'], "_")
+    }
+
+    /// What is counted of it.
+    pub const fn counted(self) -> &'static str {
+        match self {
+            Self::Position => "Position updates.",
+            Self::Velocity => "Velocity updates.",
+            Self::NonHolonomic => "Non-holonomic constraints.",
+            Self::ZeroVelocity => "Zero-velocity updates.",
+            Self::Odometer => "Odometer updates.",
+            Self::Barometer => "Barometer updates.",
+        }
+    }
+}
+
+/// A value for each [`Aid`], got by `table[aid]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
+pub struct ByAid<T>(pub [T; Aid::COUNT]);
+
+impl<T> Index<Aid> for ByAid<T> {
+    type Output = T;
+
+    fn index(&self, aid: Aid) -> &T {
+        &self.0[aid as usize]
+    }
+}
+
+impl<T> IndexMut<Aid> for ByAid<T> {
+    fn index_mut(&mut self, aid: Aid) -> &mut T {
+        &mut self.0[aid as usize]
+    }
+}
+
+/// A log of a drive, or a static recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum Log {
+    /// Inertial samples.
+    Imu,
+    /// Fixes.
+    Gnss,
+    /// The reference.
+    Truth,
+    /// Speeds.
+    Odometer,
+    /// Heights.
+    Barometer,
+    /// A static recording.
+    Recording,
+}
+
+impl Log {
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Imu => "IMU",
+            Self::Gnss => "GNSS",
+            Self::Truth => "truth",
+            Self::Odometer => "odometer",
+            Self::Barometer => "barometer",
+            Self::Recording => "recording",
+        }
+    }
+}
+
+/// One measurement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "passed on one by one; in memory most are fixes"
+)]
+pub enum Measurement {
+    /// A GNSS fix.
+    Gnss(GnssFix),
+    /// Speed of a wheel, forward positive [m/s].
+    Odometer(Scalar),
+    /// Height by the barometer \[m\].
+    Barometer(Scalar),
+}
+
+impl Measurement {
+    /// Fixes as measurements.
+    pub fn of_fixes(fixes: &[GnssFix]) -> Vec<Self> {
+        fixes.iter().copied().map(Self::Gnss).collect()
+    }
+
+    /// Time as stamped \[s\].
+    pub fn time(&self) -> f64 {
+        match self {
+            Self::Gnss(fix) => fix.time,
+            Self::Odometer(s) | Self::Barometer(s) => s.time,
+        }
+    }
+
+    /// What it is, where a time or a value of it is not finite.
+    pub(crate) fn unusable(&self) -> Option<&'static str> {
+        let (what, finite) = match self {
+            Self::Gnss(fix) => ("fix", fix.is_finite()),
+            Self::Odometer(speed) => ("wheel speed", speed.is_finite()),
+            Self::Barometer(height) => ("height", height.is_finite()),
+        };
+        (!finite).then_some(what)
+    }
+
+    /// Its place among those of one time: fixes come first.
+    pub(crate) fn rank(&self) -> u8 {
+        match self {
+            Self::Gnss(_) => 0,
+            Self::Odometer(_) => 1,
+            Self::Barometer(_) => 2,
+        }
+    }
+}
+
+/// A measurement that a filter is updated with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Aiding {
+    /// GNSS position.
+    Position {
+        /// As measured.
+        position: Position,
+        /// IMU → antenna, body axes \[m\].
+        lever_arm: Vector3,
+        /// Standard deviation of the time-correlated part of its error, in its own axes \[m\].
+        correlated: Vector3,
+        /// When it holds \[s\]: the filter stands there or after it.
+        due: f64,
+    },
+    /// GNSS velocity.
+    Velocity {
+        /// North-east-down \[m/s\].
+        v_n: Vector3,
+        /// IMU → antenna, body axes \[m\].
+        lever_arm: Vector3,
+        /// Standard deviation of the time-correlated part of its error \[m/s\].
+        correlated: Vector3,
+        /// When it holds \[s\]: the filter stands there or after it.
+        due: f64,
+    },
+    /// Heading by the course over ground \[rad\].
+    Course(f64),
+    /// The vehicle stands.
+    ZeroVelocity,
+    /// The body turns with the Earth: angular rate as read \[rad/s\].
+    EarthRate(Vector3),
+    /// The body stands: specific force as read \[m/s²\].
+    Level(Vector3),
+    /// No velocity across the vehicle at this point, IMU → axle, body axes \[m\].
+    NonHolonomic(Vector3),
+    /// Speed of a wheel.
+    Odometer {
+        /// Forward positive \[m/s\].
+        speed: f64,
+        /// IMU → wheel, body axes \[m\].
+        lever_arm: Vector3,
+    },
+    /// Height by a barometer \[m\].
+    Barometer(f64),
+}
+
+/// What an update belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// GNSS position.
+    Position,
+    /// GNSS velocity.
+    Velocity,
+    /// No velocity across the vehicle.
+    NonHolonomic,
+    /// Any other.
+    Other,
+}
+
+impl Aiding {
+    /// A measurement of one number by its name, in SI units, of the sensor at `lever_arm` [m, body axes] where that matters.
+    pub fn scalar(name: &str, value: f64, lever_arm: Vector3) -> Option<Self> {
+        Some(match name {
+            "course" => Self::Course(value),
+            "odometer" => Self::Odometer {
+                speed: value,
+                lever_arm,
+            },
+            "barometer" => Self::Barometer(value),
+            _ => return None,
+        })
+    }
+
+    pub(crate) fn channel(&self) -> Channel {
+        match self {
+            Self::Position { .. } => Channel::Position,
+            Self::Velocity { .. } => Channel::Velocity,
+            Self::NonHolonomic(_) => Channel::NonHolonomic,
+            _ => Channel::Other,
+        }
+    }
+}
+
+/// A measurement as the filter takes it, by the number of its components.
+pub(crate) enum Observed<const N: usize> {
+    One(Observation<1, N>),
+    Two(Observation<2, N>),
+    Three(Observation<3, N>),
+}
+
+/// What a measurement says to a filter; `None` where it says nothing.
+pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Option<Observed<N>> {
+    Some(match aiding {
+        Aiding::Position {
+            position,
+            lever_arm,
+            correlated,
+            due,
+        } => Observed::Three(gnss::observe_position(
+            filter, position, lever_arm, correlated, *due,
+        )),
+        Aiding::Velocity {
+            v_n,
+            lever_arm,
+            correlated,
+            due,
+        } => Observed::Three(gnss::observe_velocity(
+            filter, v_n, lever_arm, correlated, *due,
+        )),
+        Aiding::Course(course) => Observed::One(filter.observe_course(*course)?),
+        Aiding::ZeroVelocity => Observed::Three(filter.observe_zero_velocity()),
+        Aiding::EarthRate(rate) => Observed::Three(filter.observe_earth_rate(rate)),
+        Aiding::Level(force) => Observed::Two(filter.observe_level(force)),
+        Aiding::NonHolonomic(axle) => Observed::Two(filter.observe_non_holonomic(axle)),
+        Aiding::Odometer { speed, lever_arm } => {
+            Observed::One(filter.observe_odometer(*speed, lever_arm))
+        }
+        Aiding::Barometer(height) => Observed::One(filter.observe_barometer(*height)),
+    })
+}
+
+/// A measurement of one number within the present sample.
+pub(crate) fn update(
+    solution: &mut Solution,
+    measurement: &Measurement,
+    settings: &Settings,
+    summary: &mut Summary,
+) {
+    match measurement {
+        // Fixes have a receiver behind them.
+        Measurement::Gnss(_) => {}
+        Measurement::Odometer(speed) => odometer::update(solution, speed, settings, summary),
+        Measurement::Barometer(height) => barometer::update(solution, height, summary),
+    }
+}
+
+/// NIS from which a constraint, wheel speed or height is down-weighted, and from which it is rejected: it contradicts
+/// the solution far beyond both.
+const GATE: Gate = Gate {
+    weaken: 9.0,
+    reject: 100.0,
+};
+
+/// Noise of one standard deviation.
+fn isotropic(std: f64) -> Matrix3 {
+    Matrix3::identity() * (std * std)
+}
+
+/// Updates with something that is known of the vehicle.
+fn constrain(filter: &mut dyn Estimator, aiding: &Aiding, noise: &Matrix3) -> Option<Update> {
+    filter.update(aiding, noise, &GATE).ok()?
+}
+
+/// Updates with a measurement of one number; not in a long gap, where the attitude is not known.
+fn constrain_scalar(solution: &mut Solution, measured: &Scalar, aiding: &Aiding) -> Option<Update> {
+    let unknown = solution.in_long_gap();
+    solution.advance_to(measured.time);
+    if unknown {
+        return None;
+    }
+    constrain(&mut *solution.filter, aiding, &isotropic(measured.std))
+}

@@ -1,0 +1,43 @@
+//! Positions and velocities of GNSS fixes; whether they are believed is decided by [`crate::receiver`].
+
+use crate::estimator::STAMP_ROUNDING;
+use undrift_nav::{
+    Vector3, aiding::Observation, filter::Filter, parameters::Parameter, sample::Position,
+};
+
+/// What a position says that holds at `due` \[s\]; the filter stands there or after it.
+pub(super) fn observe_position<const N: usize>(
+    filter: &Filter<N>,
+    position: &Position,
+    lever_arm: &Vector3,
+    correlated: &Vector3,
+    due: f64,
+) -> Observation<3, N> {
+    let observed = filter.observe_position(position, lever_arm);
+    let mut observed = filter.observe_fix_error(observed, Parameter::PositionError, correlated);
+    let late = filter.nav().time - due;
+    if late > STAMP_ROUNDING {
+        let c_mn = observed.h.fixed_view::<3, 3>(0, 0);
+        let moved =
+            filter.antenna_velocity(lever_arm) * late - filter.acceleration() * (0.5 * late * late);
+        observed.innovation -= c_mn * moved;
+    }
+    observed
+}
+
+/// What a velocity \[m/s\] says, north, east, down, as [`observe_position`].
+pub(super) fn observe_velocity<const N: usize>(
+    filter: &Filter<N>,
+    v_n: &Vector3,
+    lever_arm: &Vector3,
+    correlated: &Vector3,
+    due: f64,
+) -> Observation<3, N> {
+    let observed = filter.observe_velocity(v_n, lever_arm);
+    let mut observed = filter.observe_fix_error(observed, Parameter::VelocityError, correlated);
+    let late = filter.nav().time - due;
+    if late > STAMP_ROUNDING {
+        observed.innovation -= filter.acceleration() * late;
+    }
+    observed
+}

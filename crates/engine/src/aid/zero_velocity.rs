@@ -1,0 +1,77 @@
+//! A vehicle at rest: no velocity, and no rate but the Earth's.
+
+use super::{Aid, Aiding, constrain, isotropic};
+use crate::{estimator::Estimator, rest::RestBlock, settings::Settings, summary::Summary};
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use undrift_nav::{Matrix3, Vector3, filter::Outcome};
+
+/// What the standard deviation of a rest is multiplied by that only the sensors see: a soft start has begun before it
+/// shows.
+const REST_UNCONFIRMED: f64 = 10.0;
+/// NIS from which a rest that only the sensors confirm is a start: χ² of three at p = 10⁻⁴.
+const REJECT_REST: f64 = 21.1;
+
+/// What the sensors should read at rest: rate \[rad/s\] and specific force \[m/s²\].
+pub(crate) fn readings(filter: &dyn Estimator) -> (Vector3, Vector3) {
+    let error = filter.sensor_error();
+    let [gyro, accel] = [0, 3].map(|i| Vector3::new(error[i], error[i + 1], error[i + 2]));
+    let place = &filter.nav().position;
+    let earth_rate = undrift_nav::earth::earth_rate_n(place.lat);
+    let up = -undrift_nav::earth::gravity(place.lat, place.height) * Vector3::z();
+    let c_nb = filter.nav().q_nb.to_rotation_matrix().into_inner();
+    (gyro + c_nb.tr_mul(&earth_rate), accel + c_nb.tr_mul(&up))
+}
+
+/// Normalised innovation squared of a rest, by the diagonal of the velocity's covariance.
+pub(crate) fn nis_of_rest(filter: &dyn Estimator, std: f64) -> f64 {
+    let (v_n, sigma) = (&filter.nav().v_n, filter.nav_std());
+    let term = |i: usize| v_n[i].powi(2) / (sigma[3 + i].powi(2) + std * std);
+    (0..3).map(term).sum()
+}
+
+/// Updates at the end of a block; whether the vehicle stood.
+pub(crate) fn update(
+    filter: &mut dyn Estimator,
+    block: &RestBlock,
+    stood: &mut bool,
+    settings: &Settings,
+    summary: &mut Summary,
+) -> bool {
+    let mut rest = block.rest;
+    // A velocity that has come up since it stood is a start.
+    let starts = *stood && rest && !block.confirmed;
+    *stood = false;
+    if let Some(std) = settings.constraints.zero_velocity.filter(|_| rest) {
+        if starts && nis_of_rest(filter, std) > REJECT_REST {
+            *stood = true;
+            return false;
+        }
+        // What only the sensors see may be a start so soft that it does not show yet.
+        let unsure = if block.confirmed {
+            1.0
+        } else {
+            REST_UNCONFIRMED
+        };
+        let noise = isotropic(std * unsure);
+        if let Some(done) = constrain(filter, &Aiding::ZeroVelocity, &noise) {
+            // A solution that is sure to move is believed.
+            rest = done.outcome != Outcome::Rejected;
+            // One that is weakened had not known before that it stands.
+            *stood = done.outcome == Outcome::Used;
+            summary.innovations[Aid::ZeroVelocity].add(done);
+        }
+    }
+    if let Some(std) = settings.constraints.zero_angular_rate.filter(|_| rest) {
+        let noise = Vector3::from_fn(|i, _| {
+            let axis = &settings.sensors[i];
+            axis.r * axis.interval / block.duration + std * std
+        });
+        let _ = constrain(
+            filter,
+            &Aiding::EarthRate(block.rate),
+            &Matrix3::from_diagonal(&noise),
+        );
+    }
+    rest
+}
