@@ -112,3 +112,57 @@ fn a_record_with_the_outliers_of_all_differs() {
     assert_eq!(of([3, 4, 3, 4]), []);
     assert_eq!(of([0, 0, 0, 0]), []);
 }
+
+/// White noise has one factor: its own test is that of the record, and twice the logarithm of the likelihood ratio is
+/// Σ n ln(v/vᵢ).
+#[test]
+fn of_white_noise_the_factor_is_all_that_differs() {
+    let draw = |sigma: f64, samples: usize, seed: u64| {
+        let white = CompositeTerms {
+            white: sigma * T.sqrt(),
+            ..CompositeTerms::default()
+        };
+        let mut record = vec![0.0; samples];
+        NoiseGenerator::new(&white.to_shaping(T).unwrap(), seed).fill(&mut record);
+        record
+    };
+    let (a, b) = (draw(1.0, 2000, 1), draw(1.05, 3000, 2));
+    let variance = |record: &[f64]| {
+        let mean = record.iter().sum::<f64>() / record.len() as f64;
+        let squares = record.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
+        squares / (record.len() - 1) as f64
+    };
+    let (va, vb) = (variance(&a), variance(&b));
+    let joint = (1999.0 * va + 2999.0 * vb) / 4998.0;
+    let ratio = 1999.0 * (joint / va).ln() + 2999.0 * (joint / vb).ln();
+    let terms = CompositeTerms {
+        white: T.sqrt(),
+        ..CompositeTerms::default()
+    };
+    let mut shares = [2000, 3000].map(|samples| Share {
+        samples,
+        ..Share::default()
+    });
+    let found = Records::new(&[&a, &b], 1, T, terms).compare(&mut shares, LEVEL);
+    let expected = ratio / found.inflation;
+    assert!(
+        (found.likelihood_ratio / expected - 1.0).abs() < 1e-3,
+        "{} {expected}",
+        found.likelihood_ratio
+    );
+    assert_eq!(found.degrees_of_freedom, 1.0);
+    let factor = (vb / va).sqrt();
+    for (share, factor) in shares.iter().zip([1.0 / factor, factor]) {
+        assert!(
+            (share.white.factor / factor - 1.0).abs() < 1e-3,
+            "{:?}",
+            share.white
+        );
+        let p = upper(1.0, expected);
+        assert!((1e-4..0.5).contains(&p), "{p}");
+        for found in [share.p_value, share.white.p_value] {
+            assert!((found / p - 1.0).abs() < 0.01, "{found} {p}");
+        }
+        assert!(share.slow.is_none());
+    }
+}
