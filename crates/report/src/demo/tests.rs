@@ -143,7 +143,6 @@ fn the_conclusion_compares_with_white_noise_by_length() {
         models.get_mut(RECOMMENDED).unwrap().less_than_white = estimate;
     };
     let rest = ": 3 drives, with noise as real recordings have it, both on samples less their mean error over 60 s of rest.";
-    assert!(REST == 60.0);
     let start = "Without GNSS the recommended noise model drifts, compared with white noise, ";
     assert_eq!(
         conclusion(&demo),

@@ -166,3 +166,47 @@ fn of_white_noise_the_factor_is_all_that_differs() {
         assert!(share.slow.is_none());
     }
 }
+
+#[test]
+fn slow_terms_have_the_second_factor_and_all_others_the_first() {
+    let process = |sigma: f64, tau_s: f64| GaussMarkov { sigma, tau_s };
+    let terms = CompositeTerms {
+        white: 1.0,
+        quantisation: 2.0,
+        random_walk: 3.0,
+        flicker: 4.0,
+        gauss_markov: [process(5.0, 0.99), process(6.0, 1.0)],
+    };
+    let records = Records::new(&[], 1, T, terms);
+    assert_eq!(records.factors, 2);
+    let close = |found: CompositeTerms, expected: [f64; 6]| {
+        let [first, second] = found.gauss_markov;
+        let all = [
+            found.white,
+            found.quantisation,
+            found.random_walk,
+            found.flicker,
+            first.sigma,
+            second.sigma,
+        ];
+        for (found, expected) in all.into_iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-12, "{all:?}");
+        }
+        assert_eq!([first.tau_s, second.tau_s], [0.99, 1.0]);
+    };
+    close(
+        records.scaled(&[2f64.ln(), 3f64.ln()]),
+        [2.0, 4.0, 9.0, 12.0, 10.0, 18.0],
+    );
+    // Without a second one the slow terms are as they are.
+    close(
+        records.scaled(&[2f64.ln()]),
+        [2.0, 4.0, 3.0, 4.0, 10.0, 6.0],
+    );
+    let fast = CompositeTerms {
+        white: 1.0,
+        gauss_markov: [process(5.0, 0.99), process(0.0, 9.0)],
+        ..CompositeTerms::default()
+    };
+    assert_eq!(Records::new(&[], 1, T, fast).factors, 1);
+}
