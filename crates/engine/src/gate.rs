@@ -415,4 +415,17 @@ mod tests {
         assert!((larger.weaken / (weaken * times) - 1.0).abs() < 1e-3);
         assert!((larger.reject / (reject * times) - 1.0).abs() < 1e-3);
     }
+    #[test]
+    fn after_a_gap_the_solution_is_to_be_confirmed_again() {
+        let mut summary = Summary::default();
+        let gap = GateSettings::default().gap;
+        let r = Matrix3::identity() * (SIGMA * SIGMA);
+        for (pause, doubted) in [(0.99 * gap, false), (1.01 * gap, true)] {
+            let mut gate = settled(&mut summary);
+            assert!(!gate.is_in_doubt());
+            // The last of the forty came at 9.75 s.
+            gate.judge(9.75 + pause, &Vector3::zeros(), &r, 15.0);
+            assert_eq!(gate.is_in_doubt(), doubted, "{pause}");
+        }
+    }
 }
