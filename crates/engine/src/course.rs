@@ -42,7 +42,7 @@ const SIGMAS: f64 = 2.0;
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct CourseWatch {
     last: f64,
-    #[cfg_attr(feature = "checkpoint", serde(with = "crate::checkpoint::array"))]
+    #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::array"))]
     usual: [f64; USUAL],
     learned: usize,
     recent: [f64; RECENT],

@@ -51,6 +51,8 @@ pub mod fixes;
 mod gate;
 mod health;
 mod inertial;
+#[cfg(feature = "checkpoint")]
+mod kept;
 mod measurement;
 mod median;
 mod navigator;

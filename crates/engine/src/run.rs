@@ -20,7 +20,7 @@ use crate::{
     align::{Aligner, Heading, Stamps, compare},
     estimator::{Estimator, STAMP_ROUNDING},
     fixes::{FixStudy, FixWatch},
-    settings::{GnssUse, Settings, fix_errors::FixErrors},
+    settings::{GnssUse, Settings},
 };
 use alloc::{boxed::Box, sync::Arc};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -37,7 +37,7 @@ use undrift_nav::{
 pub(crate) struct Run {
     #[cfg_attr(
         feature = "checkpoint",
-        serde(skip, default = "crate::checkpoint::no_settings")
+        serde(skip, default = "crate::kept::no_settings")
     )]
     settings: Arc<Settings>,
     /// Measurements that were taken in and are not due yet.
@@ -476,7 +476,7 @@ impl Run {
             return Ok(());
         };
         let stated = self.settings.from_fixes.unwrap_or_default();
-        let errors = FixErrors::of(Some(&study), &stated, &self.settings.parameters);
+        let errors = study.errors(&stated, &self.settings.parameters);
         let before = self.settings.fix_errors;
         if errors == before {
             return Ok(());

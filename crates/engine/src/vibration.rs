@@ -59,7 +59,7 @@ pub struct Vibration {
     sum: [f64; AXES],
     count: usize,
     /// The sums of the present block, by frequency.
-    #[cfg_attr(feature = "checkpoint", serde(with = "crate::checkpoint::array"))]
+    #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::array"))]
     block: [[[f64; AXES]; 2]; BINS],
     means: usize,
     /// Density in the band [unit²·s], and for how long it is known \[s\].

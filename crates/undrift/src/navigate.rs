@@ -136,7 +136,7 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
         align.heading = Heading::Auto;
     }
     let stated = stated(drive);
-    let fix_errors = FixErrors::of(None, &stated, &drive.parameters);
+    let fix_errors = FixErrors::default().under(&stated);
     Ok(Settings {
         fix_errors,
         from_fixes: Some(stated),
@@ -205,10 +205,18 @@ pub fn stated(drive: &Drive) -> FromFixes {
     }
 }
 
+/// What a study of the fixes and what is stated of them says that they are wrong by.
+fn errors(study: Option<&FixStudy>, stated: &FromFixes, parameters: &Parameters) -> FixErrors {
+    study.map_or_else(
+        || FixErrors::default().under(stated),
+        |study| study.errors(stated, parameters),
+    )
+}
+
 /// From the first fix on the filter takes the fixes to be wrong by what all of them show.
 pub fn look_ahead(settings: &mut Settings, study: Option<&FixStudy>) {
     let stated = settings.from_fixes.take().unwrap_or_default();
-    let errors = FixErrors::of(study, &stated, &settings.parameters);
+    let errors = errors(study, &stated, &settings.parameters);
     settings.parameters = errors.with_states(settings.parameters);
     settings.fix_errors = errors;
 }
@@ -306,7 +314,7 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
     let seen = recorder.finish()?;
     let study = seen_ahead.or(summary.study);
     let fix_errors = match settings.from_fixes {
-        Some(stated) => FixErrors::of(study.as_ref(), &stated, &settings.parameters),
+        Some(stated) => errors(study.as_ref(), &stated, &settings.parameters),
         None => settings.fix_errors,
     };
     Ok(Report {

@@ -221,3 +221,36 @@ fn events_are_handed_out_once_in_order_of_time() {
         assert!(navigator.events().is_empty());
     }
 }
+
+#[test]
+fn the_summary_counts_what_was_pushed() {
+    let (drive, all) = drive();
+    let mut navigator = Navigator::new(drive.settings.clone());
+    let mut arriving = all.iter().peekable();
+    let (mut fixes, mut speeds) = (0, 0);
+    for sample in &drive.log.imu {
+        let until = sample.time + navigator.ahead();
+        while let Some(measurement) = arriving.next_if(|m| m.time() <= until) {
+            navigator.measure(*measurement).unwrap();
+            match measurement {
+                Measurement::Gnss(_) => fixes += 1,
+                _ => speeds += 1,
+            }
+        }
+        navigator.imu(*sample).unwrap();
+    }
+    let summary = navigator.summary();
+    let samples = drive.log.imu.len() as u64;
+    // The last one waits for the next.
+    assert_eq!(summary.samples + summary.align_samples + 1, samples);
+    // All but the first few, from which it starts, and those still to come.
+    assert!(
+        summary.fixes + 3 > fixes && summary.fixes <= fixes,
+        "{fixes}: {summary:?}"
+    );
+    let updates = summary.odometer.updates;
+    assert!(
+        updates + 5 > speeds && updates <= speeds,
+        "{speeds}: {updates}"
+    );
+}

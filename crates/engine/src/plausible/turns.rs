@@ -105,7 +105,7 @@ pub(super) struct Turns {
     /// Windows whose later samples are still to come.
     waiting: VecDeque<Turn>,
     /// Of the turns on those of the vertical at each lag, and of each axis at none.
-    #[cfg_attr(feature = "checkpoint", serde(with = "crate::checkpoint::array"))]
+    #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::array"))]
     lags: [Regression; 2 * LAGS + 1],
     axes: [Regression; 3],
     /// Of the accelerations along the course and to its right on the forces along forward and right.
