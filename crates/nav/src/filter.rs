@@ -8,6 +8,7 @@
 
 mod lasting;
 mod numbers;
+mod turned;
 
 pub use lasting::{Carried, Lasting};
 pub use numbers::Each;
