@@ -51,6 +51,7 @@ mod health;
 mod inertial;
 mod measurement;
 mod median;
+pub mod mounting;
 mod navigator;
 mod not_aligned;
 mod observer;
