@@ -121,6 +121,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let json = results::text(&result);
     if !arguments.result.write(&files, &json)? {
         say(sentences::verdict(&result.findings))?;
+        say(sentences::hindsight(result.look_ahead, result.smooth))?;
         say(format!(
             "{} outages of {length} s, reference: {}. Errors inside the outages:\n",
             cuts.len(),

@@ -21,7 +21,7 @@ use super::{
 use crate::{
     align::{Aligner, Heading, Stamps, compare},
     estimator::{Estimator, STAMP_ROUNDING},
-    fixes::FixWatch,
+    fixes::{FixStudy, FixWatch},
     mounting::Search,
     settings::{GnssUse, Settings, fix_errors::FixErrors},
 };
@@ -264,6 +264,14 @@ impl Run {
         self.summary.implausible = self.plausible.findings();
         self.summary.judge_signs();
         self.summary.repeated = self.queue.repeated();
+        self.summary.study = self
+            .fixes
+            .as_ref()
+            .and_then(FixWatch::study)
+            .map(|study| FixStudy {
+                repeated: self.summary.repeated,
+                ..study
+            });
         self.summary.louder = self.vibration.as_ref().and_then(Vibration::louder);
         self.summary.no_mounting = self.search.as_ref().and_then(|search| search.failure());
         if self.has_ended() {
@@ -458,7 +466,6 @@ impl Run {
         };
         let stated = self.settings.from_fixes.unwrap_or_default();
         let errors = FixErrors::of(Some(&study), &stated, &self.settings.parameters);
-        self.summary.study = Some(study);
         let before = self.settings.fix_errors;
         if errors == before {
             return Ok(());

@@ -156,7 +156,7 @@ pub struct Summary {
     pub faded: u64,
     /// Where the course has contradicted the heading; the first [`MOST_EVENTS`].
     pub heading_off: Vec<HeadingOff>,
-    /// What the fixes have shown of themselves at last.
+    /// What all of the fixes show of themselves; at the end, where they are looked at.
     pub study: Option<FixStudy>,
     /// From when on \[s\] the filter has taken them to be wrong by what; each time it changed.
     pub fix_errors: Vec<(f64, FixErrors)>,

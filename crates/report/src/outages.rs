@@ -137,10 +137,10 @@ fn what_was_done(name: &str, run: &Outages) -> String {
     } else {
         seconds(median)
     };
-    let solution = if run.smooth {
-        "smoothed solution"
-    } else {
-        "solution"
+    let solution = match (run.smooth, run.look_ahead) {
+        (true, _) => "smoothed solution",
+        (false, true) => "solution, which knew the errors of all fixes from the start,",
+        (false, false) => "solution, of what came before each instant only,",
     };
     let reference = match run.reference.as_str() {
         "gnss" => "the withheld fixes",

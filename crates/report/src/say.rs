@@ -14,7 +14,7 @@ mod words;
 pub use fill::{cut, demo, navigated, outcome};
 pub use recording::{guessed, refused};
 pub(crate) use solution::usable;
-pub use solution::{cause, ended, verdict};
+pub use solution::{cause, ended, hindsight, verdict};
 pub use start::{alignment, estimated, found, mounting, unsolved};
 
 use undrift::findings::Finding;

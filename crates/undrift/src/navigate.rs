@@ -54,7 +54,7 @@ pub struct Report {
     pub hindsight: Hindsight,
     /// What the fixes show of themselves.
     pub study: Option<FixStudy>,
-    /// What the filter took them to be wrong by, at last.
+    /// What they are wrong by beyond what they state, as all of them show.
     pub fix_errors: FixErrors,
     /// The mounting, where the drive asks for an estimate and it was found: the solution is that of the vehicle's axes, in a
     /// causal run from the first of [`Summary::mountings`] on.
@@ -318,11 +318,16 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
     recorder.smooth(&drive)?;
     let seen = recorder.finish()?;
     let mounting = mounting.or(summary.mountings.last().map(|(_, mounting)| *mounting));
+    let study = seen_ahead.or(summary.study);
+    let fix_errors = match settings.from_fixes {
+        Some(stated) => FixErrors::of(study.as_ref(), &stated, &settings.parameters),
+        None => settings.fix_errors,
+    };
     Ok(Report {
         std_factors: std_factors(&drive, &settings, &summary)?,
         hindsight,
-        study: seen_ahead.or(summary.study),
-        fix_errors: (summary.fix_errors.last()).map_or(settings.fix_errors, |(_, errors)| *errors),
+        study,
+        fix_errors,
         summary,
         mounting,
         rotation: mounting.map_or(drive.imu.1.rotation, |mounting| mounting.matrix()),

@@ -35,7 +35,9 @@ pub use identify::{
 };
 pub(crate) use known::{finding, findings};
 pub use montecarlo::{Group, MonteCarlo, MonteCarloDrive, MonteCarloModel, NisKind, Verdict};
-pub use navigate::{Fixes, Navigate, NavigateSeries, Nis, Parameter, StdFactors, Summary};
+pub use navigate::{
+    FixErrors, Fixes, Navigate, NavigateSeries, Nis, Parameter, StdFactors, Summary,
+};
 pub use number::{Number, Numbers};
 pub(crate) use number::{by_name, numbers};
 pub use outages::{Cut, Drift, ModelErrors, NisOfParts, OutageErrors, OutageSeries, Outages};

@@ -1,4 +1,5 @@
-//! What fixes show of themselves, as they come: looked at after a minute, and each time when that time has doubled.
+//! What fixes show of themselves, as they come: looked at after a minute, each time when that time has doubled, and
+//! at the end.
 
 use super::{FixStudy, LEAST, MOST, Seen, Track, study_track};
 use alloc::{sync::Arc, vec::Vec};
@@ -37,6 +38,11 @@ impl FixWatch {
             return None;
         }
         self.looked = span;
+        self.study()
+    }
+
+    /// What all of them show.
+    pub(crate) fn study(&self) -> Option<FixStudy> {
         let full = self.full.iter().flat_map(|block| block.iter());
         let track = Track::of(full.chain(&self.last).copied());
         study_track(&track)

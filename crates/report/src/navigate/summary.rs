@@ -67,10 +67,10 @@ fn what_was_done(name: &str, run: &Navigate) -> Vec<String> {
             None | Some("") => "a noise model".into(),
             Some(model) => format!("the noise model \"{model}\""),
         };
-        let smoothed = if run.smooth {
-            ", and smoothed: every estimate also uses the later fixes"
-        } else {
-            ""
+        let smoothed = match (run.smooth, run.look_ahead) {
+            (true, _) => ", and smoothed: every estimate also uses the later fixes",
+            (false, true) => "; the errors of all fixes were studied first",
+            (false, false) => "; every estimate uses only what came before it, as while driving",
         };
         let what = format!(
             "{imu} at {} Hz was navigated with the {} of {gnss}, using {model} as {}{smoothed}.",

@@ -16,6 +16,17 @@ pub fn verdict(found: &[Finding]) -> String {
     }
 }
 
+/// How much of the log the solution knows at each instant.
+pub fn hindsight(look_ahead: bool, smooth: bool) -> &'static str {
+    match (look_ahead, smooth) {
+        (_, true) => "smoothed: each instant also uses the fixes after it",
+        (true, false) => {
+            "look-ahead: the errors of all fixes were studied before the first one was used"
+        }
+        (false, false) => "causal: each instant uses only what came before it, as while driving",
+    }
+}
+
 /// The word that a verdict begins with.
 pub(crate) fn usable(severity: Severity) -> &'static str {
     match severity {

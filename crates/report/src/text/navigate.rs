@@ -12,7 +12,10 @@ use undrift::results::{Innovations, Navigate, Number, Numbers};
 /// How a drive was navigated, line by line.
 pub fn navigate(result: &Navigate) -> String {
     let s = &result.summary;
-    let mut lines = vec![say::verdict(&result.findings)];
+    let mut lines = vec![
+        say::verdict(&result.findings),
+        say::hindsight(result.look_ahead, result.smooth).into(),
+    ];
     let mounting = result.mounting.as_ref();
     lines.extend(mounting.map(|mounting| say::estimated(mounting)));
     lines.push(format!("bias model {}; {}", result.bias_model, s.alignment));
@@ -23,6 +26,13 @@ pub fn navigate(result: &Navigate) -> String {
     let start = date::of_drive(&result.drive, s.started.0);
     lines.extend(start.map(|start| format!("start: {start}")));
     lines.push(format!("{} fixes used", s.fixes));
+    if let Some((first, again)) = s.fix_errors.split_first() {
+        let from = first.from.0;
+        lines.push(match again.len() {
+            0 => format!("their errors, as they show them: estimated from {from:.3} s on"),
+            n => format!("their errors, as they show them: estimated from {from:.3} s on, anew {n} times since"),
+        });
+    }
     for (name, sums) in [("position", &s.position), ("velocity", &s.velocity)] {
         if sums.updates + sums.rejected > 0 {
             lines.push(format!("{name}: {}", innovations(sums)));

@@ -5,8 +5,10 @@ use crate::{
     consistency::GROUP,
     replay::{self, Innovations},
     results::{
-        Drive, Navigate, Nis, Number, Parameter, SCHEMA, StdFactors, Summary, VERSION, by_name,
+        Drive, FixErrors, Navigate, Nis, Number, Parameter, SCHEMA, StdFactors, Summary, VERSION,
+        by_name,
     },
+    settings::fix_errors::{self, Correlated},
 };
 use undrift_noise::BiasModel;
 
@@ -60,6 +62,20 @@ fn nis(sums: &Innovations) -> Nis {
     }
 }
 
+fn fix_errors((time, errors): &(f64, fix_errors::FixErrors)) -> FixErrors {
+    let part = |part: &Correlated| (Number(part.share), Number(part.time));
+    FixErrors {
+        from: Number(*time),
+        position_factor: Number(errors.position_factor),
+        velocity_factor: Number(errors.velocity_factor),
+        correlated: errors.correlated.as_ref().map(part),
+        velocity_correlated: errors.velocity_correlated.as_ref().map(part),
+        step: errors.step.map(Number).into(),
+        jitter: Number(errors.jitter),
+        velocity_bias: errors.velocity_bias.map(Number).into(),
+    }
+}
+
 fn summary(s: &replay::Summary) -> Summary {
     let parameter = |(kind, value, std): &(_, Vec<f64>, Vec<f64>)| {
         let [value, std] = [value, std].map(|values| values.iter().copied().map(Number).collect());
@@ -87,6 +103,7 @@ fn summary(s: &replay::Summary) -> Summary {
         more_contradictions: s.more_contradictions,
         leans: s.leans.clone(),
         restarts: s.restarts.clone(),
+        fix_errors: s.fix_errors.iter().map(fix_errors).collect(),
         adapted: s.adapted,
         louder: s.louder.map(|louder| louder.map(Number)),
         bridged: s.bridged,

@@ -127,6 +127,9 @@ pub struct Summary {
     /// When and why the solution was re-initialised.
     #[serde(deserialize_with = "known")]
     pub restarts: Vec<Restart>,
+    /// From when on the filter took the fixes to be wrong by what, beyond what they state: each time it changed.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub fix_errors: Vec<FixErrors>,
     /// Mean factors on the stated standard deviations of position and velocity, where they were adapted.
     pub adapted: [Option<f64>; 2],
     /// How many times the model's the white noise was, gyro x, y, z and accelerometer x, y, z, as the samples show; missing where
@@ -148,6 +151,29 @@ pub struct Summary {
     pub covariance: Option<CovarianceHealth>,
     /// Since when the innovations were far beyond their predicted size \[s\].
     pub suspect: Option<f64>,
+}
+
+/// What fixes are wrong by beyond what they state, as they have shown it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct FixErrors {
+    /// From when on \[s\].
+    pub from: Number,
+    /// Factor on the stated standard deviations of the positions.
+    pub position_factor: Number,
+    /// Factor on those of the velocities.
+    pub velocity_factor: Number,
+    /// Share of the position's variance that lasts, and its correlation time \[s\], where it has one.
+    pub correlated: Option<(Number, Number)>,
+    /// The same of the velocity's.
+    pub velocity_correlated: Option<(Number, Number)>,
+    /// Steps of the positions north, east, down \[m\].
+    pub step: [Number; 3],
+    /// Standard deviation of the stamps \[s\].
+    pub jitter: Number,
+    /// What the velocity reads too much north, east, down \[m/s\].
+    pub velocity_bias: [Number; 3],
 }
 
 /// An estimated parameter: its last values and their standard deviations \[m, s, rad or no unit\].
