@@ -190,3 +190,6 @@ impl Search {
         self.estimator = MountingEstimator::default();
     }
 }
+
+#[cfg(test)]
+mod tests;
