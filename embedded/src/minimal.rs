@@ -47,7 +47,7 @@ pub fn minimal<const N: usize>(
             dtheta: vector(),
             dvel: vector(),
         });
-        filter.advance_to(number(), run::ROUNDING, None);
+        filter.advance_to(number(), run::ROUNDING);
         let fix = crate::record::Fix {
             time: number(),
             position: place(),
@@ -57,7 +57,7 @@ pub fn minimal<const N: usize>(
         };
         run::position(&mut filter, &fix, &vector())?;
         run::velocity(&mut filter, &fix, &vector())?;
-        filter.advance(1.0, None);
+        filter.advance(1.0);
         filter.check().map_err(Failure::Filter)?;
         black_box(run::states(&filter));
     }

@@ -67,11 +67,11 @@ pub fn navigate<const N: usize>(
     for sample in record.samples() {
         filter.begin(&sample);
         while let Some(fix) = fixes.next_if(|fix| fix.time <= sample.time + ROUNDING) {
-            filter.advance_to(fix.time, ROUNDING, None);
+            filter.advance_to(fix.time, ROUNDING);
             position(filter, &fix, &record.lever_arm)?;
             velocity(filter, &fix, &record.lever_arm)?;
         }
-        filter.advance(1.0, None);
+        filter.advance(1.0);
         if sample.time > second - 0.5 * record.interval {
             filter.check().map_err(Failure::Filter)?;
             each_second(filter);
@@ -93,7 +93,7 @@ pub fn position<const N: usize>(
     let observed = filter.observe_position(&Position::Geodetic(fix.position), lever_arm);
     let r = Matrix3::from_diagonal(&fix.position_std.component_mul(&fix.position_std));
     filter
-        .update(&observed, &r, &GATE, None)
+        .update(&observed, &r, &GATE)
         .map_err(Failure::Filter)?;
     Ok(())
 }
@@ -110,7 +110,7 @@ pub fn velocity<const N: usize>(
     let observed = filter.observe_velocity(&fix.v_n, lever_arm);
     let r = Matrix3::from_diagonal(&fix.velocity_std.component_mul(&fix.velocity_std));
     filter
-        .update(&observed, &r, &GATE, None)
+        .update(&observed, &r, &GATE)
         .map_err(Failure::Filter)?;
     Ok(())
 }

@@ -143,20 +143,20 @@ fn step_by_step(kind: BiasModel, parameters: bool, events: &[Event]) {
                     dtheta: v * 0.01,
                     dvel: Vector3::new(0.0, 0.0, -0.0981),
                 });
-                filter.advance(event.numbers[4], None);
+                filter.advance(event.numbers[4]);
             }
             4 => {
                 let observed = filter.observe_position(&place(event), &lever);
-                let _ = filter.update(&observed, &noise, &Gate::OPEN, None);
+                let _ = filter.update(&observed, &noise, &Gate::OPEN);
             }
             5 => {
                 let observed = filter.observe_velocity(&v, &lever);
-                let _ = filter.update(&observed, &noise, &Gate::OPEN, None);
+                let _ = filter.update(&observed, &noise, &Gate::OPEN);
             }
             6 => filter.grow(event.numbers[4], v.x, v.y),
             _ => {
                 let observed = filter.observe_velocity(&(v * f64::INFINITY), &lever);
-                let _ = filter.update(&observed, &(noise * v.x), &Gate::OPEN, None);
+                let _ = filter.update(&observed, &(noise * v.x), &Gate::OPEN);
             }
         }
         if filter.check().is_err() {

@@ -129,7 +129,7 @@ typedef int32_t undrift_status;
 #endif // __cplusplus
 
 /**
- * What became of a measurement.
+ * Whether a measurement was used.
  */
 enum undrift_outcome
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -401,11 +401,11 @@ typedef struct {
      */
     int32_t dof;
     /**
-     * What became of it.
+     * Whether it was used.
      */
     undrift_outcome outcome;
     /**
-     * Factor on its covariance, 1 or more.
+     * Factor on its covariance: 1 if it was used as it was, above 1 if weakened, INFINITY if rejected.
      */
     double factor;
 } undrift_update;
@@ -582,8 +582,8 @@ undrift_status undrift_set_sensor_error(undrift_filter *filter, const double *er
 /**
  * Carries the filter over one whole sample. UNDRIFT_STATUS_GAP, the filter unchanged, if the sample does
  * not begin where the one before ended, to half its length: samples were lost, or came twice. One that
- * spans the gap takes the filter across. UNDRIFT_STATUS_OUT_OF_RANGE, the filter unchanged, if no solution
- * would be left after it.
+ * spans the gap, of up to 10 s, takes the filter across. UNDRIFT_STATUS_OUT_OF_RANGE, the filter unchanged,
+ * if it is longer than that, or if no solution would be left after it.
  */
 undrift_status undrift_predict(undrift_filter *filter, const undrift_sample *sample);
 

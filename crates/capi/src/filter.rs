@@ -218,8 +218,8 @@ pub unsafe extern "C" fn undrift_set_sensor_error(
 
 /// Carries the filter over one whole sample. UNDRIFT_STATUS_GAP, the filter unchanged, if the sample does
 /// not begin where the one before ended, to half its length: samples were lost, or came twice. One that
-/// spans the gap takes the filter across. UNDRIFT_STATUS_OUT_OF_RANGE, the filter unchanged, if no solution
-/// would be left after it.
+/// spans the gap, of up to 10 s, takes the filter across. UNDRIFT_STATUS_OUT_OF_RANGE, the filter unchanged,
+/// if it is longer than that, or if no solution would be left after it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_predict(filter: *mut Filter, sample: *const Sample) -> Status {
     // SAFETY: passed on.
@@ -242,28 +242,13 @@ pub unsafe extern "C" fn undrift_sample_begin(
         let filter = unsafe { filter_mut(filter) }?;
         // SAFETY: null or a sample.
         let sample = unsafe { read(sample) }?;
-        finite(sample.dtheta.iter().chain(&sample.dvel))?;
-        finite([&sample.time, &sample.dt])?;
-        if sample.dt <= 0.0 {
-            return Err(Status::OutOfRange);
-        }
-        let begins = sample.time - sample.dt;
-        let reached = filter.sample_end().unwrap_or(filter.nav().time);
-        if (begins - reached).abs() > 0.5 * sample.dt {
-            return Err(Status::Gap);
-        }
         let sample = ImuSample {
             time: sample.time,
             dt: sample.dt,
             dtheta: Vector3::from(sample.dtheta),
             dvel: Vector3::from(sample.dvel),
         };
-        if !filter.bears(&sample) {
-            return Err(Status::OutOfRange);
-        }
-        filter.advance(1.0, None);
-        filter.begin(&sample);
-        Ok(())
+        Ok(filter.begin_step(&sample)?)
     })
 }
 
@@ -280,7 +265,7 @@ pub unsafe extern "C" fn undrift_sample_advance(
         let filter = unsafe { filter_mut(filter) }?;
         finite([&time])?;
         not_negative([&rounding])?;
-        filter.advance_to(time, rounding, None);
+        filter.advance_to(time, rounding);
         Ok(filter.check()?)
     })
 }
@@ -291,7 +276,7 @@ pub unsafe extern "C" fn undrift_sample_end(filter: *mut Filter) -> Status {
     call(|| {
         // SAFETY: null or a filter that nobody else uses.
         let filter = unsafe { filter_mut(filter) }?;
-        filter.advance(1.0, None);
+        filter.advance(1.0);
         Ok(filter.check()?)
     })
 }

@@ -1,6 +1,9 @@
 //! What a call came to.
 
-use undrift_nav::{filter::FilterError, shaping::ShapingError};
+use undrift_nav::{
+    filter::{FilterError, StepError},
+    shaping::ShapingError,
+};
 
 /// What a call came to: 0 is success.
 #[repr(i32)]
@@ -48,6 +51,20 @@ impl From<FilterError> for Status {
             FilterError::BadMeasurement => Self::BadMeasurement,
             FilterError::Diverged => Self::Diverged,
             FilterError::Implausible => Self::OutOfRange,
+        }
+    }
+}
+
+impl From<StepError> for Status {
+    fn from(error: StepError) -> Self {
+        match error {
+            StepError::Invalid { time, dt } if time.is_finite() && dt.is_finite() => {
+                Self::OutOfRange
+            }
+            StepError::Invalid { .. } | StepError::NotFinite => Self::NotFinite,
+            StepError::Gap { .. } => Self::Gap,
+            StepError::OutOfRange => Self::OutOfRange,
+            StepError::Diverged => Self::Diverged,
         }
     }
 }

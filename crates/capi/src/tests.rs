@@ -144,7 +144,6 @@ fn a_step_and_an_update_are_the_filters_own() {
             &observed,
             &Matrix3::from(fix.covariance),
             &undrift_nav::filter::Gate::OPEN,
-            None,
         )
         .unwrap();
 

@@ -148,7 +148,7 @@ pub struct Gate {
     pub reject: f64,
 }
 
-/// What became of a measurement.
+/// Whether a measurement was used.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
@@ -168,9 +168,9 @@ pub struct Update {
     pub nis: f64,
     /// Number of scalar measurements.
     pub dof: i32,
-    /// What became of it.
+    /// Whether it was used.
     pub outcome: Outcome,
-    /// Factor on its covariance, 1 or more.
+    /// Factor on its covariance: 1 if it was used as it was, above 1 if weakened, INFINITY if rejected.
     pub factor: f64,
 }
 

@@ -44,18 +44,18 @@ unsafe fn run<const M: usize>(
             return Err(Status::BadMeasurement);
         }
         // By columns or by rows: it is symmetric.
-        let update = filter.update(&observed, &r.into(), &gate, None)?;
-        let (outcome, factor) = match update.outcome {
-            filter::Outcome::Used => (Outcome::Used, 1.0),
-            filter::Outcome::Weakened(factor) => (Outcome::Weakened, factor),
-            filter::Outcome::Rejected => (Outcome::Rejected, 1.0),
+        let update = filter.update(&observed, &r.into(), &gate)?;
+        let outcome = match update.outcome {
+            filter::Outcome::Used => Outcome::Used,
+            filter::Outcome::Weakened(_) => Outcome::Weakened,
+            filter::Outcome::Rejected => Outcome::Rejected,
         };
         if !done.is_null() {
             let update = Update {
                 nis: update.nis,
                 dof: M as i32,
                 outcome,
-                factor,
+                factor: update.outcome.factor(),
             };
             // SAFETY: not null, so it points to an update.
             unsafe { write(done, update) }?;

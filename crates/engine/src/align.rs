@@ -83,6 +83,7 @@ struct Seen {
 
 /// The state of an alignment.
 #[derive(Clone, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Aligner {
     settings: AlignSettings,
     time: Option<f64>,

@@ -6,6 +6,7 @@ use undrift_nav::{Vector3, sample::ImuSample};
 
 /// The samples missing before one, made one by one: rates on a line from the last sample's to this one's.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Bridge {
     /// End of the gap \[s\].
     end: f64,

@@ -37,6 +37,7 @@ const SPEED_HOLDS: f64 = 1.5;
 
 /// What is known of the vehicle's motion beside the solution.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Vehicle {
     rest: RestDetector,
     /// Time of the last fix, and the least and greatest speed over ground that it leaves possible.

@@ -39,8 +39,10 @@ const SIGMAS: f64 = 2.0;
 
 /// Watches the course against the heading.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct CourseWatch {
     last: f64,
+    #[cfg_attr(feature = "checkpoint", serde(with = "crate::checkpoint::array"))]
     usual: [f64; USUAL],
     learned: usize,
     recent: [f64; RECENT],

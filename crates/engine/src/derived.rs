@@ -33,6 +33,7 @@ pub fn antenna(fix: &GnssFix) -> Option<Geodetic> {
 
 /// A velocity and its covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct DerivedVelocity {
     /// When it held: the middle of the positions \[s\].
     pub(crate) time: f64,
@@ -44,6 +45,7 @@ pub(crate) struct DerivedVelocity {
 
 /// The last positions.
 #[derive(Clone, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Positions {
     last: VecDeque<(f64, Geodetic)>,
 }

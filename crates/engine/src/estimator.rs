@@ -13,7 +13,9 @@ use undrift_nav::{
     attitude,
     covariance::{AXES, NAV, Sensors},
     earth::Geodetic,
-    filter::{Carried, Each, Filter, FilterError, Gate, InitialStd, Lasting, Outcome, Update},
+    filter::{
+        Carried, Each, Filter, FilterError, Gate, InitialStd, Lasting, Outcome, StepError, Update,
+    },
     mechanisation::NavState,
     parameters::{Parameter, Parameters},
     sample::{ImuSample, Position},
@@ -227,8 +229,13 @@ pub trait Estimator: Send + Sync {
 
     /// Where the sample taken up ends \[s\], if it is not done.
     fn sample_end(&self) -> Option<f64>;
-    /// Whether there is still a solution after this sample.
-    fn bears(&self, sample: &ImuSample) -> bool;
+    /// Where the next sample begins \[s\].
+    fn reached(&self) -> f64;
+    /// Whether a sample can be the next.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    fn accepts_step(&self, sample: &ImuSample) -> Result<(), StepError>;
     /// Takes up a sample without moving yet.
     fn begin(&mut self, sample: &ImuSample);
     /// Moves to `time` \[s\] within the sample taken up, to its end without one.
@@ -440,8 +447,11 @@ impl<const N: usize> Sized<N> {
         if self.log.is_some() {
             return self.take_in_logged(channel, observed, &r, gate).map(Some);
         }
-        let tape = self.tape.as_deref_mut();
-        self.filter.update(observed, &r, gate, tape).map(Some)
+        match self.tape.as_deref_mut() {
+            Some(tape) => self.filter.update_recorded(observed, &r, gate, tape),
+            None => self.filter.update(observed, &r, gate),
+        }
+        .map(Some)
     }
 
     fn take_in_logged<const M: usize>(
@@ -453,7 +463,7 @@ impl<const N: usize> Sized<N> {
     ) -> Result<Update, FilterError> {
         let before = *self.filter.covariance();
         let mut own = Tape::<N>::default();
-        let done = self.filter.update(observed, r, gate, Some(&mut own))?;
+        let done = self.filter.update_recorded(observed, r, gate, &mut own)?;
         let factor = match done.outcome {
             Outcome::Rejected => return Ok(done),
             Outcome::Used => 1.0,
@@ -556,8 +566,12 @@ impl<const N: usize> Estimator for Sized<N> {
         self.filter.sample_end()
     }
 
-    fn bears(&self, sample: &ImuSample) -> bool {
-        self.filter.bears(sample)
+    fn reached(&self) -> f64 {
+        self.filter.reached()
+    }
+
+    fn accepts_step(&self, sample: &ImuSample) -> Result<(), StepError> {
+        self.filter.accepts_step(sample)
     }
 
     fn begin(&mut self, sample: &ImuSample) {
@@ -565,10 +579,12 @@ impl<const N: usize> Estimator for Sized<N> {
     }
 
     fn advance(&mut self, time: Option<f64>) {
-        let tape = self.tape.as_deref_mut();
-        match time {
-            Some(time) => self.filter.advance_to(time, STAMP_ROUNDING, tape),
-            None => self.filter.advance(1.0, tape),
+        let filter = &mut self.filter;
+        match (time, self.tape.as_deref_mut()) {
+            (Some(time), None) => filter.advance_to(time, STAMP_ROUNDING),
+            (Some(time), Some(tape)) => filter.advance_to_recorded(time, STAMP_ROUNDING, tape),
+            (None, None) => filter.advance(1.0),
+            (None, Some(tape)) => filter.advance_recorded(1.0, tape),
         }
     }
 
@@ -638,7 +654,7 @@ impl<const N: usize> Estimator for Sized<N> {
             extra: SMatrix::zeros(),
         };
         self.filter
-            .update(&observed, &SMatrix::identity(), &Gate::OPEN, None)
+            .update(&observed, &SMatrix::identity(), &Gate::OPEN)
             .map(drop)
     }
 

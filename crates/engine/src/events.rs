@@ -8,6 +8,7 @@ use crate::{
 
 /// An event of the navigation. One that lasts is reported at its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum Event {
     /// Navigation began at this time \[s\], aligned like this.
     Started(f64, Alignment),

@@ -31,6 +31,7 @@ pub(super) const MOST_HEADING: f64 = 0.5;
 
 /// The size of the innovations of one kind of measurement, now and as a rule.
 #[derive(Clone, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Fading {
     recent: [f64; WINDOW],
     count: u32,

@@ -31,6 +31,7 @@ use undrift_nav::{
 
 /// What the fixes of a log are like.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct FixStudy {
     /// Median interval of the fixes that repeat none before \[s\].
     pub interval: f64,
@@ -93,6 +94,7 @@ const STEP_SHARE: f64 = 0.25;
 
 /// What is looked at of a fix.
 #[derive(Clone, Copy)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct Seen {
     time: f64,
     position: Position,

@@ -72,8 +72,10 @@ pub(super) enum Verdict {
 
 /// The gate of one kind of measurement.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct FixGate {
     part: Part,
+    #[cfg_attr(feature = "checkpoint", serde(with = "crate::checkpoint::array"))]
     recent: [f64; WINDOW],
     count: usize,
     /// Time of the last fix of this kind, and of the last one accepted \[s\].
@@ -247,6 +249,7 @@ impl FixGate {
 /// likelihood of the innovations (Ljung & Söderström 1983, section 3.6): a step along the score over
 /// the information.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Scale {
     log: f64,
     information: f64,

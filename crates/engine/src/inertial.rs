@@ -52,6 +52,7 @@ const FORCE: f64 = 1.0;
 
 /// A sample as the filter is to have it.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Checked {
     pub(super) sample: ImuSample,
     /// Covariances of the turn \[rad²\] and of the change of velocity \[m²/s²\] in it that are in doubt, body axes.
@@ -60,6 +61,7 @@ pub(super) struct Checked {
 
 /// Watches the six axes; one sample is held back, to see what follows it.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Inertial {
     /// From the sensor's axes to the body's.
     rotation: Matrix3,
@@ -72,6 +74,7 @@ pub(super) struct Inertial {
 
 /// What an axis usually does. Values are rates \[rad/s\] and specific forces \[m/s²\].
 #[derive(Clone, Copy, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct AxisWatch {
     /// The present value, the interval of its first sample \[s\], since when \[s\], and in how many samples.
     value: f64,

@@ -39,6 +39,8 @@ extern crate std;
 
 pub mod align;
 mod bridge;
+#[cfg(feature = "checkpoint")]
+mod checkpoint;
 mod constraints;
 mod course;
 pub mod derived;
@@ -68,6 +70,8 @@ pub mod vehicle;
 pub mod vibration;
 mod watch;
 
+#[cfg(feature = "checkpoint")]
+pub use checkpoint::RestoreError;
 pub use events::{
     Contradiction, Event, FixMend, HeadingOff, Implausible, Lean, Log, Part, Restart, RestartCause,
     SampleFault,

@@ -9,6 +9,7 @@ use undrift_nav::sample::GnssFix;
 
 /// One measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 #[expect(
     clippy::large_enum_variant,
     reason = "passed on one by one; in memory most are fixes"
@@ -58,6 +59,7 @@ impl Measurement {
 
 /// Measurements in order of time, as far as they may still be needed.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Measured {
     kept: VecDeque<Measurement>,
     /// How many went before the first one that is kept.
@@ -106,6 +108,7 @@ impl Measured {
 
 /// By how much fixes hold later than their stamps \[s\], as estimated so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Latency {
     /// Of the whole fix, or of its position.
     pub(super) position: f64,
@@ -118,6 +121,7 @@ pub(super) type Due = (Measurement, Option<Part>);
 
 /// Measurements given out by when each holds: fixes by their stamps and latencies that may change.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Queue {
     /// How many measurements were taken in, and the latest stamp for which any were looked for \[s\].
     taken: u64,
@@ -138,6 +142,7 @@ const REPEATED_SPEED: f64 = 0.1;
 
 /// Tells fixes that repeat the one before.
 #[derive(Clone, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Repeats {
     /// The last fix that did not repeat the one before.
     last: Option<GnssFix>,

@@ -48,6 +48,7 @@ pub const LONGEST_PASS: f64 = 900.0;
 
 /// How the IMU sits in the vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mounting {
     /// Takes sensor axes `b` to vehicle axes `v`, forward, right, down.
     pub q_vb: Quaternion,
@@ -73,6 +74,7 @@ impl Mounting {
 
 /// Why there is no estimate.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum MountingError {
     /// Not enough straight driving.
     #[error(
@@ -108,6 +110,7 @@ const WANDER: f64 = 0.2;
 
 /// Sums over some seconds of motion.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct Block {
     /// Length \[s\].
     span: f64,
@@ -164,6 +167,7 @@ struct BodyMotion {
 
 /// Blocks of motion of one kind.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct Blocks {
     present: Block,
     /// Shared by the copies of a navigator.
@@ -270,6 +274,7 @@ impl Blocks {
 
 /// Gathers the directions of motion and of down. Streamed: kept are sums over blocks of 5 s.
 #[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct MountingEstimator {
     /// Of driving fast and straight, by unit vectors.
     straight: Blocks,

@@ -60,33 +60,60 @@ impl From<FilterError> for EndError {
 }
 
 /// The whole state before a sample.
-struct Snapshot {
-    run: Run,
+pub(crate) struct Snapshot {
+    pub(crate) run: Run,
     /// The number of the first sample behind it.
-    next: u64,
+    pub(crate) next: u64,
     /// End of the sample before it \[s\].
-    time: f64,
+    pub(crate) time: f64,
 }
 
 /// Samples and measurements in, a solution out.
+///
+/// In real time, with fixes that come late and events as they happen:
+///
+/// ```
+/// use undrift_engine::{Navigator, settings::Settings};
+/// # use undrift_nav::shaping::ShapingFilter;
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+/// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+/// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+/// # let mut fixes = log.gnss.iter().peekable();
+///
+/// // `sensors`: the noise models of gyro x, y, z and accelerometer x, y, z at the interval of the samples.
+/// let mut navigator = Navigator::new(Settings::new(sensors)).with_horizon(0.5);
+/// for sample in log.imu {
+///     navigator.imu(sample)?;
+///     // A fix of 0.2 s ago counts from when it holds: the solution is as if it had come in time.
+///     while let Some(fix) = fixes.next_if(|fix| fix.time + 0.2 <= sample.time) {
+///         assert!(navigator.fix(*fix)?, "within the horizon");
+///     }
+///     for event in navigator.events() {
+///         println!("{event:?}");
+///     }
+/// }
+/// assert!(navigator.filter().is_some_and(|filter| filter.nav_std()[0] < 5.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Navigator {
-    run: Run,
-    measured: Measured,
+    pub(crate) run: Run,
+    pub(crate) measured: Measured,
     /// How far from the IMU's time base a fix may be stamped late \[s\]: see [`Navigator::ahead`].
     ahead: f64,
     /// By how much a measurement may come late \[s\].
-    horizon: f64,
+    pub(crate) horizon: f64,
     /// Samples within the horizon, and how many went before them.
-    samples: VecDeque<ImuSample>,
-    gone: u64,
-    past: VecDeque<Snapshot>,
+    pub(crate) samples: VecDeque<ImuSample>,
+    pub(crate) gone: u64,
+    pub(crate) past: VecDeque<Snapshot>,
     /// End of the last sample \[s\].
-    last: Option<f64>,
-    too_late: u64,
+    pub(crate) last: Option<f64>,
+    pub(crate) too_late: u64,
     /// Those, until they are handed out as events.
-    rejected: Vec<Event>,
+    pub(crate) rejected: Vec<Event>,
     /// Events that were handed out.
-    handed_out: Vec<Event>,
+    pub(crate) handed_out: Vec<Event>,
 }
 
 impl Navigator {
@@ -311,7 +338,7 @@ impl Navigator {
     }
 
     /// Does again what was done since a snapshot.
-    fn again(&mut self, since: usize) -> Result<(), FilterError> {
+    pub(crate) fn again(&mut self, since: usize) -> Result<(), FilterError> {
         self.past.truncate(since + 1);
         let Some(snapshot) = self.past.back() else {
             return Ok(());

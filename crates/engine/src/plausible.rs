@@ -42,6 +42,7 @@ fn promises_level(settings: &Settings) -> bool {
 
 /// What is known so far.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Plausible {
     /// Whether body axes are promised to be forward, right, down.
     level: bool,

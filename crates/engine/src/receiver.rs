@@ -61,6 +61,7 @@ const THREE_TIMES: f64 = 90.0;
 
 /// One part of the fixes.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct FixPart {
     part: Part,
     gate: FixGate,
@@ -71,6 +72,7 @@ struct FixPart {
 
 /// What is known of the receiver so far.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Receiver {
     position: FixPart,
     velocity: FixPart,

@@ -29,6 +29,7 @@ const LEARN: f64 = 0.1;
 
 /// What the last block was.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct RestBlock {
     /// Whether the vehicle stood.
     pub(super) rest: bool,
@@ -42,6 +43,7 @@ pub(super) struct RestBlock {
 
 /// Sums over the present block and the learned level of rest.
 #[derive(Clone, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct RestDetector {
     /// Variance of a sample's white noise, gyros [rad²/s²], then accelerometers [m²/s⁴].
     noise: [f64; AXES],

@@ -36,7 +36,12 @@ use undrift_nav::{
 
 /// The state of the navigator between samples.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Run {
+    #[cfg_attr(
+        feature = "checkpoint",
+        serde(skip, default = "crate::checkpoint::no_settings")
+    )]
     settings: Arc<Settings>,
     /// Measurements that were taken in and are not due yet.
     queue: Queue,
@@ -60,6 +65,7 @@ pub(crate) struct Run {
 
 /// The alignment that goes on: the first one, or another one beside or after a solution.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct CurrentAlignment {
     aligner: Aligner,
     /// Whether one goes on beside the solution.
@@ -68,6 +74,7 @@ struct CurrentAlignment {
 
 /// What of the log went by.
 #[derive(Clone, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct LogProgress {
     /// Time of the first sample \[s\].
     first_sample: Option<f64>,
@@ -153,6 +160,30 @@ impl Run {
     /// What happened so far.
     pub(super) fn summary(&self) -> &Summary {
         &self.summary
+    }
+
+    /// Under what it navigates.
+    #[cfg(feature = "checkpoint")]
+    pub(super) fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Navigates under these from now on; whether both look for the mounting or neither.
+    #[cfg(feature = "checkpoint")]
+    pub(super) fn go_on_under(&mut self, settings: Settings) -> bool {
+        let mut in_sensor_axes = settings.clone();
+        let looks = Search::of(&mut in_sensor_axes).is_some();
+        self.settings = Arc::new(match self.has_vehicle_axes() {
+            true => settings,
+            false => in_sensor_axes,
+        });
+        looks == self.search.is_some()
+    }
+
+    /// What happened so far, to be put in place.
+    #[cfg(feature = "checkpoint")]
+    pub(super) fn summary_mut(&mut self) -> &mut Summary {
+        &mut self.summary
     }
 
     /// The filter, once there is a solution.

@@ -19,6 +19,7 @@ use undrift_nav::{
 
 /// Half-open span of time without GNSS: fixes after `start` up to and including `end` are withheld.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Outage {
     /// Last instant with GNSS \[s\], in the log's time base.
     pub start: f64,
@@ -36,6 +37,7 @@ impl Outage {
 /// A span over which the solution may have gone wrong, as one pass over the log has found, by so much at its
 /// end: one sigma of each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Doubt {
     /// Time of the last fix that agreed with the solution \[s\].
     pub start: f64,
@@ -130,6 +132,7 @@ impl Settings {
 
 /// Which parts of a fix are used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum GnssUse {
     /// Position and velocity, whichever it has.
     #[default]

@@ -18,7 +18,9 @@ pub(super) const LONGEST_GAP: f64 = 60.0;
 /// A time offset of more prior standard deviations than this is no offset but an error of the sensors.
 pub(super) const MOST_LATE: f64 = 10.0;
 
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Solution {
+    #[cfg_attr(feature = "checkpoint", serde(with = "crate::checkpoint::filter"))]
     pub(super) filter: Box<dyn Estimator>,
     /// While a gap is being bridged.
     bridge: Option<Bridge>,

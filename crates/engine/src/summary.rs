@@ -84,6 +84,7 @@ impl Innovations {
 
 /// What a replay was like.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Summary {
     /// Samples processed after alignment.
     pub samples: u64,
@@ -213,6 +214,37 @@ impl Summary {
                     .map(|(time, mounting)| Event::Mounting(*time, *mounting)),
             )
             .chain(self.diverged.map(Event::Diverged))
+    }
+
+    /// The last innovations of each kind of measurement, which are not among what is shown of them.
+    #[cfg(feature = "checkpoint")]
+    pub(super) fn last_innovations(&self) -> [Option<[f64; 3]>; 6] {
+        [
+            self.position,
+            self.velocity,
+            self.non_holonomic,
+            self.zero_velocity,
+            self.odometer,
+            self.barometer,
+        ]
+        .map(|kind| kind.last)
+    }
+
+    /// Puts them in place.
+    #[cfg(feature = "checkpoint")]
+    pub(super) fn set_last_innovations(&mut self, last: [Option<[f64; 3]>; 6]) {
+        let kinds = [
+            &mut self.position,
+            &mut self.velocity,
+            &mut self.non_holonomic,
+            &mut self.zero_velocity,
+            &mut self.odometer,
+            &mut self.barometer,
+        ];
+        kinds
+            .into_iter()
+            .zip(last)
+            .for_each(|(kind, last)| kind.last = last);
     }
 
     /// Judges the signs of the velocity, at the end of the log.

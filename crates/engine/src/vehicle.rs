@@ -4,6 +4,7 @@ use undrift_nav::Vector3;
 
 /// What the vehicle is, as a set of defaults.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum Profile {
     /// Nothing is known of it.
     #[default]
@@ -18,6 +19,7 @@ pub enum Profile {
 
 /// The constraints in force. Standard deviations are of one update.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Constraints {
     /// No velocity along the vehicle's right and down axes.
     pub non_holonomic: Option<NonHolonomic>,
@@ -34,6 +36,7 @@ pub struct Constraints {
 
 /// The non-holonomic constraint.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct NonHolonomic {
     /// Standard deviation of the velocity to the right [m/s] …
     pub right: f64,

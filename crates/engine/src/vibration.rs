@@ -7,7 +7,7 @@
 
 use crate::median::upper_median;
 use crate::settings::Settings;
-use alloc::boxed::Box;
+use alloc::sync::Arc;
 use core::f64::consts::PI;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
@@ -41,6 +41,7 @@ const GAP: f64 = 1.5;
 
 /// What the samples of a drive have shown so far.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Vibration {
     /// Time over which the noise is averaged \[s\].
     memory: f64,
@@ -50,7 +51,7 @@ pub struct Vibration {
     each: usize,
     interval: f64,
     /// Cosines and sines of the frequencies under Hann's window, for periodograms as two-sided densities.
-    waves: Box<[[[f64; 2]; BINS]; BLOCK]>,
+    waves: Arc<[[[f64; 2]; BINS]]>,
     /// Density of the model in the band [unit²·s], the variance of its white noise \[unit²\], and a sample's interval \[s\].
     model: [f64; AXES],
     white: [f64; AXES],
@@ -59,6 +60,7 @@ pub struct Vibration {
     sum: [f64; AXES],
     count: usize,
     /// The sums of the present block, by frequency.
+    #[cfg_attr(feature = "checkpoint", serde(with = "crate::checkpoint::array"))]
     block: [[[f64; AXES]; 2]; BINS],
     means: usize,
     /// Density in the band [unit²·s], and for how long it is known \[s\].
@@ -88,10 +90,8 @@ impl Vibration {
             // Of sums, which are means times the interval.
             [angle.cos(), angle.sin()].map(|w| w * window * scale / interval)
         };
-        let mut waves = Box::new([[[0.0; 2]; BINS]; BLOCK]);
-        for (k, waves) in waves.iter_mut().enumerate() {
-            *waves = core::array::from_fn(|bin| wave(k, bin));
-        }
+        let waves = |k| core::array::from_fn(|bin| wave(k, bin));
+        let waves = (0..BLOCK).map(waves).collect();
         let hertz = |bin: usize| (FIRST + bin) as f64 / (BLOCK as f64 * interval);
         let density = |sensor: &ShapingFilter| {
             let sum: f64 = (0..BINS).map(|bin| spectrum(sensor, hertz(bin))).sum();

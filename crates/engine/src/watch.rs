@@ -28,6 +28,7 @@ pub(super) const FAR: f64 = 5.0;
 
 /// Updates, their NIS and degrees of freedom since the count began, and when that was \[s\].
 #[derive(Clone, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Streak {
     updates: u32,
     nis: f64,
@@ -82,6 +83,7 @@ const BLOCKS: usize = 20;
 
 /// Watches the means of whitened innovations for a slow drift of fixes that each pass the gate.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct LeanWatch {
     part: Part,
     start: f64,

@@ -8,11 +8,15 @@ mod columns;
 mod log;
 mod options;
 
-use undrift_nav::sample::GnssFix;
+use std::sync::Arc;
+
+use undrift_nav::sample::{GnssFix, Position};
 
 use crate::ReadError;
 use crate::entry::{Entry, Wanted, What};
+use crate::fix::on_earth;
 pub use crate::fix::{VelocityAxes, quality_of_rtklib};
+use crate::opened::Memory;
 use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
 use crate::skipped::{SkipEntry, SkipKind, Skipped};
 
@@ -29,6 +33,13 @@ pub enum GnssSource {
     Table(Box<GnssFormat>),
     /// Log that says itself what it holds.
     Log(GnssLog),
+    /// Fixes in memory, [`Memory::Fixes`].
+    Fixes {
+        /// Added to their times \[s\].
+        time_offset: f64,
+        /// First and last time \[s\] to give out, after the offset.
+        span: Option<(f64, f64)>,
+    },
 }
 
 impl GnssSource {
@@ -37,6 +48,7 @@ impl GnssSource {
         match self {
             Self::Table(format) => &mut format.fixes.time_offset,
             Self::Log(log) => &mut log.fixes.time_offset,
+            Self::Fixes { time_offset, .. } => time_offset,
         }
     }
 }
@@ -63,13 +75,15 @@ pub struct Fixes(Of);
 enum Of {
     Columns(Box<FixColumns>),
     Log(Box<LogFixes>),
+    /// In memory, with what is added to their times \[s\].
+    Records(f64),
 }
 
 impl Reader<Fixes> {
     /// Velocities skipped so far because neither the log nor its options tell how certain they are.
     pub fn untold_velocities(&self) -> u64 {
         match &self.kind().0 {
-            Of::Columns(_) => 0,
+            Of::Columns(_) | Of::Records(_) => 0,
             Of::Log(log) => log.untold_velocities,
         }
     }
@@ -104,6 +118,11 @@ impl Kind for Fixes {
                     span: log.fixes.span,
                 }
             }
+            GnssSource::Fixes { time_offset, span } => Plan {
+                kind: Self(Of::Records(*time_offset)),
+                source: Want::Records,
+                span: *span,
+            },
         })
     }
 
@@ -121,6 +140,39 @@ impl Kind for Fixes {
         usable(log.fix(entry.at, &fix, skipped))
     }
 
+    fn held(memory: &Memory) -> Option<Arc<[GnssFix]>> {
+        match memory {
+            Memory::Fixes(fixes) => Some(fixes.clone()),
+            _ => None,
+        }
+    }
+
+    fn of_record(
+        &mut self,
+        fix: &GnssFix,
+        number: u64,
+        skipped: &mut Skipped,
+    ) -> Option<(f64, GnssFix)> {
+        let Of::Records(time_offset) = self.0 else {
+            return None;
+        };
+        if !fix.is_finite() {
+            skipped.add(SkipKind::NotFinite, number, "a value is not finite");
+            return None;
+        }
+        let mut fix = GnssFix {
+            time: fix.time + time_offset,
+            ..*fix
+        };
+        if let Some((Position::Geodetic(place), _)) = fix.position
+            && let Err((kind, detail)) = on_earth(place)
+        {
+            skipped.add(kind, number, detail);
+            fix.position = None;
+        }
+        usable(fix)
+    }
+
     fn record(
         &mut self,
         row: &Row<GnssFix>,
@@ -131,7 +183,7 @@ impl Kind for Fixes {
 
     fn end(&self) -> Result<(), ReadError> {
         match &self.0 {
-            Of::Columns(_) => Ok(()),
+            Of::Columns(_) | Of::Records(_) => Ok(()),
             Of::Log(log) => log.end(),
         }
     }

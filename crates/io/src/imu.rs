@@ -16,6 +16,8 @@ mod thermal;
 pub use format::{ImuFormat, ImuSource, TemperatureColumn};
 pub use thermal::{HOLD_S, Thermal, ThermalAxis, ThermalSummary};
 
+use std::sync::Arc;
+
 use undrift_nav::Vector3;
 use undrift_nav::sample::ImuSample;
 
@@ -24,6 +26,7 @@ use crate::entry::{Entry, Wanted, What};
 use crate::gaps::{GAP_INTERVALS, GapWatch};
 pub use crate::gaps::{Gap, GapSummary};
 use crate::held::{Held, HeldWatch};
+use crate::opened::Memory;
 use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
 use crate::skipped::{SkipKind, Skipped};
 use crate::table::TableOptions;
@@ -31,6 +34,9 @@ use thermal::ThermalWatch;
 
 /// Values beyond this come from no sensor, in SI, rates or increments: they would overflow on the way.
 const MAX_VALUE: f64 = 1e9;
+
+/// Rates that differ by less, relative to their size, are one value.
+const ROUNDING: f64 = 1e-12;
 
 /// Gaps in a row that mean another sampling rate, in a log of increments.
 const GAPS_IN_A_ROW: u32 = 100;
@@ -48,6 +54,9 @@ pub struct Imu {
     /// Temperature of the last sample given out [°C], NaN where it has none.
     temperature_c: f64,
     thermal: Option<ThermalWatch>,
+    /// The last sample in memory, and its rates.
+    held: Option<ImuSample>,
+    rates: [f64; 6],
 }
 
 /// A row without its time.
@@ -92,6 +101,7 @@ impl Kind for Imu {
         format.check()?;
         let source = match &format.source {
             ImuSource::Log(kind, stream) => Want::Log(*kind, Wanted::Imu(stream.clone())),
+            ImuSource::Samples => Want::Records,
             ImuSource::Table {
                 time,
                 gyro,
@@ -118,6 +128,8 @@ impl Kind for Imu {
             given: false,
             gaps_in_a_row: 0,
             temperature_c: f64::NAN,
+            rates: [0.0; 6],
+            held: None,
             thermal: format
                 .thermal
                 .as_ref()
@@ -165,8 +177,55 @@ impl Kind for Imu {
         self.plausible(stamp, values, entry.at, skipped)
     }
 
+    fn held(memory: &Memory) -> Option<Arc<[ImuSample]>> {
+        match memory {
+            Memory::Samples(samples) => Some(samples.clone()),
+            _ => None,
+        }
+    }
+
+    fn of_record(
+        &mut self,
+        sample: &ImuSample,
+        number: u64,
+        skipped: &mut Skipped,
+    ) -> Option<(f64, Values)> {
+        let &ImuSample {
+            time,
+            dt,
+            dtheta,
+            dvel,
+        } = sample;
+        let mut numbers = [time, dt]
+            .into_iter()
+            .chain(dtheta.iter().chain(&dvel).copied());
+        if let Some(bad) = numbers.find(|value| !value.is_finite()) {
+            skipped.add(SkipKind::NotFinite, number, bad);
+            return None;
+        }
+        if dt <= 0.0 {
+            skipped.add(SkipKind::OutOfRange, number, format_args!("dt = {dt} s"));
+            return None;
+        }
+        // A value that is held comes back from its increments with a rounding.
+        let (gyro, accel) = (dtheta / dt, dvel / dt);
+        for (last, rate) in self.rates.iter_mut().zip(gyro.iter().chain(&accel)) {
+            if (rate - *last).abs() > ROUNDING * last.abs() {
+                *last = *rate;
+            }
+        }
+        let [gx, gy, gz, ax, ay, az] = self.rates;
+        let values = Values {
+            gyro: Vector3::new(gx, gy, gz),
+            accel: Vector3::new(ax, ay, az),
+            temperature_c: f64::NAN,
+        };
+        self.held = Some(*sample);
+        self.plausible(time, values, number, skipped)
+    }
+
     fn needs_interval(&self) -> bool {
-        self.format.rate_hz.is_none()
+        self.format.rate_hz.is_none() && !matches!(self.format.source, ImuSource::Samples)
     }
 
     #[inline]
@@ -176,11 +235,17 @@ impl Kind for Imu {
         skipped: &mut Skipped,
     ) -> Result<Option<ImuSample>, ReadError> {
         let stated = self.format.rate_hz.map(|rate| 1.0 / rate);
-        let Some(dt) = row.dt.or(stated) else {
+        let own = self.held.map(|sample| sample.dt);
+        // A sample in memory that goes on where the one before ended has its own length; across a gap its mean rate holds.
+        let follows = |dt: f64| row.dt.is_none_or(|since| (since - dt).abs() <= 0.5 * dt);
+        let Some(dt) = own.filter(|dt| follows(*dt)).or(row.dt).or(stated) else {
             let problem = "only one row of data";
             return Err(ReadError::nameless(problem).mend("record or export it again"));
         };
-        let covered = self.covered_by_increments(row.line, dt)?;
+        let covered = match own {
+            Some(own) => own,
+            None => self.covered_by_increments(row.line, dt)?,
+        };
         // The first interval given out is either made up or reaches back before the span.
         if self.given {
             self.gaps.add(Gap {
@@ -269,15 +334,20 @@ impl Imu {
     /// The sample of a row whose increments, if it has increments, were collected in `covered` \[s\].
     fn sample(&self, row: &Row<Values>, dt: f64, covered: f64) -> ImuSample {
         let format = &self.format;
-        let length = if format.increments { dt / covered } else { dt };
+        let is_increment = format.increments || self.held.is_some();
+        let length = if is_increment { dt / covered } else { dt };
+        let (gyro, accel) = match &self.held {
+            Some(sample) => (&sample.dtheta, &sample.dvel),
+            None => (&row.values.gyro, &row.values.accel),
+        };
         let body = |value: &Vector3, scale: f64, offset: &Vector3| {
             format.rotation * value * (scale * length) - offset * dt
         };
         ImuSample {
             time: row.time,
             dt,
-            dtheta: body(&row.values.gyro, format.gyro_scale, &format.gyro_offset),
-            dvel: body(&row.values.accel, format.accel_scale, &format.accel_offset),
+            dtheta: body(gyro, format.gyro_scale, &format.gyro_offset),
+            dvel: body(accel, format.accel_scale, &format.accel_offset),
         }
     }
 }

@@ -13,9 +13,12 @@ use crate::log::rosbag2::{self, BagFile};
 use crate::log::{self, Log};
 use crate::source::{self, BytesRead, Source};
 use crate::table::{self, Columns, Preview, Table, TableOptions, TableSource};
+use undrift_nav::sample::{GnssFix, ImuSample, Scalar, TruthSample};
 
 /// Bytes that the format is detected from.
 const START: usize = 64 * 1024;
+/// Of records in memory that are asked for columns or another kind of record.
+pub(crate) const HELD: &str = "is held as records in memory, of another kind than asked for";
 /// Bytes that a row of a preview has at most, on average.
 const ROW: usize = 1024;
 
@@ -39,6 +42,14 @@ pub enum Memory {
     Bytes(Arc<[u8]>),
     /// The columns of a table.
     Columns(Columns),
+    /// Inertial samples, read by a format of [`ImuFormat::samples`](crate::imu::ImuFormat::samples).
+    Samples(Arc<[ImuSample]>),
+    /// GNSS fixes, read as [`GnssSource::Fixes`](crate::gnss::GnssSource::Fixes).
+    Fixes(Arc<[GnssFix]>),
+    /// Measurements of one number, read by a format of [`ScalarFormat::scalars`](crate::scalar::ScalarFormat::scalars).
+    Scalars(Arc<[Scalar]>),
+    /// A reference solution, read as [`TruthSource::Samples`](crate::truth::TruthSource::Samples).
+    Truth(Arc<[TruthSample]>),
 }
 
 /// Where a log comes from.
@@ -50,6 +61,8 @@ enum Origin {
     /// A stream that is read once.
     Once,
     Columns(Columns),
+    /// Records in memory.
+    Records(Memory),
 }
 
 impl Opened {
@@ -135,15 +148,28 @@ impl Opened {
     pub fn memory(name: &Path, memory: Memory, read: &BytesRead) -> Result<Self, ReadError> {
         match memory {
             Memory::Bytes(bytes) => Self::of(name, Cursor::new(bytes), read)?.a_log(),
-            Memory::Columns(columns) => Ok(Self {
-                name: name.to_path_buf(),
-                origin: Origin::Columns(columns),
-                compressed: false,
-                start: Vec::new(),
-                failure: None,
-                rest: Box::new(io::empty()),
-                read: read.clone(),
-            }),
+            Memory::Columns(columns) => Ok(Self::held(name, Origin::Columns(columns), read)),
+            records => Ok(Self::held(name, Origin::Records(records), read)),
+        }
+    }
+
+    fn held(name: &Path, origin: Origin, read: &BytesRead) -> Self {
+        Self {
+            name: name.to_path_buf(),
+            origin,
+            compressed: false,
+            start: Vec::new(),
+            failure: None,
+            rest: Box::new(io::empty()),
+            read: read.clone(),
+        }
+    }
+
+    /// The records that it is in memory; `None` of bytes and columns.
+    pub(crate) fn records(&self) -> Option<&Memory> {
+        match &self.origin {
+            Origin::Records(records) => Some(records),
+            _ => None,
         }
     }
 
@@ -271,7 +297,7 @@ impl Opened {
         match self.origin {
             Origin::Folder => rosbag2::parts_of_folder(&self.name),
             Origin::File => Ok(vec![BagFile::File(self.name)]),
-            Origin::Once | Origin::Columns(_) => {
+            Origin::Once | Origin::Columns(_) | Origin::Records(_) => {
                 self.read_to(rosbag2::MOST_HELD + 1);
                 if self.start.len() as u64 > rosbag2::MOST_HELD {
                     return Err(rosbag2::too_large());
@@ -293,6 +319,7 @@ impl Opened {
                 let error = ReadError::new(&self.name, problem);
                 Err(error.mend("remove the columns, or give a file"))
             }
+            Origin::Records(_) => Err(ReadError::new(&self.name, HELD)),
             _ if table::is_parquet(&self.start) => self.parquet().map(Some),
             _ => match foreign::not_rows(&self.start) {
                 Some(foreign) => Err(foreign.in_place_of_a_log(&self.name)),

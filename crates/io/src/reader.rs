@@ -5,6 +5,7 @@
 //! that name the file.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::ReadError;
 use crate::clock::{Clock, Tick};
@@ -12,7 +13,7 @@ use crate::entry::{Entry, Wanted};
 use crate::epoch::Epoch;
 use crate::format::Format;
 use crate::log::Log;
-use crate::opened::Opened;
+use crate::opened::{HELD, Memory, Opened};
 use crate::skipped::Skipped;
 use crate::table::{Table, TableOptions};
 
@@ -22,6 +23,8 @@ pub enum Want {
     Table(TableOptions),
     /// Entries of a log that says itself what it holds.
     Log(Format, Wanted),
+    /// Records in memory.
+    Records,
 }
 
 /// How a file is read for a kind of record.
@@ -80,6 +83,16 @@ pub trait Kind: Sized {
     /// Time \[s\] and values of an entry of a log; what cannot be used is counted.
     fn of_entry(&mut self, entry: Entry, skipped: &mut Skipped) -> Option<(f64, Self::Values)>;
 
+    /// The records of this kind that a log in memory has.
+    fn held(memory: &Memory) -> Option<Arc<[Self::Record]>>;
+    /// Time \[s\] and values of the record in memory of this number, from 1; what cannot be used is counted.
+    fn of_record(
+        &mut self,
+        record: &Self::Record,
+        number: u64,
+        skipped: &mut Skipped,
+    ) -> Option<(f64, Self::Values)>;
+
     /// Whether the interval of the first row is to be that of the second.
     fn needs_interval(&self) -> bool {
         false
@@ -113,15 +126,23 @@ pub trait Kind: Sized {
 }
 
 /// Boxed: a table holds its place in the file and a row.
-enum Input {
+enum Input<R> {
     Table(Box<Table>, Vec<f64>),
     Log(Log),
+    Records(Held<R>),
+}
+
+/// Records in memory, and how many of them were read.
+struct Held<R> {
+    records: Arc<[R]>,
+    read: usize,
+    skipped: Skipped,
 }
 
 /// Reads records one by one; after an error or the end it gives `None`.
 pub struct Reader<K: Kind> {
     name: PathBuf,
-    rows: Input,
+    rows: Input<K::Record>,
     kind: K,
     clock: Clock,
     span: Option<(f64, f64)>,
@@ -157,6 +178,12 @@ impl<K: Kind> Reader<K> {
                 Input::Table(Box::new(opened.table(&wanted)?), row)
             }
             Want::Log(format, wanted) => Input::Log(opened.log(format, &wanted)?),
+            Want::Records => Input::Records(Held {
+                records: (opened.records().and_then(K::held))
+                    .ok_or_else(|| ReadError::new(&name, HELD))?,
+                read: 0,
+                skipped: Skipped::of_samples(),
+            }),
         };
         Ok(Self {
             name,
@@ -177,6 +204,7 @@ impl<K: Kind> Reader<K> {
         match &self.rows {
             Input::Table(table, _) => table.skipped(),
             Input::Log(log) => log.skipped(),
+            Input::Records(held) => &held.skipped,
         }
     }
 
@@ -186,6 +214,7 @@ impl<K: Kind> Reader<K> {
         let of_rows = match &self.rows {
             Input::Table(table, _) => table.epoch(),
             Input::Log(log) => log.epoch(),
+            Input::Records(_) => None,
         };
         self.kind.epoch().or(of_rows)
     }
@@ -219,6 +248,18 @@ impl<K: Kind> Reader<K> {
                     let line = entry.at;
                     let skipped = log.skipped_mut();
                     (self.kind.of_entry(entry, skipped), line, skipped)
+                }
+                Input::Records(held) => {
+                    let Some(record) = held.records.get(held.read) else {
+                        return Ok(None);
+                    };
+                    held.read += 1;
+                    let (number, skipped) = (held.read as u64, &mut held.skipped);
+                    (
+                        self.kind.of_record(record, number, skipped),
+                        number,
+                        skipped,
+                    )
                 }
             };
             let Some((time, values)) = found else {
@@ -260,6 +301,7 @@ impl<K: Kind> Reader<K> {
             let skipped = match &mut self.rows {
                 Input::Table(table, _) => table.skipped_mut(),
                 Input::Log(log) => log.skipped_mut(),
+                Input::Records(held) => &mut held.skipped,
             };
             if let Some(record) = self.kind.record(&row, skipped)? {
                 self.given += 1;

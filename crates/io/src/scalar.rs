@@ -3,12 +3,15 @@
 //! A row is a time, a number and, where the file has one, its standard deviation. Read one by one;
 //! rows that cannot be used are skipped and counted, and gaps are noted, as for the other logs.
 
+use std::sync::Arc;
+
 use undrift_nav::earth::standard_height;
 use undrift_nav::sample::Scalar;
 
 use crate::ReadError;
 use crate::entry::Entry;
 use crate::gaps::{Gap, GapSummary, GapWatch};
+use crate::opened::Memory;
 use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
 use crate::skipped::{SkipKind, Skipped};
 use crate::table::{Column, TableOptions};
@@ -55,6 +58,8 @@ pub enum Reading {
     /// [1/s], stamped in their middle. Its standard deviation grows by that of the rounding to whole
     /// counts, `factor/(√6 dt)`.
     Count(f64),
+    /// Measurements in memory, as they are.
+    Held,
 }
 
 /// Standard deviation of a number, in SI.
@@ -84,6 +89,25 @@ impl Reader<Scalars> {
     }
 }
 
+impl ScalarFormat {
+    /// Measurements in memory, [`Memory::Scalars`], that may be in `range`; `table` is what messages call them.
+    pub fn scalars(table: &'static str, range: (f64, f64)) -> Self {
+        Self {
+            table,
+            time: Column::Number(1),
+            date: None,
+            time_scale: 1.0,
+            time_offset: 0.0,
+            value: ("value", Column::Number(2)),
+            reading: Reading::Held,
+            std: ("std", ScalarStd::Column(Column::Number(3), 1.0)),
+            range,
+            delimiter: None,
+            span: None,
+        }
+    }
+}
+
 impl Kind for Scalars {
     type Options = ScalarFormat;
     /// The number and, where the file has one, its standard deviation.
@@ -93,8 +117,10 @@ impl Kind for Scalars {
 
     fn plan(format: &ScalarFormat) -> Result<Plan<Self>, ReadError> {
         let key = |name: &str| format!("{}.{name}", format.table);
-        let (Reading::Scaled(factor) | Reading::Pressure(factor) | Reading::Count(factor)) =
-            format.reading;
+        let factor = match format.reading {
+            Reading::Scaled(factor) | Reading::Pressure(factor) | Reading::Count(factor) => factor,
+            Reading::Held => 1.0,
+        };
         let (ScalarStd::Constant(std) | ScalarStd::Column(_, std)) = &format.std.1;
         for (name, number) in [
             ("time", format.time_scale),
@@ -119,7 +145,10 @@ impl Kind for Scalars {
                 gaps: GapWatch::default(),
                 count: None,
             },
-            source: Want::Table(wanted),
+            source: match format.reading {
+                Reading::Held => Want::Records,
+                _ => Want::Table(wanted),
+            },
             span: format.span,
         })
     }
@@ -132,6 +161,27 @@ impl Kind for Scalars {
 
     fn of_entry(&mut self, _: Entry, _: &mut Skipped) -> Option<(f64, (f64, f64))> {
         None
+    }
+
+    fn held(memory: &Memory) -> Option<Arc<[Scalar]>> {
+        match memory {
+            Memory::Scalars(scalars) => Some(scalars.clone()),
+            _ => None,
+        }
+    }
+
+    fn of_record(
+        &mut self,
+        scalar: &Scalar,
+        number: u64,
+        skipped: &mut Skipped,
+    ) -> Option<(f64, (f64, f64))> {
+        if !scalar.is_finite() {
+            skipped.add(SkipKind::NotFinite, number, scalar.value);
+            return None;
+        }
+        let time = scalar.time + self.format.time_offset;
+        Some((time, (scalar.value, scalar.std)))
     }
 
     fn record(
@@ -164,6 +214,7 @@ impl Scalars {
         };
         let mut at = row.time;
         let value = match self.format.reading {
+            Reading::Held => read,
             Reading::Scaled(factor) => read * factor,
             Reading::Pressure(factor) => standard_height(read * factor),
             Reading::Count(factor) => {

@@ -115,6 +115,14 @@ impl Skipped {
         }
     }
 
+    /// For records in memory.
+    pub(crate) fn of_samples() -> Self {
+        Self {
+            counted: "sample",
+            ..Self::default()
+        }
+    }
+
     /// Counts one more record; `detail` is rendered only for the first of its kind.
     pub fn add(&mut self, kind: SkipKind, line: u64, detail: impl fmt::Display) {
         self.kinds

@@ -1,5 +1,7 @@
 //! Reference trajectories from delimited text, or from logs that say themselves what they hold.
 
+use std::sync::Arc;
+
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::TruthSample;
 
@@ -8,8 +10,9 @@ use crate::entry::{Entry, Wanted, What};
 use crate::epoch::{ClockSource, Epoch};
 use crate::fix::{VelocityAxes, on_earth};
 use crate::format::Format;
+use crate::opened::Memory;
 use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
-use crate::skipped::Skipped;
+use crate::skipped::{SkipKind, Skipped};
 use crate::table::{Column, TableOptions, check_time_scale, three};
 
 /// Where the columns of a reference trajectory are and what they mean.
@@ -88,6 +91,11 @@ pub enum TruthSource {
     Table(Box<TruthFormat>),
     /// Log that says itself what it holds.
     Log(TruthLog),
+    /// Samples in memory, [`Memory::Truth`].
+    Samples {
+        /// Added to their times \[s\].
+        time_offset: f64,
+    },
 }
 
 impl TruthSource {
@@ -96,6 +104,7 @@ impl TruthSource {
         match self {
             Self::Table(format) => &mut format.time_offset,
             Self::Log(log) => &mut log.time_offset,
+            Self::Samples { time_offset } => time_offset,
         }
     }
 }
@@ -135,6 +144,7 @@ impl Kind for Truth {
                 (Want::Log(log.format, wanted), log.span)
             }
             TruthSource::Table(format) => (Want::Table(format.columns()?), format.span),
+            TruthSource::Samples { .. } => (Want::Records, None),
         };
         let kind = Self {
             source: options.clone(),
@@ -159,6 +169,35 @@ impl Kind for Truth {
         };
         pose.time += log.time_offset;
         placed(pose, entry.at, skipped)
+    }
+
+    fn held(memory: &Memory) -> Option<Arc<[TruthSample]>> {
+        match memory {
+            Memory::Truth(samples) => Some(samples.clone()),
+            _ => None,
+        }
+    }
+
+    fn of_record(
+        &mut self,
+        sample: &TruthSample,
+        number: u64,
+        skipped: &mut Skipped,
+    ) -> Option<(f64, TruthSample)> {
+        let TruthSource::Samples { time_offset } = self.source else {
+            return None;
+        };
+        let vectors = sample.v_n.iter().chain(&sample.rpy).flatten();
+        let mut numbers = [sample.time].into_iter().chain(vectors.copied());
+        if let Some(bad) = numbers.find(|value| !value.is_finite()) {
+            skipped.add(SkipKind::NotFinite, number, bad);
+            return None;
+        }
+        let sample = TruthSample {
+            time: sample.time + time_offset,
+            ..*sample
+        };
+        placed(sample, number, skipped)
     }
 
     fn record(

@@ -37,6 +37,7 @@ pub fn standard_height(pressure: f64) -> f64 {
 
 /// A point by geodetic latitude, longitude and ellipsoidal height.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Geodetic {
     /// Latitude \[rad\], north positive.
     pub lat: f64,

@@ -8,10 +8,12 @@
 
 mod lasting;
 mod numbers;
+mod step;
 mod turned;
 
 pub use lasting::{Carried, Lasting};
 pub use numbers::Each;
+pub use step::{LONGEST_STEP, StepError};
 
 use crate::{
     Matrix3, Vector3,
@@ -54,7 +56,7 @@ pub struct Update {
     pub score: f64,
     /// Variance of the score when the model is right, what it tells of that factor: `½ tr (S⁻¹ R)²`.
     pub information: f64,
-    /// What became of it.
+    /// Whether it was used, down-weighted or rejected.
     pub outcome: Outcome,
 }
 
@@ -67,6 +69,27 @@ pub enum Outcome {
     Weakened(f64),
     /// Not used.
     Rejected,
+}
+
+impl Outcome {
+    /// Factor on the measurement's covariance: 1 of one used as it was, above 1 of one down-weighted, infinite of one
+    /// rejected, which counts as if it had not been made.
+    pub fn factor(self) -> f64 {
+        match self {
+            Self::Used => 1.0,
+            Self::Weakened(factor) => factor,
+            Self::Rejected => f64::INFINITY,
+        }
+    }
+
+    /// "used", "weakened" or "rejected".
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Used => "used",
+            Self::Weakened(_) => "weakened",
+            Self::Rejected => "rejected",
+        }
+    }
 }
 
 /// Limits of the normalised innovation squared. Up to `weaken` a measurement is used as it is;
@@ -133,6 +156,37 @@ impl core::error::Error for FilterError {}
 const START_ACCEL: f64 = 2.0;
 
 /// The filter; `N` is the most states it can hold, 9 for navigation and the rest for the sensors.
+///
+/// [`Filter::step`] carries it over a sample, an `observe_…` makes a measurement's row, [`Filter::update`] takes it in:
+///
+/// ```
+/// use undrift_nav::{Matrix3, Quaternion, Vector3, earth::Geodetic, mechanisation::NavState};
+/// use undrift_nav::{filter::{Filter, Gate, InitialStd}, parameters::Parameters};
+/// use undrift_nav::{sample::{ImuSample, Position}, shaping::ShapingFilter};
+///
+/// let dt = 0.01;
+/// let here = Geodetic::from_degrees(47.0, 8.0, 400.0);
+/// let start = NavState { time: 0.0, position: here, v_n: Vector3::zeros(), q_nb: Quaternion::identity() };
+/// let std = InitialStd {
+///     position: Vector3::repeat(5.0),
+///     velocity: Vector3::repeat(0.1),
+///     attitude: Vector3::new(0.01, 0.01, 0.1),
+/// };
+/// // White noise of 1e-4 rad/√s and 1e-3 m/s/√s over a bias known to 1e-4 rad/s and 0.05 m/s².
+/// let gyro = ShapingFilter::white(1e-4, dt)?.plus(&ShapingFilter::constant(1e-4, dt)?)?;
+/// let accel = ShapingFilter::white(1e-3, dt)?.plus(&ShapingFilter::constant(0.05, dt)?)?;
+/// let sensors = [gyro, gyro, gyro, accel, accel, accel];
+/// let mut filter = Filter::<15>::new(start, &std, sensors, Parameters::none())?;
+///
+/// let (rate, force) = (Vector3::zeros(), Vector3::new(0.0, 0.0, -9.81));
+/// for k in 1..=100 {
+///     filter.step(&ImuSample { time: k as f64 * dt, dt, dtheta: rate * dt, dvel: force * dt })?;
+/// }
+/// let fix = filter.observe_position(&Position::Geodetic(here), &Vector3::zeros());
+/// let update = filter.update(&fix, &Matrix3::identity(), &Gate::OPEN)?;
+/// assert!(update.nis < 16.0 && filter.nav_std()[0] < 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Filter<const N: usize> {
     nav: NavState,
@@ -340,31 +394,15 @@ impl<const N: usize> Filter<N> {
         self.current.map(|_| self.end)
     }
 
-    /// Whether there is still a solution after this sample, as far as it is seen without taking it up: a duration, and
-    /// position and speed in the range that [`Filter::check`] asks for.
-    pub fn bears(&self, sample: &ImuSample) -> bool {
-        if !(sample.dt > 0.0 && sample.time.is_finite()) {
-            return false;
-        }
-        let mut nav = self.nav;
-        nav.step(&Increments::from_raw(
-            sample.dt,
-            sample.dtheta,
-            sample.dvel,
-            self.previous.as_ref(),
-        ));
-        nav.is_valid()
-    }
-
-    /// Carries the filter over one whole sample. The sample must begin where the one before ended, which
-    /// is not checked: of one after a gap the time is taken, but the motion within the gap is missing.
+    /// As [`Filter::step`] without any check. The sample must begin where the one before ended: of one after a gap
+    /// the time is taken, but the motion within the gap is missing.
     pub fn predict(&mut self, sample: &ImuSample) {
         self.begin(sample);
-        self.advance(1.0, None);
+        self.advance(1.0);
     }
 
-    /// Takes up a sample without moving yet; [`Filter::advance`] then moves through its interval in
-    /// one or more parts, with updates between them where a fix falls inside.
+    /// As [`Filter::begin_step`] without any check: takes up a sample without moving yet; [`Filter::advance`] then
+    /// moves through its interval in one or more parts, with updates between them where a fix falls inside.
     pub fn begin(&mut self, sample: &ImuSample) {
         let (rate, force) = (sample.dtheta / sample.dt, sample.dvel / sample.dt);
         let behind = self.sensors.states();
@@ -386,9 +424,17 @@ impl<const N: usize> Filter<N> {
         self.end = sample.time;
     }
 
-    /// Moves to the fraction `to` (0…1) of the sample taken up, the step written down on `tape`; does nothing if
-    /// already there.
-    pub fn advance(&mut self, to: f64, tape: Option<&mut Tape<N>>) {
+    /// Moves to the fraction `to` (0…1) of the sample taken up; does nothing if already there.
+    pub fn advance(&mut self, to: f64) {
+        self.advance_with(to, None);
+    }
+
+    /// As [`Filter::advance`], the step recorded on `tape` for a smoother.
+    pub fn advance_recorded(&mut self, to: f64, tape: &mut Tape<N>) {
+        self.advance_with(to, Some(tape));
+    }
+
+    fn advance_with(&mut self, to: f64, tape: Option<&mut Tape<N>>) {
         let Some((increments, done)) = self.current else {
             return;
         };
@@ -436,17 +482,26 @@ impl<const N: usize> Filter<N> {
 
     /// As [`Filter::advance`] to `time` \[s\] within the sample taken up; a time within `rounding` \[s\] of its
     /// end is the end.
-    pub fn advance_to(&mut self, time: f64, rounding: f64, tape: Option<&mut Tape<N>>) {
+    pub fn advance_to(&mut self, time: f64, rounding: f64) {
+        self.advance_to_with(time, rounding, None);
+    }
+
+    /// As [`Filter::advance_to`], the step recorded on `tape` for a smoother.
+    pub fn advance_to_recorded(&mut self, time: f64, rounding: f64, tape: &mut Tape<N>) {
+        self.advance_to_with(time, rounding, Some(tape));
+    }
+
+    fn advance_to_with(&mut self, time: f64, rounding: f64, tape: Option<&mut Tape<N>>) {
         let end = self.end;
         let Some((increments, done)) = self.current else {
             return;
         };
         if end - time <= rounding {
-            self.advance(1.0, tape);
+            self.advance_with(1.0, tape);
         } else {
             let to = 1.0 - (end - time) / increments.dt;
             if (to - done) * increments.dt > rounding {
-                self.advance(to, tape);
+                self.advance_with(to, tape);
             }
         }
     }
@@ -622,13 +677,35 @@ impl<const N: usize> Filter<N> {
     }
 
     /// Kalman update with a measurement of covariance `r`: innovation ν = predicted less measured,
-    /// `ν = h·error + noise`, past a gate ([`Gate::OPEN`]: every one is used), written down on `tape`. Joseph's form,
-    /// in two rank-M passes.
+    /// `ν = h·error + noise`, past a gate ([`Gate::OPEN`]: every one is used). Joseph's form, in two rank-M passes.
     ///
     /// # Errors
     /// A covariance of the innovation that is not positive, or a correction after which there is no solution; the
     /// filter is then as it was.
     pub fn update<const M: usize>(
+        &mut self,
+        observed: &Observation<M, N>,
+        r: &SMatrix<f64, M, M>,
+        gate: &Gate,
+    ) -> Result<Update, FilterError> {
+        self.update_with(observed, r, gate, None)
+    }
+
+    /// As [`Filter::update`], recorded on `tape` for a smoother.
+    ///
+    /// # Errors
+    /// As [`Filter::update`].
+    pub fn update_recorded<const M: usize>(
+        &mut self,
+        observed: &Observation<M, N>,
+        r: &SMatrix<f64, M, M>,
+        gate: &Gate,
+        tape: &mut Tape<N>,
+    ) -> Result<Update, FilterError> {
+        self.update_with(observed, r, gate, Some(tape))
+    }
+
+    fn update_with<const M: usize>(
         &mut self,
         observed: &Observation<M, N>,
         r: &SMatrix<f64, M, M>,

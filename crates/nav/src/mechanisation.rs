@@ -12,6 +12,7 @@ use crate::{
 
 /// Position, velocity and attitude of the IMU at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NavState {
     /// Time \[s\], in the log's time base.
     pub time: f64,

@@ -14,6 +14,7 @@ use crate::{Vector3, sample::AXES};
 
 /// Kinds of parameters, in the order of their states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Parameter {
     /// Scale factor errors of gyro x, y, z [–].
     GyroScale,
@@ -90,6 +91,7 @@ impl Parameter {
 
 /// What is known of a parameter before the log.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Prior {
     /// Standard deviation of each state about its configured value [the parameter's unit].
     pub std: f64,
@@ -123,6 +125,7 @@ impl Prior {
 
 /// The parameters that are estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Parameters {
     priors: [Option<Prior>; Parameter::ALL.len()],
     /// States of the kinds before each, of those that are estimated, and of all.

@@ -9,6 +9,7 @@ use crate::{
 /// Motion over a span, with its derivatives by constant biases: gyro `g` [rad/s], accelerometer `a` [m/s²], both
 /// what the sensor reads too much. Not for turns of the Earth or of the navigation frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Preintegrated {
     /// Length \[s\].
     pub dt: f64,

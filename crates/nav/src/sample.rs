@@ -7,6 +7,7 @@ pub const AXES: usize = 6;
 
 /// One inertial sample as increments over the interval `(time − dt, time]`, body axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ImuSample {
     /// End of the interval \[s\], in the log's time base.
     pub time: f64,
@@ -18,8 +19,27 @@ pub struct ImuSample {
     pub dvel: Vector3,
 }
 
+impl ImuSample {
+    /// The sample of a sensor that gives rates: angular rate [rad/s] and specific force [m/s²], body axes, that hold over the
+    /// `dt` \[s\] up to `time` \[s\].
+    pub fn from_rates(
+        time: f64,
+        dt: f64,
+        omega_ib_b: impl Into<Vector3>,
+        force_b: impl Into<Vector3>,
+    ) -> Self {
+        Self {
+            time,
+            dt,
+            dtheta: omega_ib_b.into() * dt,
+            dvel: force_b.into() * dt,
+        }
+    }
+}
+
 /// Where a position fix is, and relative to what.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Position {
     /// Antenna position on the ellipsoid.
     Geodetic(Geodetic),
@@ -34,6 +54,7 @@ pub enum Position {
 
 /// One GNSS epoch of the antenna: position, velocity, or both.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GnssFix {
     /// Time of validity \[s\], in the same base as the inertial samples.
     pub time: f64,
@@ -46,6 +67,24 @@ pub struct GnssFix {
 }
 
 impl GnssFix {
+    /// A position of the antenna at `time` \[s\], with standard deviations north, east, down \[m\].
+    pub fn at(time: f64, place: Geodetic, std: impl Into<Vector3>) -> Self {
+        Self {
+            time,
+            position: Some((Position::Geodetic(place), variances(std.into()))),
+            velocity: None,
+            quality: FixQuality::Unknown,
+        }
+    }
+
+    /// The fix with a velocity of the antenna over ground [m/s], north, east, down, and standard deviations.
+    pub fn with_velocity(self, v_n: impl Into<Vector3>, std: impl Into<Vector3>) -> Self {
+        Self {
+            velocity: Some((v_n.into(), variances(std.into()))),
+            ..self
+        }
+    }
+
     /// Whether its time and every number of it is finite.
     pub fn is_finite(&self) -> bool {
         let of_position = |(position, r): &(Position, Matrix3)| {
@@ -67,8 +106,13 @@ impl GnssFix {
     }
 }
 
+fn variances(std: Vector3) -> Matrix3 {
+    Matrix3::from_diagonal(&std.component_mul(&std))
+}
+
 /// Kind of GNSS solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FixQuality {
     /// The file does not say.
     #[default]
@@ -85,6 +129,7 @@ pub enum FixQuality {
 
 /// A measurement of one number.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Scalar {
     /// Time \[s\], in the same base as the inertial samples.
     pub time: f64,

@@ -62,6 +62,28 @@ pub const AXES: [&str; 6] = [
 pub const MAX_PROCESSES: usize = MAX_ORDER - 2;
 
 /// The random errors of an IMU, axis by axis, in body axes of the sensor.
+///
+/// A preset, a file, or the numbers of a data sheet in SI units:
+///
+/// ```
+/// use undrift_noise::{AxisModel, BiasModel, GaussMarkov, ImuModel};
+///
+/// let preset = ImuModel::preset("adis16405").ok_or("no such preset")?;
+/// let deg = f64::to_radians(1.0);
+/// let gyro = AxisModel {
+///     white: Some(0.15 * deg / 60.0),                                              // 0.15 deg/√h
+///     instability: vec![GaussMarkov { sigma: 6.0 * deg / 3600.0, tau_s: 100.0 }],  // 6 deg/h
+///     turn_on: 0.2 * deg,                                                          // 0.2 deg/s
+///     ..AxisModel::default()
+/// };
+/// let accel = AxisModel { white: Some(1e-3), turn_on: 0.05, ..AxisModel::default() };
+/// let model = ImuModel::new("my IMU", gyro, accel);
+///
+/// assert_eq!(ImuModel::from_toml(&model.to_toml(), "imu.toml")?.gyro[2].turn_on, 0.2 * deg);
+/// // What the filter takes, at 100 Hz: white noise over a process and a constant.
+/// assert_eq!(model.shaping(BiasModel::GaussMarkov, 0.01)?[0].order, 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImuModel {
     /// Name of the sensor.
@@ -74,8 +96,9 @@ pub struct ImuModel {
     pub gyro: [AxisModel; 3],
     /// Accelerometers x, y, z [m, s].
     pub accel: [AxisModel; 3],
-    /// What messages put before the name of an axis: where it was read from.
-    pub(crate) prefix: String,
+    /// Where it was read from, which messages put before the name of an axis: `imu.toml: ` or `drive.toml: model.`; empty
+    /// for a model made in code.
+    pub read_from: String,
 }
 
 /// Where an identified model comes from; every part may be unknown.
@@ -251,6 +274,16 @@ fn axis_prefix(axis: Option<&'static str>) -> String {
 }
 
 impl ImuModel {
+    /// The model of a sensor whose three gyros are alike, and its three accelerometers, as data sheets give them.
+    pub fn new(name: &str, gyro: AxisModel, accel: AxisModel) -> Self {
+        Self {
+            name: name.to_owned(),
+            gyro: [gyro.clone(), gyro.clone(), gyro],
+            accel: [accel.clone(), accel.clone(), accel],
+            ..Self::default()
+        }
+    }
+
     /// Reads a model file's text; `file` is what messages call it.
     ///
     /// # Errors
@@ -346,7 +379,7 @@ impl ImuModel {
         match axes.iter().find(|(_, axis)| !axis.is_known()) {
             None => Ok(axes),
             Some((axis, _)) => Err(ModelError::NoAxis {
-                prefix: self.prefix.clone(),
+                prefix: self.read_from.clone(),
                 axis,
             }),
         }

@@ -26,11 +26,6 @@ pub fn error(problem: impl Into<Failure>) -> PyErr {
     UndriftError::new_err(in_python(&text))
 }
 
-/// The text of an exception.
-pub fn text(problem: &PyErr) -> String {
-    Python::attach(|py| problem.value(py).to_string())
-}
-
 /// A text of the terminal with its options as the arguments that they are in Python: `--rate 100` is `rate=100`.
 #[pyfunction]
 pub fn in_python(text: &str) -> String {

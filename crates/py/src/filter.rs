@@ -6,7 +6,7 @@ mod measured;
 use crate::{
     columns,
     drive::Drive,
-    error::{error, text},
+    error::error,
     model::{self, NoiseModel},
     work,
 };
@@ -22,7 +22,7 @@ use undrift::{
         Vector3,
         attitude::from_rpy,
         earth::Geodetic,
-        filter::{Gate, InitialStd, Outcome, Update},
+        filter::{Gate, InitialStd, Update},
         mechanisation::NavState,
         parameters::{Parameter, Parameters, Prior},
         sample::ImuSample,
@@ -50,9 +50,6 @@ const PARAMETERS: [(&str, Parameter); 12] = [
     ("clock_rate", Parameter::ClockRate),
 ];
 
-/// Longest sample that is taken [s].
-const LONGEST: f64 = 10.0;
-
 /// The filter; `undrift.Filter` wraps it.
 #[pyclass(frozen, module = "undrift._undrift")]
 pub struct Filter(Mutex<Held>);
@@ -69,37 +66,12 @@ struct Held {
 }
 
 impl Held {
-    /// Where a new sample begins \[s\]: the end of the one taken up, or the present time.
-    fn reached(&self) -> f64 {
-        let filter = &self.estimator;
-        filter.sample_end().unwrap_or(filter.nav().time)
-    }
-
     /// Takes up a sample that goes on where the filter stands, after the rest of the one before.
     fn begin(&mut self, sample: &ImuSample) -> Result<(), String> {
-        let reached = self.reached();
         let filter = &mut self.estimator;
-        let (dt, begins) = (sample.dt, sample.time - sample.dt);
-        if sample.time <= reached {
-            return Err(format!(
-                "time goes backwards: the filter has reached {reached} s, the sample ends at {} s",
-                sample.time
-            ));
-        }
-        if (begins - reached).abs() > 0.5 * dt {
-            let whole = sample.time - reached;
-            return Err(format!(
-                "the sample of dt = {dt} s that ends at {} s does not begin where the filter stands, at {reached} s; \
-                 to carry it across a gap pass dt = {whole}, or start a new Filter",
-                sample.time
-            ));
-        }
-        if !filter.bears(sample) {
-            return Err(
-                "gyro and accel would move the solution out of range: check their units, rad/s and m/s²"
-                    .into(),
-            );
-        }
+        filter
+            .accepts_step(sample)
+            .map_err(|problem| problem.to_string())?;
         filter.advance(None);
         let noise = self.vibration.as_mut().and_then(|v| v.next(sample));
         if let Some(variances) = noise {
@@ -158,29 +130,15 @@ fn geodetic([lat, lon, height]: [f64; 3]) -> Geodetic {
 }
 
 /// A sample of rates, or of increments.
-fn sample(
-    time: f64,
-    dt: f64,
-    gyro: [f64; 3],
-    accel: [f64; 3],
-    increments: bool,
-) -> PyResult<ImuSample> {
-    if !(dt > 0.0 && dt <= LONGEST && time.is_finite()) {
-        return Err(error(format!(
-            "invalid sample: dt = {dt} s at t = {time} s; dt must be above 0 and at most {LONGEST} s"
-        )));
-    }
+fn sample(time: f64, dt: f64, gyro: [f64; 3], accel: [f64; 3], increments: bool) -> ImuSample {
     let (gyro, accel) = (Vector3::from(gyro), Vector3::from(accel));
-    if gyro.iter().chain(&accel).any(|value| !value.is_finite()) {
-        return Err(error("a sample has a value that is not finite"));
-    }
     let factor = if increments { 1.0 } else { dt };
-    Ok(ImuSample {
+    ImuSample {
         time,
         dt,
         dtheta: gyro * factor,
         dvel: accel * factor,
-    })
+    }
 }
 
 #[pymethods]
@@ -303,8 +261,8 @@ impl Filter {
         increments: bool,
     ) -> PyResult<()> {
         self.locked(py, |held| {
-            let time = time.unwrap_or(held.reached() + dt);
-            held.begin(&sample(time, dt, gyro, accel, increments)?)
+            let time = time.unwrap_or(held.estimator.reached() + dt);
+            held.begin(&sample(time, dt, gyro, accel, increments))
                 .map_err(error)
         })
     }
@@ -320,8 +278,8 @@ impl Filter {
         increments: bool,
     ) -> PyResult<()> {
         self.locked(py, |held| {
-            let time = time.unwrap_or(held.reached() + dt);
-            held.begin(&sample(time, dt, gyro, accel, increments)?)
+            let time = time.unwrap_or(held.estimator.reached() + dt);
+            held.begin(&sample(time, dt, gyro, accel, increments))
                 .and_then(|()| held.advance(None))
                 .map_err(error)
         })
@@ -365,17 +323,17 @@ impl Filter {
             let mut before = None;
             for (k, (rate, force)) in gyro.rows().into_iter().zip(accel.rows()).enumerate() {
                 interrupt::check();
-                let time = times.map_or(moved.reached() + dt, |times| times[k]);
+                let time = times.map_or(moved.estimator.reached() + dt, |times| times[k]);
                 let dt = match before {
                     Some(before) if times.is_some() => time - before,
                     _ => dt,
                 };
                 before = Some(time);
                 let [rate, force] = [rate, force].map(|of| [of[0], of[1], of[2]]);
-                let done = sample(time, dt, rate, force, increments)
-                    .and_then(|sample| moved.begin(&sample).map_err(error))
-                    .and_then(|()| moved.advance(None).map_err(error));
-                done.map_err(|problem| error(format!("sample {k} (from 0): {}", text(&problem))))?;
+                moved
+                    .begin(&sample(time, dt, rate, force, increments))
+                    .and_then(|()| moved.advance(None))
+                    .map_err(|problem| error(format!("sample {k} (from 0): {problem}")))?;
                 rows.push(row(&*moved.estimator));
             }
             *held = moved;
@@ -461,13 +419,9 @@ impl Filter {
 pub type Updated = (String, Vec<f64>, f64, usize, Vec<f64>, &'static str, f64);
 
 fn updated(kind: String, innovation: &Vector3, update: Update) -> Updated {
-    let (outcome, factor) = match update.outcome {
-        Outcome::Used => ("used", 1.0),
-        Outcome::Weakened(factor) => ("weakened", factor),
-        Outcome::Rejected => ("rejected", f64::INFINITY),
-    };
     let seen = |of: &[f64]| of[..update.dof].to_vec();
     let (innovation, whitened) = (seen(innovation.as_slice()), seen(&update.whitened));
+    let (outcome, factor) = (update.outcome.name(), update.outcome.factor());
     (
         kind, innovation, update.nis, update.dof, whitened, outcome, factor,
     )

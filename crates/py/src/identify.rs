@@ -163,9 +163,12 @@ fn identified(
 
 #[pymethods]
 impl Identified {
-    /// Everything as JSON.
-    fn json(&self, py: Python<'_>) -> String {
-        py.detach(|| results::text(&self.found.result(&self.name)))
+    /// Everything as JSON, and the verdict.
+    fn result(&self, py: Python<'_>) -> (String, &'static str) {
+        py.detach(|| {
+            let result = self.found.result(&self.name);
+            (results::text(&result), result.verdict().name())
+        })
     }
 
     /// What should be said of the record.

@@ -12,14 +12,16 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 use undrift::{
+    findings,
     io::write::{SolutionFile, SolutionFormat, SolutionOptions},
     navigate::{self as navigation, Hindsight, Wanted},
     outages::{Logs, Schedule},
     results,
+    usability::Usability,
 };
 use undrift_report::{say, text};
 
-/// Navigates a drive: its result as JSON, the same without the series for plots, and the solution as arrays where
+/// Navigates a drive: its result as JSON, the same without the series for plots, the verdict, and the solution as arrays where
 /// `solution` asks for it.
 #[pyfunction]
 #[expect(
@@ -37,7 +39,7 @@ pub fn navigate<'py>(
     every: Option<f64>,
     solution: bool,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(String, String, Bound<'py, PyDict>)> {
+) -> PyResult<(String, String, &'static str, Bound<'py, PyDict>)> {
     let kind = bias_model(bias)?;
     let format: Option<SolutionFormat> = format.map(str::parse).transpose().map_err(error)?;
     let name = drive.file.file_stem().unwrap_or_default();
@@ -60,11 +62,12 @@ pub fn navigate<'py>(
         let mut result = say::navigated(&report, kind, about);
         let json = results::text(&result);
         result.series = None;
-        Ok::<_, Failure>((report, json, results::text(&result)))
+        let verdict = Usability::from(findings::verdict(&result.findings).0);
+        Ok::<_, Failure>((report, json, results::text(&result), verdict.name()))
     };
-    let (report, json, brief) =
+    let (report, json, brief, verdict) =
         work::run_with(py, progress.as_ref(), &counted, navigate)?.map_err(error)?;
-    Ok((json, brief, columns::solution(py, &report.rows)?))
+    Ok((json, brief, verdict, columns::solution(py, &report.rows)?))
 }
 
 /// Start of an outage, times and errors.

@@ -56,6 +56,7 @@ def test_what_was_found_has_names(found: undrift.Identified) -> None:
     assert found.recommended["gyro_z"] == axis.recommended.name == told["chosen"]["name"]
     assert axis.adev.tolist() == told["allan"]["adev"] and axis.tests["adf"] == told["adf"]
     assert list(found.axes) == ["gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"]
+    assert found.verdict == "usable"
     assert axis.reason and axis.stationarity and not found.failed
     assert "gyro_z" in repr(found) and "<table>" in found._repr_html_()
     model = found.model(base="adis16405")

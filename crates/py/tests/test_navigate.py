@@ -342,3 +342,16 @@ def test_columns_of_all_kinds() -> None:
     assert np.isnan(columns({"m": masked})[0][1][1])
     with pytest.raises(TypeError, match="column g: invalid shape 2 x 2"):
         columns({"g": np.zeros((2, 2))})
+
+
+def test_plain_arrays_and_the_verdict(simulation: undrift.Simulation) -> None:
+    imu, gnss = simulation.imu, simulation.gnss
+    samples = {"time": imu.time, "gyro": imu.gyro, "accel": imu.accel}
+    fixes = {"time": gnss.time, "lat_deg": gnss.lat_deg, "lon_deg": gnss.lon_deg, "height": gnss.height}
+    units = {"gyro_unit": "rad/s", "accel_unit": "m/s^2", "lever_arm": (0.3, 0.1, -1.2)}
+    keys = {**units, "position_std": (1.5, 1.5, 3.0)}
+    done = undrift.navigate(samples, fixes, "adis16405", **keys)
+    assert done.verdict == "usable" and len(done.time) > 4000, done.warnings
+    upright = {**samples, "accel": -imu.accel}
+    wrong = undrift.navigate(upright, fixes, "adis16405", **keys)
+    assert wrong.verdict in ("usable with care", "not usable") and wrong.warnings

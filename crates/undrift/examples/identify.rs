@@ -6,7 +6,7 @@
 
 use std::error::Error;
 use std::path::Path;
-use undrift::identify::{self, Settings, Trend};
+use undrift::identify::{self, Settings};
 use undrift::io::Opened;
 use undrift::record::{self, RecordFormat};
 use undrift::{Identified, ImuModel};
@@ -21,9 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let record = record::read(Opened::open(Path::new(file))?, &RecordFormat::default())?;
     let settings = Settings {
         rate_hz: Some(rate_hz.parse()?),
-        span: None,
-        n_max: 2,
-        trend: Trend::Constant,
+        ..Settings::default()
     };
     let recordings = [identify::prepare(record, &settings)?];
 

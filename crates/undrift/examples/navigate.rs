@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use undrift::io::write::{SolutionFile, SolutionFormat, SolutionOptions};
 use undrift::nav::Vector3;
 use undrift::simulate::{GnssNoise, SimulatedLog};
-use undrift::{BiasModel, Drive, ImuModel, Trajectory, navigate};
+use undrift::{BiasModel, Drive, ImuModel, Trajectory, navigate, navigate_drive};
 
 /// A car for two minutes: an ADIS16465 at 100 Hz and a receiver on the roof.
 fn simulated(folder: &Path) -> Result<PathBuf, Box<dyn Error>> {
@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         files: vec![csv],
         ..Default::default()
     };
-    let report = navigate(&drive, BiasModel::Arma, wanted)?;
+    let report = navigate_drive(&drive, BiasModel::Arma, wanted)?;
 
     let summary = &report.summary;
     println!(

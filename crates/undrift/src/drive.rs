@@ -25,6 +25,7 @@ mod error;
 pub(crate) mod gnss;
 pub(crate) mod imu;
 mod logs;
+mod memory;
 mod scalars;
 mod section;
 pub(crate) mod tables;
@@ -61,7 +62,26 @@ use undrift_io::{
 use undrift_nav::{Vector3, covariance::AXES, parameters::Parameters, units::Quantity};
 use undrift_noise::{ImuModel, number::rounded};
 
-/// A drive, ready to be read.
+/// A drive, ready to be read: from files, [`Drive::load`], or from memory, [`Drive::from_samples`].
+///
+/// All that takes a drive works with either:
+///
+/// ```
+/// use undrift::{BiasModel, Drive, ImuModel, Vector3, navigate::Wanted, navigate_drive};
+/// # use undrift::{Trajectory, simulate, simulate::GnssNoise};
+/// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, None, &GnssNoise::default(), 1)?;
+///
+/// let drive = Drive {
+///     model: ImuModel::preset("adis16465"),
+///     lever_arm: Vector3::new(0.3, 0.0, -1.2),
+///     adapt: true,
+///     ..Drive::from_samples(&log.imu, &log.gnss)
+/// }
+/// .with_truth(&log.truth);
+/// let report = navigate_drive(&drive, BiasModel::Arma, Wanted::default())?;
+/// assert!(report.summary.fixes > 0 && report.rmse.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Drive {
     /// Inertial log.

@@ -1,24 +1,69 @@
-//! Make cheap inertial sensors trustworthy: simulate a drive, navigate a log with any noise model,
-//! and measure how far the solution drifts when GNSS is cut.
+//! Make cheap inertial sensors trustworthy: identify their noise, navigate with GNSS, and measure how far the solution
+//! drifts when GNSS is cut.
+//!
+//! From nothing to a navigated drive: samples and fixes as slices, a noise model, what is known of the vehicle. SI units and
+//! radians; body axes are forward, right, down, the ground's north, east, down.
+//!
+//! ```
+//! use undrift::{GnssFix, Geodetic, ImuModel, ImuSample, Setup, Vector3, navigate, vehicle::Profile};
+//! # use undrift::{BiasModel, Trajectory, simulate, simulate::GnssNoise};
+//! # let model = ImuModel::preset("adis16465").ok_or("no such preset")?;
+//! # let log = simulate(&Trajectory::car(150.0, 1), 50.0, Some(&model.shaping(BiasModel::Arma, 0.02)?), &GnssNoise::default(), 1)?;
+//! # struct Row { time: f64, gyro: [f64; 3], accel: [f64; 3] }
+//! # let my_imu = log.imu.iter().map(|s| Row { time: s.time, gyro: (s.dtheta / s.dt).into(), accel: (s.dvel / s.dt).into() });
+//! # struct Place { time: f64, lat_deg: f64, lon_deg: f64, height: f64 }
+//! # let my_gnss = log.gnss.iter().map(|f| {
+//! #     let Some((undrift::nav::sample::Position::Geodetic(p), _)) = f.position else { unreachable!() };
+//! #     Place { time: f.time, lat_deg: p.lat.to_degrees(), lon_deg: p.lon.to_degrees(), height: p.height }
+//! # });
+//!
+//! // Rates [rad/s] and specific forces [m/s²] over the 0.02 s up to each time [s].
+//! let imu: Vec<ImuSample> =
+//!     my_imu.map(|row| ImuSample::from_rates(row.time, 0.02, row.gyro, row.accel)).collect();
+//! // Positions of the antenna with standard deviations [m].
+//! let fixes: Vec<GnssFix> = my_gnss
+//!     .map(|row| {
+//!         let place = Geodetic::from_degrees(row.lat_deg, row.lon_deg, row.height);
+//!         GnssFix::at(row.time, place, [1.5, 1.5, 3.0])
+//!     })
+//!     .collect();
+//!
+//! // A preset, a file (`ImuModel::load`), the numbers of a data sheet (`ImuModel::new`), or your own recording (`identify`).
+//! let model = ImuModel::preset("adis16465").ok_or("no such preset")?;
+//! let setup = Setup {
+//!     lever_arm: Vector3::new(0.3, 0.0, -1.2), // From the IMU to the antenna [m].
+//!     vehicle: Profile::Car,
+//!     ..Setup::default()
+//! };
+//! let done = navigate(&imu, &fixes, &model, &setup)?;
+//! println!("{}", done.verdict); // "usable", "usable with care", "not usable"
+//! for finding in &done.findings {
+//!     println!("{finding:?}"); // wrong units, axes, signs, clocks; gaps; outliers; …
+//! }
+//! for row in done.solution.iter().step_by(50) {
+//!     println!("{:.2} s: {:?}, yaw {:.3} rad", row.time, row.position, row.rpy.z);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! | wanted | way |
+//! |---|---|
+//! | the noise model of a sensor, from a recording at rest | [`identify`](fn@identify) |
+//! | a solution, from slices | [`navigate`](fn@navigate) |
+//! | the same in real time, sample by sample | [`Setup::navigator`] |
+//! | a solution, from files | [`Drive::load`], [`navigate_drive`] |
+//! | all settings of a drive, in code | [`Drive::from_samples`] |
+//! | how far it drifts without GNSS | [`outages::Logs`] |
+//! | the noise of a sensor in its vehicle | [`tune::tune`] |
+//! | the filter alone, `no_std` | [`nav::filter::Filter`] |
+//! | a simulated drive | [`simulate()`] |
+//!
+//! `examples/` has a short program for each of the first three (`identify_record`, `navigate_slices`, `real_time`), and
+//! longer ones on files (`identify`, `navigate`, `outages`).
 //!
 //! A log's way through this crate: [`drive`] names files and columns, [`align`] finds the first
 //! attitude, [`replay`] merges samples and fixes through the filter of `undrift-nav`, and
 //! [`mod@navigate`] or [`outages`] collect what comes out. [`mod@simulate`] makes logs with a known truth.
-//!
-//! A first program:
-//!
-//! ```no_run
-//! use undrift::{BiasModel, Drive, navigate, navigate::Wanted};
-//!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let drive = Drive::load("drive.toml".as_ref(), None)?;
-//! let report = navigate(&drive, BiasModel::Arma, Wanted::default())?;
-//! println!("{} fixes used", report.summary.fixes);
-//! # Ok(())
-//! # }
-//! ```
-//!
-//! `examples/` has three of some fifty lines: `navigate`, `outages` and `identify`.
 
 pub mod columns;
 pub mod consistency;
@@ -39,9 +84,11 @@ pub mod replay;
 pub mod results;
 pub mod series;
 pub mod simulate;
+mod slices;
 pub mod smooth;
 mod temperature;
 pub mod tune;
+pub mod usability;
 
 pub use undrift_engine::{self as engine, align, estimator, fixes, settings, vehicle};
 pub use undrift_io as io;
@@ -49,9 +96,18 @@ pub use undrift_nav as nav;
 pub use undrift_noise as noise;
 
 pub use drive::Drive;
+pub use engine::Navigator;
 pub use identify::Identified;
-pub use navigate::navigate;
+pub use nav::{
+    Vector3,
+    earth::Geodetic,
+    sample::{GnssFix, ImuSample},
+};
+#[doc(inline)]
+pub use navigate::navigate as navigate_drive;
 pub use outages::{Logs, Schedule};
 pub use record::Record;
 pub use simulate::{Trajectory, simulate};
-pub use undrift_noise::{BiasModel, ImuModel};
+pub use slices::{Identification, Navigated, Setup, identify, navigate};
+pub use undrift_noise::{AxisModel, BiasModel, GaussMarkov, ImuModel};
+pub use usability::Usability;

@@ -1,5 +1,23 @@
 //! The experiment: GNSS cut many times on one drive, each bias model run through it, the drift
 //! reported as in the source paper's Table 4.
+//!
+//! ```
+//! use undrift::{BiasModel, ImuModel, Logs, Schedule, Setup, navigate::Hindsight, reference::HORIZONTAL};
+//! # use undrift::{Trajectory, simulate, simulate::GnssNoise};
+//! # let model = ImuModel::preset("adis16465").ok_or("no such preset")?;
+//! # let noise = model.shaping(BiasModel::GaussMarkov, 0.02)?;
+//! # let log = simulate(&Trajectory::car(200.0, 1), 50.0, Some(&noise), &GnssNoise::default(), 1)?;
+//! # let (imu, fixes) = (&log.imu, &log.gnss);
+//!
+//! let model = ImuModel::preset("adis16465").ok_or("no such preset")?;
+//! let logs = Logs::load(&Setup::default().drive(imu, fixes, &model), Hindsight::Causal)?;
+//! // Two outages of 10 s after the first two minutes. Without a truth the withheld fixes are the reference.
+//! let cuts = logs.plan(&Schedule::Count { start: 120.0, count: 2 }, 10.0)?;
+//! for (name, run) in logs.run(&[BiasModel::White, BiasModel::Arma], &cuts, Hindsight::Causal, &|_| ())? {
+//!     println!("{name}: {:.2} m", run?.errors.rms.0[HORIZONTAL]);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod drift;
 mod errors;

@@ -48,6 +48,19 @@ pub struct RecordFormat {
 }
 
 /// A record in SI units.
+///
+/// ```
+/// use undrift::{Record, identify};
+///
+/// // 20 s at 50 Hz, rows of gyro x, y, z [rad/s] and accelerometer x, y, z [m/s²]: level and at rest.
+/// let rows: Vec<[f64; 6]> = (0..1000)
+///     .map(|k| f64::from(k % 7 - 3) * 1e-3)
+///     .map(|noise| [noise, noise, -noise, noise, noise, noise - 9.81])
+///     .collect();
+/// let record = Record::from_samples(&rows).within((5.0, 15.0), 50.0);
+/// assert_eq!((record.axes[5], record.length()), ("accel_z", 500));
+/// assert_eq!(identify::not_static(&record, 50.0), None);
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Record {
     /// What messages call it.
@@ -84,6 +97,19 @@ fn named_axis(column: &str) -> Option<(usize, Option<String>)> {
 }
 
 impl Record {
+    /// A record of rows in memory: gyro x, y, z [rad/s] and accelerometer x, y, z [m/s²], evenly spaced, NaN where a value
+    /// is missing.
+    pub fn from_samples(samples: &[[f64; 6]]) -> Self {
+        let column = |axis: usize| samples.iter().map(|row| row[axis]).collect();
+        Self {
+            name: PathBuf::from("<record>"),
+            axes: AXES.to_vec(),
+            samples: (0..AXES.len()).map(column).collect(),
+            units: Some(("rad/s".into(), "m/s^2".into())),
+            ..Self::default()
+        }
+    }
+
     /// Samples of an axis.
     pub fn length(&self) -> usize {
         self.samples.first().map_or(0, Vec::len)

@@ -29,9 +29,10 @@ pub use fleet::{
     FleetPart, LeftOut, Level, Scatter, Slope, Trouble, Warned,
 };
 pub use identify::{
-    Adf, Allan, ArmaOrigin, Axis, AxisPool, AxisSeries, AxisTemperature, BoxJenkins, Candidate,
-    Differing, GridFit, Histogram, Identify, NotFitted, Order, OrderRow, OrderTest, Origin,
-    PanditWuOrders, ParameterInterval, Pool, PooledRecord, Psd, RecordShare, Residuals, TurnOn,
+    Adf, Allan, ArmaOrigin, Axis, AxisDoubt, AxisPool, AxisSeries, AxisTemperature, BoxJenkins,
+    Candidate, Differing, GridFit, Histogram, Identify, NotFitted, Order, OrderRow, OrderTest,
+    Origin, PanditWuOrders, ParameterInterval, Pool, PooledRecord, Psd, RecordShare, Residuals,
+    TurnOn,
 };
 pub(crate) use known::{finding, findings};
 pub use montecarlo::{Group, MonteCarlo, MonteCarloDrive, MonteCarloModel, NisKind, Verdict};

@@ -40,7 +40,7 @@ pub(crate) fn column(
 ) -> Result<Option<TemperatureColumn>, ReadError> {
     match format.source {
         ImuSource::Table { .. } => of_table(opened),
-        ImuSource::Log(..) => Ok(None),
+        ImuSource::Log(..) | ImuSource::Samples => Ok(None),
     }
 }
 

@@ -296,7 +296,25 @@ fn before_and_after(
     Ok(settings)
 }
 
-/// Identifies the noise that drives with the same sensor have in common. `goes_on` is asked along the way; once it
+/// Identifies the noise that drives with the same sensor have in common.
+///
+/// ```
+/// use undrift::{ImuModel, Setup, tune};
+/// # use undrift::{BiasModel, Trajectory, simulate, simulate::GnssNoise};
+/// # let model = ImuModel::preset("adis16465").ok_or("no such preset")?;
+/// # let noise = model.shaping(BiasModel::GaussMarkov, 0.04)?;
+/// # let log = simulate(&Trajectory::car(180.0, 1), 25.0, Some(&noise), &GnssNoise::default(), 1)?;
+/// # let (imu, fixes) = (&log.imu, &log.gnss);
+///
+/// let at_rest = ImuModel::preset("adis16465").ok_or("no such preset")?;
+/// let drive = Setup::default().drive(imu, fixes, &at_rest);
+/// let (tuned, _) = tune::tune(&[drive], &tune::Options::default(), &|_stage| true)?;
+/// let in_the_vehicle = tuned.model(&["monday"]);
+/// assert!(in_the_vehicle.gyro[0].white > Some(0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// `goes_on` is asked along the way; once it
 /// says no, what has been found so far is returned.
 ///
 /// # Errors

@@ -7,6 +7,7 @@ use nalgebra::ComplexField;
 
 /// Time stamps of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stamps {
     /// The first \[s\].
     pub first: f64,

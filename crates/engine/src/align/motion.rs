@@ -77,6 +77,7 @@ fn longest(variance: f64) -> f64 {
 
 /// The window and what became of the searches in it.
 #[derive(Clone, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct MotionAligner {
     /// Samples of the window, whole; the last one may reach beyond the last fix.
     samples: VecDeque<ImuSample>,

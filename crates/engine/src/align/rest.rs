@@ -29,6 +29,7 @@ const FORCE: f64 = 0.05;
 
 /// Tells rest by comparing block means, and keeps what it says.
 #[derive(Clone, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Rest {
     /// Tolerances of a block's means [rad/s, m/s²].
     rate_tolerance: f64,

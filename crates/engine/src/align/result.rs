@@ -7,6 +7,7 @@ use alloc::{
 
 /// How the first attitude was found, and how well.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Alignment {
     /// Where the attitude comes from.
     pub source: AttitudeSource,
@@ -20,6 +21,7 @@ pub struct Alignment {
 
 /// Where the first attitude comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum AttitudeSource {
     /// It is given.
     Given,
@@ -41,6 +43,7 @@ pub enum AttitudeSource {
 
 /// Where the heading after a rest comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum HeadingSource {
     /// It is given.
     Given,
@@ -50,6 +53,7 @@ pub enum HeadingSource {
 
 /// Why there was no alignment.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum AlignmentFailure {
     /// No fix within the inertial log has a usable position.
     #[error("no fix within the inertial log has a usable position")]
@@ -67,6 +71,7 @@ pub enum AlignmentFailure {
 
 /// Why there was no alignment after a rest, and what to set instead.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum RestFailure {
     /// There was no rest.
     #[error("no rest to level the IMU (set initial.attitude)")]
@@ -104,6 +109,7 @@ pub enum RestFailure {
 
 /// Why there was no alignment in motion, from what says least to what says most.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, thiserror::Error)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum MotionFailure {
     /// The fixes have no velocity.
     #[default]

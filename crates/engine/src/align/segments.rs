@@ -10,6 +10,7 @@ use undrift_nav::{
 
 /// Motion from the fix before to this one.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Segment {
     pub(super) motion: Preintegrated,
     /// Angular rate at the end [rad/s].

@@ -4,6 +4,7 @@ use undrift_nav::Vector3;
 
 /// Where the heading comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum Heading {
     /// Known \[rad\] with a standard deviation \[rad\].
     Given(f64, f64),
@@ -16,6 +17,7 @@ pub enum Heading {
 
 /// What is known of the start.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct AlignSettings {
     /// Roll, pitch, yaw at the first fix used, with standard deviations \[rad\].
     pub attitude: Option<(Vector3, Vector3)>,

@@ -27,6 +27,7 @@ use undrift_nav::{
 
 /// Attitude at the start of the window and constant biases in it.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Guess {
     /// Body to navigation.
     pub(super) q_nb: Quaternion,
@@ -45,6 +46,7 @@ const SAME: f64 = 0.15;
 
 /// A guess that has been improved, and what it costs.
 #[derive(Clone, Copy, Debug)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Minimum {
     pub(super) guess: Guess,
     /// Attitude at the end of the window.

@@ -12,6 +12,7 @@ const BLOCK: usize = 64;
 
 /// The fixes so far, and when they are looked at next.
 #[derive(Clone, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct FixWatch {
     full: Vec<Arc<[Seen]>>,
     last: Vec<Seen>,

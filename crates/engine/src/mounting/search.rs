@@ -18,6 +18,7 @@ const USEFUL: f64 = 0.03;
 
 /// Looks for the mounting.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Search {
     /// What holds in the vehicle's axes.
     align: AlignSettings,

@@ -37,6 +37,7 @@ const MENDS: [(FixMend, [f64; 4]); 11] = [
 
 /// What is known so far.
 #[derive(Clone, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Moves {
     /// Time and velocity of the last fix, where the present window of motion began, and how far velocity went since \[m\].
     last: Option<(f64, Vector3)>,

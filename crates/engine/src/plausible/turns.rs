@@ -33,6 +33,7 @@ const ENOUGH_PUSH: f64 = 2.5;
 
 /// Sums of a regression of y on x with means.
 #[derive(Clone, Copy, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct Regression {
     n: f64,
     x: f64,
@@ -72,6 +73,7 @@ impl Regression {
 
 /// Angles about the vertical and about the body axes \[rad\], and specific force over time [m/s], body axes.
 #[derive(Clone, Copy, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct Integrals {
     yaw: f64,
     angle: Vector3,
@@ -80,6 +82,7 @@ struct Integrals {
 
 /// What a vehicle did over ground from `start` to `end` \[s\].
 #[derive(Clone, Copy)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct Turn {
     start: f64,
     end: f64,
@@ -92,6 +95,7 @@ struct Turn {
 
 /// What is known so far.
 #[derive(Clone)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Turns {
     /// What was gathered since the start, now and at the last times in order.
     sums: Integrals,
@@ -101,6 +105,7 @@ pub(super) struct Turns {
     /// Windows whose later samples are still to come.
     waiting: VecDeque<Turn>,
     /// Of the turns on those of the vertical at each lag, and of each axis at none.
+    #[cfg_attr(feature = "checkpoint", serde(with = "crate::checkpoint::array"))]
     lags: [Regression; 2 * LAGS + 1],
     axes: [Regression; 3],
     /// Of the accelerations along the course and to its right on the forces along forward and right.

@@ -13,6 +13,7 @@ use undrift_nav::{
 /// The time-correlated part of a position's error: a Gauss-Markov process beside white noise. Both together have the
 /// variance that the fixes state.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Correlated {
     /// Share of the variance, 0 to 1.
     pub share: f64,
@@ -32,6 +33,7 @@ impl Correlated {
 
 /// Factors on standard deviations, beyond what the fixes show of themselves, as learned from a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct StdFactors {
     /// On the white part of position and velocity.
     pub white: [f64; 2],
@@ -49,6 +51,7 @@ impl StdFactors {
 
 /// Whether errors of position fixes are treated as correlated in time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum Correlation {
     /// Where the fixes show it themselves.
     #[default]
@@ -61,6 +64,7 @@ pub enum Correlation {
 
 /// What is stated of the errors of fixes; the rest they show themselves.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct FromFixes {
     /// Of the position's correlation in time.
     pub correlation: Correlation,
@@ -79,6 +83,7 @@ impl Default for FromFixes {
 
 /// What fixes are wrong by, beyond what they state.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct FixErrors {
     /// What the stated standard deviations of the position are multiplied by.
     pub position_factor: f64,

@@ -10,6 +10,7 @@ const VERTICAL: f64 = 1.5;
 
 /// How the kind of solution bears on the standard deviation of the position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum QualityStd {
     /// Not at all: the fixes carry their own.
     #[default]

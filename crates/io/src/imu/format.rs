@@ -23,6 +23,8 @@ pub enum ImuSource {
     },
     /// In a stream of a log, named as `log::streams` does; `None` for the only one.
     Log(Format, Option<String>),
+    /// Samples in memory.
+    Samples,
 }
 
 /// The column of a table that has the sensor's temperature.
@@ -91,6 +93,11 @@ impl ImuFormat {
     /// The samples of a log's stream, along the body axes.
     pub fn log(format: Format, stream: Option<String>) -> Self {
         Self::of(ImuSource::Log(format, stream))
+    }
+
+    /// Samples in memory, along the body axes: [`Memory::Samples`](crate::Memory::Samples).
+    pub fn samples() -> Self {
+        Self::of(ImuSource::Samples)
     }
 
     fn of(source: ImuSource) -> Self {

@@ -1,6 +1,7 @@
 use super::*;
 use crate::Opened;
 use crate::skipped::SkipKind;
+use crate::source::BytesRead;
 use crate::table::Column;
 use std::io::Cursor;
 use std::path::Path;
@@ -287,4 +288,95 @@ fn increments_at_another_rate_are_refused() {
     let losses: Vec<u32> = (300..490).filter(|k| k % 2 != 0).collect();
     let text = increments(0..1000, &losses);
     assert_eq!(all(&text, &unrated).len(), 1000 - losses.len());
+}
+
+fn of_memory(samples: &[ImuSample], format: &ImuFormat) -> ImuReader {
+    let memory = Memory::Samples(samples.into());
+    let opened = Opened::memory(Path::new("<imu>"), memory, &BytesRead::default()).unwrap();
+    ImuReader::new(opened, format).unwrap()
+}
+
+#[test]
+fn samples_in_memory_come_back_as_they_are() {
+    // Stamps that are no multiples of anything, a gap, and an axis that is held.
+    let text: String = (0..100)
+        .filter(|k| !(40..60).contains(k))
+        .map(|k| {
+            let t = f64::from(k) * 0.0101 + 1e5 / 3.0;
+            format!(
+                "{t},{},2,3,-4,{},6\n",
+                f64::from(k) * 0.1,
+                0.3 / f64::from(k + 1)
+            )
+        })
+        .collect();
+    let mut read = reader(&text, &format());
+    let samples: Vec<ImuSample> = read.by_ref().map(Result::unwrap).collect();
+    let mut again = of_memory(&samples, &ImuFormat::samples());
+    assert_eq!(
+        again.by_ref().map(Result::unwrap).collect::<Vec<_>>(),
+        samples
+    );
+    assert_eq!(again.gaps().count, read.gaps().count);
+    assert_eq!(again.gaps().nominal_interval, read.gaps().nominal_interval);
+    assert_eq!(again.skipped(), &Skipped::of_samples());
+}
+
+#[test]
+fn unusable_samples_in_memory_are_counted_and_a_gap_has_the_mean_rate() {
+    let sample = |time: f64, dt: f64| ImuSample {
+        time,
+        dt,
+        dtheta: Vector3::repeat(dt),
+        dvel: Vector3::repeat(2.0 * dt),
+    };
+    let nan = ImuSample {
+        dvel: Vector3::repeat(f64::NAN),
+        ..sample(0.25, 0.1)
+    };
+    let given = [
+        sample(0.1, 0.1),
+        sample(0.2, 0.1),
+        nan,
+        sample(0.3, 0.0),
+        sample(0.2, 0.1),
+        // Half a second is missing, and the sensor goes on with 0.1 s a sample.
+        sample(0.8, 0.1),
+    ];
+    let mut reader = of_memory(&given, &ImuFormat::samples());
+    let samples: Vec<ImuSample> = reader.by_ref().map(Result::unwrap).collect();
+    assert_eq!(samples[..2], given[..2]);
+    assert_eq!(samples.len(), 3);
+    let last = samples[2];
+    assert!(
+        (last.dt - 0.6).abs() < ROUNDING && (last.dvel - Vector3::repeat(1.2)).amax() < ROUNDING
+    );
+    let count = |kind| reader.skipped().count(kind);
+    assert_eq!(count(SkipKind::NotFinite), 1);
+    assert_eq!(count(SkipKind::OutOfRange), 1);
+    assert_eq!(count(SkipKind::DuplicateTime), 1);
+    // Columns are not asked of them, nor fixes.
+    let memory = || {
+        let memory = Memory::Samples(given[..1].into());
+        Opened::memory(Path::new("<imu>"), memory, &BytesRead::default()).unwrap()
+    };
+    let refused = ImuReader::new(memory(), &format())
+        .err()
+        .unwrap()
+        .to_string();
+    assert!(
+        refused.contains("<imu>") && refused.contains("records in memory"),
+        "{refused}"
+    );
+    let fixes = crate::gnss::GnssSource::Fixes {
+        time_offset: 0.0,
+        span: None,
+    };
+    let refused = crate::gnss::GnssReader::new(memory(), &fixes)
+        .err()
+        .unwrap();
+    assert!(
+        refused.to_string().contains("records in memory"),
+        "{refused}"
+    );
 }

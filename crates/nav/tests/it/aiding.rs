@@ -47,7 +47,7 @@ prop_compose! {
         let mut filter = Filter::new(nav, &std, [sensor; AXES], all).unwrap();
         let dt = 0.1;
         filter.begin(&ImuSample { time: dt, dt, dtheta: rate * dt, dvel: force * dt });
-        filter.advance(0.3, None);
+        filter.advance(0.3);
         let shift = SVector::<f64, N>::from_fn(|i, _| if i < 9 { 0.0 } else { 0.03 * small[i] });
         filter.take_out(&shift);
         filter
@@ -240,7 +240,7 @@ proptest! {
         let fix = Position::Geodetic(f.nav().position);
         let ahead = |part: f64| {
             let mut later = f.clone();
-            later.advance(0.3 + 0.6 * part, None);
+            later.advance(0.3 + 0.6 * part);
             let d = later.nav().time - f.nav().time;
             let position = later.observe_position(&fix, &lever).innovation
                 - f.observe_position(&fix, &lever).innovation;
@@ -374,21 +374,21 @@ fn white_noise_of_the_gyros_reaches_the_end_of_a_lever_arm() {
 
     let measured = filter.antenna_velocity(&ahead) - off;
     let velocity = filter.observe_velocity(&measured, &ahead);
-    let nis = filter.clone().update(&velocity, &r, &Gate::OPEN, None);
+    let nis = filter.clone().update(&velocity, &r, &Gate::OPEN);
     let expected = 0.01 / stated + 2.0 * 0.01 / (stated + 4.0 * of_rate);
     // Rounding.
     assert!((nis.unwrap().nis / expected - 1.0).abs() < 1e-12);
 
     let axle = filter.observe_non_holonomic(&ahead);
     let r = r.fixed_view::<2, 2>(0, 0).into_owned();
-    let nis = filter.clone().update(&axle, &r, &Gate::OPEN, None);
+    let nis = filter.clone().update(&axle, &r, &Gate::OPEN);
     let expected = axle.innovation.norm_squared() / (stated + 4.0 * of_rate);
     assert!((nis.unwrap().nis / expected - 1.0).abs() < 1e-12);
 
     // Pitch moves a wheel below the IMU forwards.
     let wheel = filter.observe_odometer(4.0, &Vector3::new(0.0, 0.0, 1.5));
     let r = SMatrix::<f64, 1, 1>::new(stated);
-    let nis = filter.clone().update(&wheel, &r, &Gate::OPEN, None);
+    let nis = filter.clone().update(&wheel, &r, &Gate::OPEN);
     let expected = wheel.innovation.norm_squared() / (stated + 2.25 * of_rate);
     assert!((nis.unwrap().nis / expected - 1.0).abs() < 1e-12);
 }

@@ -64,11 +64,11 @@ fn aided() -> Filter<N> {
                 .displaced(&Vector3::new(0.3, -0.2, 0.1));
             let seen = filter.observe_position(&Position::Geodetic(antenna), &Vector3::x());
             filter
-                .update(&seen, &Matrix3::identity(), &Gate::OPEN, None)
+                .update(&seen, &Matrix3::identity(), &Gate::OPEN)
                 .unwrap();
             let turn = filter.observe_earth_rate(&(sample(k).dtheta / DT));
             filter
-                .update(&turn, &(Matrix3::identity() * 1e-6), &Gate::OPEN, None)
+                .update(&turn, &(Matrix3::identity() * 1e-6), &Gate::OPEN)
                 .unwrap();
         }
     }

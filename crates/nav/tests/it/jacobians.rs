@@ -250,7 +250,7 @@ fn covariance_stays_symmetric_and_positive_through_a_day_of_updates() {
             let fix = Position::Geodetic(nav.position);
             let observed = filter.observe_position(&fix, &V3::zeros());
             filter
-                .update(&observed, &(Matrix3::identity() * 1e-6), &Gate::OPEN, None)
+                .update(&observed, &(Matrix3::identity() * 1e-6), &Gate::OPEN)
                 .unwrap();
         }
     }

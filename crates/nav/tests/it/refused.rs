@@ -5,7 +5,7 @@ use undrift_nav::{
     attitude::from_rpy,
     covariance::AXES,
     earth::Geodetic,
-    filter::{Filter, FilterError, Gate, InitialStd},
+    filter::{Filter, FilterError, Gate, InitialStd, StepError},
     mechanisation::NavState,
     parameters::Parameters,
     sample::{ImuSample, Position},
@@ -53,12 +53,12 @@ fn a_measurement_that_throws_the_solution_off_the_earth() {
     let far = filter.observe_position(&place, &Vector3::zeros());
     let fast = filter.observe_velocity(&Vector3::new(1e9, 0.0, 0.0), &Vector3::zeros());
     for observed in [far, fast] {
-        let refused = filter.update(&observed, &Matrix3::identity(), &Gate::OPEN, None);
+        let refused = filter.update(&observed, &Matrix3::identity(), &Gate::OPEN);
         assert_eq!(refused, Err(FilterError::Implausible));
     }
     let mut none = filter.observe_zero_velocity();
     none.innovation.x = f64::NAN;
-    let refused = filter.update(&none, &Matrix3::identity(), &Gate::OPEN, None);
+    let refused = filter.update(&none, &Matrix3::identity(), &Gate::OPEN);
     assert_eq!(refused, Err(FilterError::BadMeasurement));
     assert_eq!(filter.nav(), before.nav());
     assert_eq!(filter.covariance(), before.covariance());
@@ -66,28 +66,60 @@ fn a_measurement_that_throws_the_solution_off_the_earth() {
     // It goes on.
     let rest = filter.observe_zero_velocity();
     filter
-        .update(&rest, &Matrix3::identity(), &Gate::OPEN, None)
+        .update(&rest, &Matrix3::identity(), &Gate::OPEN)
         .unwrap();
 }
 
 #[test]
-fn a_sample_after_which_there_is_no_solution() {
+fn a_sample_that_cannot_be_the_next() {
     let mut filter = filter();
-    assert!(filter.bears(&sample(T, T, 0.01)));
-    for (time, dt, dvel) in [
-        (T, T, 1e5),
-        (T, T, f64::NAN),
-        (T, 0.0, 0.0),
-        (T, -T, 0.0),
-        (T, f64::NAN, 0.0),
-        (f64::INFINITY, T, 0.0),
+    assert_eq!(filter.accepts_step(&sample(T, T, 0.01)), Ok(()));
+    for (time, dt) in [
+        (T, 0.0),
+        (T, -T),
+        (T, f64::NAN),
+        (11.0, 11.0),
+        (f64::INFINITY, T),
     ] {
-        assert!(!filter.bears(&sample(time, dt, dvel)), "{time} {dt} {dvel}");
+        let refused = filter.step(&sample(time, dt, 0.0));
+        assert!(
+            matches!(refused, Err(StepError::Invalid { .. })),
+            "{refused:?}"
+        );
+    }
+    let gap = |time, dt| StepError::Gap {
+        reached: 0.0,
+        time,
+        dt,
+    };
+    for (problem, sample) in [
+        (StepError::OutOfRange, sample(T, T, 1e5)),
+        (StepError::NotFinite, sample(T, T, f64::NAN)),
+        (gap(3.1 * T, 2.0 * T), sample(3.1 * T, 2.0 * T, 0.0)),
+        // One too many: it comes twice, or of a clock set back.
+        (gap(0.0, T), sample(0.0, T, 0.0)),
+    ] {
+        assert_eq!(filter.step(&sample), Err(problem));
     }
     assert_eq!(filter.sample_end(), None);
-    filter.begin(&sample(T, T, 0.0));
-    filter.advance(0.5, None);
-    assert_eq!(filter.sample_end(), Some(T));
-    filter.advance(1.0, None);
-    assert_eq!(filter.sample_end(), None);
+    assert_eq!(filter.nav().time, 0.0);
+    // Half of a sample more or less is the stamps' jitter.
+    filter.step(&sample(1.4 * T, T, 0.0)).unwrap();
+    assert_eq!((filter.nav().time, filter.reached()), (1.4 * T, 1.4 * T));
+}
+
+#[test]
+fn a_step_in_parts_is_the_step() {
+    let (mut whole, mut parts) = (filter(), filter());
+    for k in 1..10 {
+        let sample = sample(k as f64 * T, T, 0.01);
+        whole.step(&sample).unwrap();
+        // The next one ends the one before.
+        parts.begin_step(&sample).unwrap();
+        assert_eq!(parts.sample_end(), Some(sample.time));
+    }
+    parts.advance(1.0);
+    assert_eq!(parts.sample_end(), None);
+    assert_eq!(whole.nav(), parts.nav());
+    assert_eq!(whole.covariance(), parts.covariance());
 }

@@ -85,11 +85,11 @@ fn run(spans: usize) -> (Square, Vec<Span>) {
             };
             filter.begin(&sample);
             // In two parts, as around a fix within a sample.
-            filter.advance(0.3, Some(&mut tape));
-            filter.advance(1.0, Some(&mut tape));
+            filter.advance_recorded(0.3, &mut tape);
+            filter.advance_recorded(1.0, &mut tape);
             twin.begin(&sample);
-            twin.advance(0.3, Some(&mut plain));
-            twin.advance(1.0, Some(&mut plain));
+            twin.advance_recorded(0.3, &mut plain);
+            twin.advance_recorded(1.0, &mut plain);
         }
         let predicted = *filter.covariance();
         let antenna = filter.nav().position.displaced(&Vector3::new(
@@ -102,7 +102,7 @@ fn run(spans: usize) -> (Square, Vec<Span>) {
         let before = *filter.nav();
         let states = *filter.estimates();
         filter
-            .update(&observed, &r, &Gate::OPEN, Some(&mut tape))
+            .update_recorded(&observed, &r, &Gate::OPEN, &mut tape)
             .unwrap();
         let after = filter.nav();
         let psi = (after.q_nb * before.q_nb.inverse()).scaled_axis();

@@ -69,7 +69,7 @@ fn a_filter_goes_on_from_its_numbers() {
     let mut filter = start(Vector3::new(1.0, 2.0, 0.0));
     filter.predict(&sample(1.0));
     filter.begin(&sample(2.0));
-    filter.advance(0.25, None);
+    filter.advance(0.25);
     let mut kept = Vec::new();
     filter.numbers(&mut |number| kept.push(*number));
     // Another start, and no sample yet.
@@ -79,9 +79,9 @@ fn a_filter_goes_on_from_its_numbers() {
     assert!(from.next().is_none());
     for one in [&mut filter, &mut other] {
         let rest = one.observe_zero_velocity();
-        one.update(&rest, &Matrix3::identity(), &Gate::OPEN, None)
+        one.update(&rest, &Matrix3::identity(), &Gate::OPEN)
             .unwrap();
-        one.advance(1.0, None);
+        one.advance(1.0);
         one.predict(&sample(3.0));
     }
     assert_eq!(filter.nav(), other.nav());
@@ -176,8 +176,8 @@ fn the_clocks_offset_is_as_uncertain_as_its_start_and_its_rate_together() {
             let v_n = filter.antenna_velocity(&Vector3::x()) + Vector3::repeat(0.01);
             let velocity = filter.observe_velocity(&v_n, &Vector3::x());
             let (r, r_v) = (Matrix3::identity() * 0.01, Matrix3::identity() * 1e-4);
-            filter.update(&position, &r, &Gate::OPEN, None).unwrap();
-            filter.update(&velocity, &r_v, &Gate::OPEN, None).unwrap();
+            filter.update(&position, &r, &Gate::OPEN).unwrap();
+            filter.update(&velocity, &r_v, &Gate::OPEN).unwrap();
         }
     }
     assert!((filter.since_start() - age).abs() < 1e-9);

@@ -52,10 +52,7 @@ fn the_score_is_the_slope_of_the_log_likelihood_over_the_size_of_r() {
         observed.h * filter.covariance() * observed.h.transpose() + r * ln.exp() + observed.extra
     };
     let (z, right) = (observed.innovation, covariance(0.0));
-    let found = filter
-        .clone()
-        .update(&observed, &r, &Gate::OPEN, None)
-        .unwrap();
+    let found = filter.clone().update(&observed, &r, &Gate::OPEN).unwrap();
     let likelihood = |ln: f64| {
         let s = covariance(ln);
         -0.5 * (s.determinant().ln() + z.dot(&(s.try_inverse().unwrap() * z)))

@@ -103,7 +103,7 @@ fn a_clock_offset_grows_by_its_rate() {
     let fix = undrift_nav::sample::Position::Geodetic(position);
     let observed = filter.observe_position(&fix, &level);
     let gate = undrift_nav::filter::Gate::OPEN;
-    filter.update(&observed, &noise, &gate, None).unwrap();
+    filter.update(&observed, &noise, &gate).unwrap();
     let p = filter.covariance();
     let variance = p[(o, o)] + 2.0 * time * p[(o, r)] + time * time * p[(r, r)];
     let (_, seen) = filter.time_offset(Parameter::TimeOffset).unwrap();

@@ -39,7 +39,7 @@ fn shown(north: f64, gate: &Gate, factor: f64) -> (Outcome, f64, f64) {
     let fix = Position::Geodetic(start.displaced(&Vector3::new(north, 0.0, 0.0)));
     let observed = filter.observe_position(&fix, &Vector3::zeros());
     let r = Matrix3::identity() * FIX * factor;
-    let update = filter.update(&observed, &r, gate, None).unwrap();
+    let update = filter.update(&observed, &r, gate).unwrap();
     let moved = start.offset_to(&filter.nav().position).x;
     (update.outcome, moved, filter.covariance()[(0, 0)])
 }
@@ -85,7 +85,7 @@ fn the_score_is_the_derivative_of_the_likelihood() {
     let fix = Position::Geodetic(filter.nav().position.displaced(&off));
     let observed = filter.observe_position(&fix, &Vector3::zeros());
     let r = Matrix3::new(5.0, 1.0, 0.0, 1.0, 7.0, 2.0, 0.0, 2.0, 9.0);
-    let done = filter.clone().update(&observed, &r, &Gate::OPEN, None);
+    let done = filter.clone().update(&observed, &r, &Gate::OPEN);
     let done = done.unwrap();
     let s = |log: f64| Matrix3::identity() * OWN + r * log.exp();
     let nu = observed.innovation;

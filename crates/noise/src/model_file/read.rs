@@ -183,9 +183,9 @@ pub(super) fn model(top: &Table<'_>) -> Result<ImuModel, ModelError> {
         return Err(top.error("", message));
     }
     let [gx, gy, gz, ax, ay, az] = axes;
-    let mut prefix = format!("{}: ", top.file);
+    let mut read_from = format!("{}: ", top.file);
     if !top.path.is_empty() {
-        prefix += &format!("{}.", top.path);
+        read_from += &format!("{}.", top.path);
     }
     Ok(ImuModel {
         name: top.text("name")?.unwrap_or(base.name),
@@ -193,7 +193,7 @@ pub(super) fn model(top: &Table<'_>) -> Result<ImuModel, ModelError> {
         provenance: provenance(top)?,
         gyro: [gx, gy, gz],
         accel: [ax, ay, az],
-        prefix,
+        read_from,
     })
 }
 

@@ -45,7 +45,7 @@ class Innovation(Result):
     outcome: str
     """``used``, ``weakened`` or ``rejected``."""
     factor: float
-    """Factor on the measurement's covariance."""
+    """Factor on the measurement's covariance: 1 if used as it was, above 1 if weakened, infinite if rejected."""
 
 
 class Filter:

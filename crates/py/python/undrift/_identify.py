@@ -142,6 +142,8 @@ class Identified(Told):
     """The axes of which no model was found, and why."""
     rate: float
     """Sample rate [Hz]."""
+    verdict: str
+    """``usable``, ``usable with care`` or ``not usable``, as the terminal prints it; ``warnings`` say why."""
     warnings: tuple[str, ...]
     """Warnings about the recording and its axes."""
     json: str = field(repr=False)
@@ -302,7 +304,7 @@ def identify(
         found = _undrift.identify(
             records, columns, axis, units, topic, rate, whole(n_max, "n_max"), detrend, force, report
         )
-    text = found.json()
+    text, verdict = found.result()
     told = json.loads(text)
     done, failed = {}, {}
     for name in (name for name in AXES if name in told["axes"]):
@@ -323,6 +325,7 @@ def identify(
         axes=done,
         failed=failed,
         rate=told["rate_hz"],
+        verdict=verdict,
         warnings=tuple(map(_undrift.in_python, (*found.warnings, *said))),
         json=text,
         _found=found,

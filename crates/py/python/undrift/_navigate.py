@@ -46,6 +46,8 @@ class Navigation(Solution, Told):
     """NEES per degree of freedom against the truth, once a second: 1 when the covariance is right."""
     diverged: float | None
     """Time at which the solution came to an end [s]; None if it did not."""
+    verdict: str
+    """``usable``, ``usable with care`` or ``not usable``, as the terminal prints it; ``warnings`` say why."""
     warnings: tuple[str, ...]
     """Warnings about the solution, in sentences."""
     json: str = field(repr=False)
@@ -174,7 +176,7 @@ def navigate(
     made = drive_of(drive, gnss, model, data, keys)
     files = [output] if isinstance(output, (str, os.PathLike)) else list(output)
     with reporter(progress, "navigate") as report:
-        text, brief, arrays = _undrift.navigate(
+        text, brief, verdict, arrays = _undrift.navigate(
             made._drive, bias_model, smooth, look_ahead, files, format, every, solution, report
         )
     # Without the series for plots, which take longer to parse than many a drive takes to navigate.
@@ -192,5 +194,6 @@ def navigate(
         nis={part: told[part]["nis_per_dof"] for part in ("position", "velocity")},
         nees=told["nees_per_dof"],
         diverged=summary["diverged"],
+        verdict=verdict,
         warnings=tuple(map(_undrift.in_python, told["warnings"])),
     )

@@ -3,17 +3,13 @@
 use super::spoken;
 use crate::numbers::{short, span};
 use undrift::{
-    noise::screening::{RecordError, rounding::MOSTLY_SHOWN},
-    results::{Axis, Identify},
+    results::{Axis, AxisDoubt, Identify},
+    usability::Usability,
 };
 
 /// Whether the record serves without reservation: its verdict is `usable`, and recordings are of one sensor.
 pub fn is_usable(result: &Identify) -> bool {
-    let of_one_sensor = result.pool.as_ref().is_none_or(|pool| pool.homogeneous);
-    of_one_sensor
-        && result
-            .in_order()
-            .all(|(name, axis)| doubt(name, axis).is_none())
+    result.verdict() == Usability::Usable
 }
 
 /// Whether the record serves, and why not.
@@ -61,23 +57,20 @@ pub(crate) fn verdict(result: &Identify) -> String {
 
 /// Why an axis is not to be trusted.
 fn doubt(name: &str, axis: &Axis) -> Option<String> {
-    let why = match &axis.error {
-        Some(error) if *error == RecordError::Constant.to_string() => {
-            let name = spoken(name);
+    let name = spoken(name);
+    let why = match &axis.doubt()? {
+        AxisDoubt::Constant => {
             return Some(format!(
                 "{name} is constant and was left out; check its column or the sensor"
             ));
         }
-        Some(error) => error.as_str(),
-        None if axis.moving == Some(true) => "the recording is not static",
-        None if !axis.saturation.is_empty() => "the axis is saturated",
-        None if !axis.hanging.is_empty() => "the sensor is frozen",
-        None if axis.noise_shown.is_some_and(|share| share.0 < MOSTLY_SHOWN) => {
-            "rounding hides most of the noise"
-        }
-        None => return None,
+        AxisDoubt::Failed(why) => why.clone(),
+        AxisDoubt::Moving => "the recording is not static".into(),
+        AxisDoubt::Saturated => "the axis is saturated".into(),
+        AxisDoubt::Frozen => "the sensor is frozen".into(),
+        AxisDoubt::Rounded => "rounding hides most of the noise".into(),
     };
-    Some(format!("{}: {why}", spoken(name)))
+    Some(format!("{name}: {why}"))
 }
 
 /// Whether the result is of the Allan deviations alone.
@@ -88,7 +81,10 @@ pub(crate) fn is_allan(result: &Identify) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use undrift::results::Number;
+    use undrift::{
+        noise::screening::{RecordError, rounding::MOSTLY_SHOWN},
+        results::Number,
+    };
 
     #[test]
     fn an_axis_is_doubted_for_the_first_reason_that_holds() {

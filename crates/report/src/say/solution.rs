@@ -4,6 +4,7 @@ use super::words::{at, many};
 use undrift::{
     findings::{self, Finding, NoError, Severity},
     replay::RestartCause,
+    usability::Usability,
 };
 
 /// Whether the result can be used, and why not: the first line of what is shown.
@@ -29,11 +30,7 @@ pub fn hindsight(look_ahead: bool, smooth: bool) -> &'static str {
 
 /// The word that a verdict begins with.
 pub(crate) fn usable(severity: Severity) -> &'static str {
-    match severity {
-        Severity::Note => "usable",
-        Severity::Warning => "usable with care",
-        Severity::Unusable => "not usable",
-    }
+    Usability::from(severity).name()
 }
 
 /// That the solution ended at this time \[s\], and the likeliest cause.

@@ -20,7 +20,7 @@ use undrift_nav::{
 const SPEED_STD: f64 = 0.1;
 const SCALE_STD: f64 = 0.03;
 /// Speeds that a wheel can have [m/s].
-const SPEEDS: (f64, f64) = (-150.0, 150.0);
+pub(super) const SPEEDS: (f64, f64) = (-150.0, 150.0);
 /// Standard deviation of a barometric height \[m\]: gusts, doors, ventilation.
 const HEIGHT_STD: f64 = 1.0;
 /// Weather and the geoid's height make an error of this size \[m\] …
@@ -28,7 +28,7 @@ const BIAS_STD: f64 = 100.0;
 /// … and weather and the air's temperature on slopes change it by this [m/√s].
 const BIAS_WALK: f64 = 0.1;
 /// Heights of the standard atmosphere's lowest layer \[m\].
-const HEIGHTS: (f64, f64) = (-1000.0, 11_000.0);
+pub(super) const HEIGHTS: (f64, f64) = (-1000.0, 11_000.0);
 
 /// A log of one number: its file and layout.
 pub(super) type Log = (PathBuf, ScalarFormat);
@@ -79,7 +79,7 @@ pub(super) fn read_odometer(
         Some(SCALE_STD),
     )?;
     if let Some(std) = scale {
-        parameters = parameters.with(Parameter::OdometerScale, Prior::constant(std));
+        parameters = of_odometer(parameters, std);
     }
     section.only_known()?;
     Ok((Some((path, format)), parameters))
@@ -139,15 +139,7 @@ pub(super) fn read_barometer(
         Some(BIAS_WALK),
     )?;
     if let Some(std) = bias {
-        let walk = walk.unwrap_or(0.0);
-        parameters = parameters.with(
-            Parameter::BarometerBias,
-            Prior {
-                std,
-                walk,
-                ..Prior::default()
-            },
-        );
+        parameters = of_barometer(parameters, std, walk.unwrap_or(0.0));
     } else if section.get("bias_walk").is_some() {
         return Err(section
             .error("bias_walk", "has no effect while bias_std is \"off\"")
@@ -155,6 +147,28 @@ pub(super) fn read_barometer(
     }
     section.only_known()?;
     Ok((Some((path, format)), parameters))
+}
+
+fn of_odometer(parameters: Parameters, scale_std: f64) -> Parameters {
+    parameters.with(Parameter::OdometerScale, Prior::constant(scale_std))
+}
+
+fn of_barometer(parameters: Parameters, std: f64, walk: f64) -> Parameters {
+    let prior = Prior {
+        walk,
+        ..Prior::constant(std)
+    };
+    parameters.with(Parameter::BarometerBias, prior)
+}
+
+/// The parameters with the one that an odometer of which no more is known asks for.
+pub(super) fn odometer_by_default(parameters: Parameters) -> Parameters {
+    of_odometer(parameters, SCALE_STD)
+}
+
+/// The parameters with the one that a barometer of which no more is known asks for.
+pub(super) fn barometer_by_default(parameters: Parameters) -> Parameters {
+    of_barometer(parameters, BIAS_STD, BIAS_WALK)
 }
 
 /// A standard deviation by the keys `constant` or `column`, else `default`; a column's times `unit`.

@@ -236,14 +236,11 @@ pub(super) fn read_vehicle(section: &Section) -> Result<(Constraints, Parameters
             return Err(section.error(key, "must not be negative"));
         }
     }
-    constraints.non_holonomic =
-        read_std(section, "non_holonomic", Quantity::Velocity, slip)?.map(|std| NonHolonomic {
-            right: std,
-            down: down.unwrap_or(std * NonHolonomic::CAR.down / NonHolonomic::CAR.right),
-            slip: side_slip.unwrap_or(NonHolonomic::CAR.slip),
-            lever,
-            ..NonHolonomic::CAR
-        });
+    let std = read_std(section, "non_holonomic", Quantity::Velocity, slip)?;
+    constraints.non_holonomic = std.map(|std| NonHolonomic {
+        lever,
+        ..non_holonomic(std, down, side_slip)
+    });
     constraints.zero_velocity = read_std(
         section,
         "zero_velocity",
@@ -275,19 +272,52 @@ pub(super) fn read_vehicle(section: &Section) -> Result<(Constraints, Parameters
     };
     let axle = read_std(section, "axle_std", Quantity::Length, unless(axle))?;
     section.only_known()?;
-    let mut parameters = Parameters::none();
+    Ok((constraints, of_vehicle(Parameters::none(), mounting, axle)))
+}
+
+/// The constraint of a vehicle that slips sideways with this standard deviation [m/s]; what else is not given is a car's.
+fn non_holonomic(right: f64, down: Option<f64>, slip: Option<f64>) -> NonHolonomic {
+    NonHolonomic {
+        right,
+        down: down.unwrap_or(right * NonHolonomic::CAR.down / NonHolonomic::CAR.right),
+        slip: slip.unwrap_or(NonHolonomic::CAR.slip),
+        ..NonHolonomic::CAR
+    }
+}
+
+fn of_vehicle(mut parameters: Parameters, mounting: Option<f64>, axle: Option<f64>) -> Parameters {
     for (kind, std) in [(Parameter::Mounting, mounting), (Parameter::Axle, axle)] {
         if let Some(std) = std {
             parameters = parameters.with(kind, Prior::constant(std));
         }
     }
-    Ok((constraints, parameters))
+    parameters
+}
+
+/// The constraints of a vehicle of which no more is known, and `parameters` with those that they ask for.
+pub(super) fn vehicle_by_default(
+    profile: Profile,
+    parameters: Parameters,
+) -> (Constraints, Parameters) {
+    let mut constraints = profile.constraints();
+    let rule = constraints.non_holonomic;
+    constraints.non_holonomic = rule.map(|rule| non_holonomic(rule.right, None, None));
+    let needed = |std: f64| rule.map(|_| std);
+    let parameters = of_vehicle(parameters, needed(MOUNTING_STD), needed(AXLE_STD));
+    (constraints, parameters)
+}
+
+/// The parameters that are estimated where nothing else is said.
+pub(super) fn states_by_default() -> Parameters {
+    let (offset, rate) = (Some(TIME_OFFSET_STD), Some(CLOCK_RATE_STD));
+    let scales = [Some(SCALE_FACTOR_STD), None];
+    estimated(Parameters::none(), scales, [None; 2], offset, rate)
 }
 
 /// The parameters estimated beside those given, by their standard deviations.
 pub(super) fn read_states(
     section: &Section,
-    mut parameters: Parameters,
+    parameters: Parameters,
 ) -> Result<Parameters, ConfigError> {
     let std = |key, quantity, otherwise| read_std(section, key, quantity, otherwise);
     let scale = std("scale_factor", Quantity::Dimensionless, None)?;
@@ -297,16 +327,33 @@ pub(super) fn read_states(
     let misalignment = std("misalignment", Quantity::Angle, None)?;
     let offset = std("time_offset", Quantity::Time, Some(TIME_OFFSET_STD))?;
     let rate = std("clock_rate", Quantity::Dimensionless, Some(CLOCK_RATE_STD))?;
+    let lever_arm = std("lever_arm", Quantity::Length, None)?;
+    section.only_known()?;
+    let constants = [misalignment, lever_arm];
+    Ok(estimated(
+        parameters,
+        [gyro_scale, scale],
+        constants,
+        offset,
+        rate,
+    ))
+}
+
+/// Parameters with those of these standard deviations: scale factors of gyros and accelerometers, misalignment and lever
+/// arm, time offsets, clock rate.
+fn estimated(
+    mut parameters: Parameters,
+    [gyro_scale, accel_scale]: [Option<f64>; 2],
+    [misalignment, lever_arm]: [Option<f64>; 2],
+    offset: Option<f64>,
+    rate: Option<f64>,
+) -> Parameters {
     for (kind, std, walk) in [
         (Parameter::GyroScale, gyro_scale, SCALE_FACTOR_WALK),
-        (Parameter::AccelScale, scale, 0.0),
+        (Parameter::AccelScale, accel_scale, 0.0),
         (Parameter::GyroMisalignment, misalignment, 0.0),
         (Parameter::AccelMisalignment, misalignment, 0.0),
-        (
-            Parameter::LeverArm,
-            std("lever_arm", Quantity::Length, None)?,
-            0.0,
-        ),
+        (Parameter::LeverArm, lever_arm, 0.0),
         (Parameter::TimeOffset, offset, TIME_OFFSET_WALK),
         (Parameter::VelocityTimeOffset, offset, TIME_OFFSET_WALK),
         (Parameter::ClockRate, rate.filter(|_| offset.is_some()), 0.0),
@@ -319,6 +366,5 @@ pub(super) fn read_states(
             parameters = parameters.with(kind, prior);
         }
     }
-    section.only_known()?;
-    Ok(parameters)
+    parameters
 }

@@ -7,7 +7,7 @@ use super::{
 use crate::{
     drive::{Drive, read_text},
     findings::{self, Finding, Log},
-    identify,
+    identify::{self},
     navigate::{self, Hindsight, Wanted},
     outages::{Logs, ScheduleError},
     record,

@@ -43,6 +43,9 @@ pub enum RecordingError {
         "{} has {}, {} {}: recordings that are identified together need the same axes", .1.0, .1.1, .0.0, .0.1
     )]
     Axes((String, String), (String, String)),
+    /// It is no recording of a sensor at rest, in the units that it is said to be in.
+    #[error(transparent)]
+    NotStatic(#[from] NotStatic),
     /// No axis could be identified.
     #[error("no axis could be identified")]
     NoAxis,
@@ -59,6 +62,17 @@ pub struct Settings {
     pub n_max: usize,
     /// What is taken out first; temperature is not, of a record without one.
     pub trend: Trend,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            rate_hz: None,
+            span: None,
+            n_max: 2,
+            trend: Trend::default(),
+        }
+    }
 }
 
 impl Settings {

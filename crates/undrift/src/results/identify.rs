@@ -1,8 +1,10 @@
 //! An identified static record. Of an axis "unit" is rad/s or m/s².
 
+mod doubt;
 mod fits;
 mod pool;
 
+pub use doubt::AxisDoubt;
 pub use fits::{
     Allan, ArmaOrigin, BoxJenkins, Candidate, GridFit, NotFitted, Order, OrderRow, OrderTest,
     Origin, PanditWuOrders, ParameterInterval,

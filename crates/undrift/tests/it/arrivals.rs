@@ -3,12 +3,16 @@
 use crate::public;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use std::path::{Path, PathBuf};
+use std::{
+    ops::Range,
+    path::{Path, PathBuf},
+    process::Command,
+};
 use undrift::{
     Drive, Trajectory,
     engine::Navigator,
     io::ReadError,
-    navigate::{resolve_mounting, settings, study, tell},
+    navigate::{resolve_mounting, settings},
     noise::{BiasModel, ImuModel},
     replay::{Measurement, Settings},
     simulate::{GnssNoise, SimulatedLog},
@@ -20,11 +24,12 @@ fn read(drive: &Drive) -> (Vec<ImuSample>, Vec<Measurement>, Settings) {
     let (drive, _) = resolve_mounting(drive).unwrap();
     let imu: Result<Vec<_>, ReadError> = drive.open_imu().unwrap().collect();
     let fixes: Result<Vec<_>, ReadError> = drive.open_gnss().unwrap().collect();
-    let fixes = fixes.unwrap();
-    let mut settings = settings(&drive, BiasModel::Arma).unwrap();
-    let found = study(&drive, fixes.iter().copied().map(Ok::<_, ReadError>)).unwrap();
-    tell(&mut settings, &drive, found.as_ref());
-    (imu.unwrap(), Measurement::of_fixes(&fixes), settings)
+    let settings = settings(&drive, BiasModel::Arma).unwrap();
+    (
+        imu.unwrap(),
+        Measurement::of_fixes(&fixes.unwrap()),
+        settings,
+    )
 }
 
 /// Every number of the filter at the end, to the bit, and how many measurements came too late.
@@ -78,9 +83,8 @@ fn example(name: &str, folder: &str) -> Option<Drive> {
     Some(Drive::load(&root.join(name), Some(&folder)).unwrap())
 }
 
-#[test]
-fn fixes_up_to_two_seconds_late_give_the_state_of_the_fixes_in_order() {
-    let folder = tempfile::tempdir().unwrap();
+/// A drive by car of 200 s in this folder.
+fn simulated(folder: &Path) -> Drive {
     let model = ImuModel::preset("mpu6050").unwrap();
     SimulatedLog {
         trajectory: &Trajectory::car(200.0, 4),
@@ -94,9 +98,71 @@ fn fixes_up_to_two_seconds_late_give_the_state_of_the_fixes_in_order() {
         model: "mpu6050",
         temperature_c: None,
     }
-    .write(folder.path())
+    .write(folder)
     .unwrap();
-    in_any_order(&Drive::load(&folder.path().join("drive.toml"), None).unwrap());
+    Drive::load(&folder.join("drive.toml"), None).unwrap()
+}
+
+#[test]
+fn fixes_up_to_two_seconds_late_give_the_state_of_the_fixes_in_order() {
+    let folder = tempfile::tempdir().unwrap();
+    in_any_order(&simulated(folder.path()));
+}
+
+/// Pushes what lies after `from` up to `until` \[s\] from the first sample.
+fn push(
+    navigator: &mut Navigator,
+    logs: &(Vec<ImuSample>, Vec<Measurement>, Settings),
+    span: Range<f64>,
+) {
+    let (imu, measured, _) = logs;
+    let [from, until] = [span.start, span.end].map(|t| imu[0].time + t);
+    let within = |time: f64| from < time && time <= until;
+    let mut measured = measured.iter().filter(|m| within(m.time())).peekable();
+    for sample in imu.iter().filter(|sample| within(sample.time)) {
+        while let Some(m) = measured.next_if(|m| m.time() <= sample.time) {
+            navigator.measure(*m).unwrap();
+        }
+        navigator.imu(*sample).unwrap();
+    }
+}
+
+fn bits(navigator: &Navigator) -> Vec<u8> {
+    let mut bits = Vec::new();
+    let mut filter = navigator.filter().expect("aligned").boxed();
+    filter.numbers(&mut |number| bits.extend(number.to_bits().to_le_bytes()));
+    bits
+}
+
+/// The folder of the drive and the checkpoint, in the process that goes on with it.
+const GOES_ON: &str = "UNDRIFT_TEST_GOES_ON";
+
+#[test]
+fn a_checkpoint_goes_on_in_another_process_to_the_last_bit() {
+    if let Some(folder) = std::env::var_os(GOES_ON) {
+        let folder = PathBuf::from(folder);
+        let logs = read(&Drive::load(&folder.join("drive.toml"), None).unwrap());
+        let kept = std::fs::read(folder.join("checkpoint")).unwrap();
+        let mut navigator = Navigator::restore(logs.2.clone(), &kept).unwrap();
+        push(&mut navigator, &logs, 90.0..200.0);
+        std::fs::write(folder.join("went-on"), bits(&navigator)).unwrap();
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let logs = read(&simulated(folder.path()));
+    let mut navigator = Navigator::new(logs.2.clone());
+    push(&mut navigator, &logs, -1.0..90.0);
+    std::fs::write(folder.path().join("checkpoint"), navigator.checkpoint()).unwrap();
+    push(&mut navigator, &logs, 90.0..200.0);
+    let name = "arrivals::a_checkpoint_goes_on_in_another_process_to_the_last_bit";
+    let other = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", name])
+        .env(GOES_ON, folder.path())
+        .output()
+        .unwrap();
+    assert!(other.status.success(), "{other:?}");
+    let went_on = std::fs::read(folder.path().join("went-on")).unwrap();
+    assert!(went_on == bits(&navigator), "another state");
 }
 
 #[test]

@@ -8,6 +8,7 @@ mod circles;
 mod epochs;
 mod faults;
 mod fix_study;
+mod in_memory;
 mod mechanisation;
 mod montecarlo;
 mod prose;

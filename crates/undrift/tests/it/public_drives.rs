@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use undrift::{
     drive::Drive,
     io::ReadError,
-    navigate::{Wanted, navigate, resolve_mounting, settings, study, tell},
+    navigate::{Wanted, navigate, resolve_mounting, settings},
     noise::BiasModel,
     outages::{self, ModelErrors, Schedule},
     reference::HORIZONTAL,
@@ -41,9 +41,6 @@ fn cut(drive: &Drive, models: &[BiasModel], plan: &Schedule, length: f64) -> Vec
         .iter()
         .map(|kind| {
             let mut settings = settings(drive, *kind).unwrap();
-            let fixes = gnss.iter().copied().map(Ok::<_, ReadError>);
-            let study = study(drive, fixes).unwrap();
-            tell(&mut settings, drive, study.as_ref());
             settings.outages = cuts.clone();
             (kind.name().to_owned(), settings)
         })

@@ -10,7 +10,7 @@ use undrift::noise::{
 };
 use undrift::reference::HORIZONTAL;
 use undrift::simulate::{GnssNoise, SimulatedLog};
-use undrift::{Drive, Logs, Schedule, Trajectory, navigate};
+use undrift::{Drive, Logs, Schedule, Trajectory, navigate, navigate_drive};
 
 const RATE: f64 = 100.0;
 const SEED: u64 = 1;
@@ -100,7 +100,12 @@ fn drift(drive: &Drive) -> (f64, [f64; 3], f64, Vec<Finding>) {
         count: 15,
     };
     let cuts = logs.plan(&plan, 30.0).unwrap();
-    let runs = logs.run(&[BiasModel::GaussMarkov], &cuts, false, &|_| ());
+    let runs = logs.run(
+        &[BiasModel::GaussMarkov],
+        &cuts,
+        navigate::Hindsight::Causal,
+        &|_| (),
+    );
     let runs = runs.unwrap();
     let errors = &runs[0].1.as_ref().unwrap().errors;
     let inside = errors.coverage.shares(0).unwrap()[2];
@@ -153,7 +158,7 @@ fn what_has_no_temperature_or_one_beyond_the_recording_is_reported() {
     };
     let drive = drive("gap", column);
     let report = |drive: &Drive| {
-        let report = navigate(drive, BiasModel::GaussMarkov, navigate::Wanted::default());
+        let report = navigate_drive(drive, BiasModel::GaussMarkov, navigate::Wanted::default());
         let report = report.unwrap();
         assert_eq!(report.imu_skipped.total(), 0);
         let found = report.findings().into_iter();

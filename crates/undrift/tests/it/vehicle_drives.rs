@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use undrift::{
     drive::Drive,
     io::ReadError,
-    navigate::{resolve_mounting, settings, study, tell},
+    navigate::{look_ahead, resolve_mounting, settings, study},
     noise::BiasModel,
     outages::{self, ModelErrors, Schedule},
     reference::HORIZONTAL,
@@ -35,9 +35,10 @@ fn cut(drive: &Drive, start: f64, length: f64, every: f64, nodes: Option<f64>) -
     };
     let (first, last) = (gnss[0].time, gnss[gnss.len() - 1].time);
     let mut settings = settings(drive, BiasModel::Arma).unwrap();
-    let fixes = gnss.iter().copied().map(Ok::<_, ReadError>);
-    let study = study(drive, fixes).unwrap();
-    tell(&mut settings, drive, study.as_ref());
+    if nodes.is_some() {
+        let fixes = gnss.iter().copied().map(Ok::<_, ReadError>);
+        look_ahead(&mut settings, study(drive, fixes).unwrap().as_ref());
+    }
     settings.outages = outages::schedule(&plan, length, first, last - 30.0).unwrap();
     settings.nodes = nodes;
     let run = outages::run(

@@ -97,7 +97,8 @@ fn what_is_stated_holds_from_the_start_and_fixes_that_are_withheld_show_nothing(
     }]
     .into();
     let (withheld, navigator) = changes(&drive);
-    assert!(withheld.is_empty() && navigator.summary().study.is_none());
+    let summary = navigator.end(core::iter::empty(), &mut ()).unwrap();
+    assert!(withheld.is_empty() && summary.study.is_none());
 }
 
 #[test]
@@ -121,7 +122,8 @@ fn a_vehicle_that_stands_shows_no_velocity_to_be_better_than_stated() {
             }
         }
         let (_, navigator) = changes(&drive);
-        navigator.summary().study.unwrap().errors.velocity_factor
+        let summary = navigator.end(core::iter::empty(), &mut ()).unwrap();
+        summary.study.unwrap().errors.velocity_factor
     };
     assert_eq!(quiet(&Trajectory::rest(100.0)), 1.0);
     let driving = quiet(&Trajectory::car(100.0, 2));

@@ -91,7 +91,7 @@ fn update<const N: usize>(count: u32) -> Result<(), Box<dyn std::error::Error>> 
     let fix = Position::Geodetic(filter.nav().position);
     for _ in 0..count {
         let observed = filter.observe_position(black_box(&fix), &Vector3::new(0.3, 0.1, -1.0));
-        filter.update(&observed, &Matrix3::identity(), &Gate::OPEN, None)?;
+        filter.update(&observed, &Matrix3::identity(), &Gate::OPEN)?;
     }
     black_box(filter.nav_std());
     Ok(())

@@ -1,0 +1,265 @@
+//! The whole navigator as bytes, to go on with it in another process.
+//!
+//! Kept is the state before the oldest sample that a late measurement may still ask for, and what came since: what is
+//! restored does that again, to the last bit. The settings are not in it; nor is what a smoother records.
+
+use crate::{
+    estimator::{Estimator, build},
+    events::Event,
+    measurement::Measured,
+    navigator::{Navigator, Snapshot},
+    run::Run,
+    settings::{Settings, fix_errors::FixErrors},
+};
+use alloc::{boxed::Box, sync::Arc, vec::Vec};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+use undrift_nav::{
+    Vector3,
+    attitude::from_rpy,
+    covariance::AXES,
+    earth::Geodetic,
+    filter::InitialStd,
+    mechanisation::NavState,
+    parameters::{Parameter, Parameters, Prior},
+    sample::ImuSample,
+    shaping::{MAX_ORDER, ShapingFilter},
+};
+
+/// Of the bytes: changes whenever what is kept does.
+const FORMAT: u32 = 2;
+
+/// Why a navigator cannot be restored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RestoreError {
+    /// Not the bytes of a checkpoint, or not all of them.
+    #[error("these bytes are no checkpoint of a navigator, or are cut off")]
+    NoCheckpoint,
+    /// Those of another version of the navigator.
+    #[error(
+        "the checkpoint has format {0}, this navigator reads {FORMAT}: it was made by another version"
+    )]
+    OtherFormat(u32),
+    /// The navigator that was kept had other models.
+    #[error("the checkpoint is of a navigator with other settings: its filter does not go on")]
+    OtherSettings,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    run: Run,
+    /// What the fixes and the filter's parameters were found to be: in the settings of the run.
+    fix_errors: FixErrors,
+    parameters: Parameters,
+    innovations: [Option<[f64; 3]>; 6],
+    measured: Measured,
+    horizon: f64,
+    samples: Vec<ImuSample>,
+    gone: u64,
+    /// Number of the first sample behind the snapshot that `run` is, and its time; without a horizon there is none.
+    since: Option<(u64, f64)>,
+    last: Option<f64>,
+    too_late: u64,
+    rejected: Vec<Event>,
+    handed_out: Vec<Event>,
+}
+
+impl Navigator {
+    /// The whole navigator as bytes.
+    pub fn checkpoint(&self) -> Vec<u8> {
+        let oldest = self.past.front();
+        let run = oldest.map_or(&self.run, |oldest| &oldest.run).clone();
+        let kept = Kept {
+            fix_errors: run.settings().fix_errors,
+            parameters: run.settings().parameters,
+            innovations: run.summary().last_innovations(),
+            run,
+            measured: self.measured.clone(),
+            horizon: self.horizon,
+            samples: self.samples.iter().copied().collect(),
+            gone: self.gone,
+            since: oldest.map(|oldest| (oldest.next, oldest.time)),
+            last: self.last,
+            too_late: self.too_late,
+            rejected: self.rejected.clone(),
+            handed_out: self.handed_out.clone(),
+        };
+        // Into memory, of types that have no way to fail.
+        let mut bytes = postcard::to_allocvec(&(FORMAT, kept)).unwrap_or_default();
+        bytes.extend(checksum(&bytes).to_le_bytes());
+        bytes
+    }
+
+    /// The navigator of a checkpoint, under the settings that it was made with: it goes on as the other one would have,
+    /// to the last bit. What is observed or recorded for a smoother begins anew.
+    ///
+    /// # Errors
+    /// [`RestoreError`].
+    pub fn restore(settings: Settings, checkpoint: &[u8]) -> Result<Self, RestoreError> {
+        let bad = |_| RestoreError::NoCheckpoint;
+        let (format, rest) = postcard::take_from_bytes::<u32>(checkpoint).map_err(bad)?;
+        if format != FORMAT {
+            return Err(RestoreError::OtherFormat(format));
+        }
+        let (body, sum) = checkpoint
+            .split_last_chunk()
+            .ok_or(RestoreError::NoCheckpoint)?;
+        if checksum(body) != u64::from_le_bytes(*sum) {
+            return Err(RestoreError::NoCheckpoint);
+        }
+        let start = (checkpoint.len() - rest.len()).min(body.len());
+        let kept: Kept = postcard::from_bytes(&body[start..]).map_err(bad)?;
+        let mut settings = settings;
+        let sensors = settings.sensors;
+        let constants = |parameters: Parameters| {
+            let without = parameters.without(Parameter::PositionError);
+            without.without(Parameter::VelocityError)
+        };
+        if constants(settings.parameters) != constants(kept.parameters) {
+            return Err(RestoreError::OtherSettings);
+        }
+        settings.fix_errors = kept.fix_errors;
+        settings.parameters = kept.parameters;
+        let mut run = kept.run;
+        if !run.go_on_under(settings.clone()) {
+            return Err(RestoreError::OtherSettings);
+        }
+        run.summary_mut().set_last_innovations(kept.innovations);
+        let same = |filter: &dyn Estimator| {
+            (0..AXES).all(|k| filter.sensors().axis(k).order == sensors[k].order)
+        };
+        if !run.filter().is_none_or(same) {
+            return Err(RestoreError::OtherSettings);
+        }
+        let mut navigator = Self::new(settings).with_horizon(kept.horizon);
+        navigator.run = run.clone();
+        navigator.measured = kept.measured;
+        navigator.samples = kept.samples.into();
+        navigator.gone = kept.gone;
+        navigator.last = kept.last;
+        navigator.too_late = kept.too_late;
+        navigator.rejected = kept.rejected;
+        navigator.handed_out = kept.handed_out;
+        if let Some((next, time)) = kept.since {
+            navigator.past.push_back(Snapshot { run, next, time });
+            navigator
+                .again(0)
+                .map_err(|_| RestoreError::OtherSettings)?;
+        }
+        Ok(navigator)
+    }
+}
+
+/// FNV-1a of 64 bits (Fowler, Noll & Vo): what was damaged on the way is not restored.
+fn checksum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |sum, byte| {
+        (sum ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3)
+    })
+}
+
+/// In place of the settings, which are not kept.
+pub(crate) fn no_settings() -> Arc<Settings> {
+    let none = ShapingFilter {
+        order: 0,
+        interval: 1.0,
+        f: [[0.0; MAX_ORDER]; MAX_ORDER],
+        q: [[0.0; MAX_ORDER]; MAX_ORDER],
+        p0: [[0.0; MAX_ORDER]; MAX_ORDER],
+        h: [0.0; MAX_ORDER],
+        s: [0.0; MAX_ORDER],
+        r: 0.0,
+    };
+    Arc::new(Settings::new([none; AXES]))
+}
+
+/// A filter as its numbers.
+pub(crate) mod filter {
+    use super::*;
+
+    type Made = (
+        [Vec<f64>; AXES],
+        [Option<Prior>; Parameter::ALL.len()],
+        Vec<f64>,
+    );
+
+    pub(crate) fn serialize<S: Serializer>(
+        filter: &Box<dyn Estimator>,
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        let sensors = core::array::from_fn(|k| {
+            let (mut axis, mut numbers) = (*filter.sensors().axis(k), Vec::new());
+            axis.numbers(&mut |number| numbers.push(*number));
+            numbers
+        });
+        let priors = Parameter::ALL.map(|kind| filter.parameters().prior(kind));
+        let mut numbers = Vec::new();
+        filter.boxed().numbers(&mut |number| numbers.push(*number));
+        let made: Made = (sensors, priors, numbers);
+        made.serialize(to)
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Box<dyn Estimator>, D::Error> {
+        let (kept, priors, numbers) = Made::deserialize(from)?;
+        let mut sensors = no_settings().sensors;
+        for (axis, kept) in sensors.iter_mut().zip(&kept) {
+            let mut kept = kept.iter();
+            axis.numbers(&mut |number| *number = kept.next().copied().unwrap_or(f64::NAN));
+            if axis.order > MAX_ORDER {
+                return Err(D::Error::custom("a model of too many states"));
+            }
+        }
+        let mut parameters = Parameters::none();
+        for (kind, prior) in Parameter::ALL.into_iter().zip(priors) {
+            if let Some(prior) = prior {
+                parameters = parameters.with(kind, prior);
+            }
+        }
+        // Anywhere: its numbers follow.
+        let nav = NavState {
+            time: 0.0,
+            position: Geodetic::from_degrees(0.0, 0.0, 0.0),
+            v_n: Vector3::zeros(),
+            q_nb: from_rpy(&Vector3::zeros()),
+        };
+        let one = Vector3::repeat(1.0);
+        let std = InitialStd {
+            position: one,
+            velocity: one,
+            attitude: one,
+        };
+        let mut filter = build(nav, &std, &sensors, parameters).map_err(D::Error::custom)?;
+        let (mut kept, mut missing) = (numbers.into_iter(), false);
+        filter.numbers(&mut |number| match kept.next() {
+            Some(kept) => *number = kept,
+            None => missing = true,
+        });
+        match missing || kept.next().is_some() {
+            true => Err(D::Error::custom("not the numbers of this filter")),
+            false => Ok(filter),
+        }
+    }
+}
+
+/// An array of any length, which serde has to 32.
+pub(crate) mod array {
+    use super::*;
+
+    pub(crate) fn serialize<T: Serialize, S: Serializer, const N: usize>(
+        array: &[T; N],
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        array.as_slice().serialize(to)
+    }
+
+    pub(crate) fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>, const N: usize>(
+        from: D,
+    ) -> Result<[T; N], D::Error> {
+        let all = Vec::<T>::deserialize(from)?;
+        all.try_into()
+            .map_err(|_| D::Error::custom("an array of another length"))
+    }
+}
+
+#[cfg(test)]
+mod tests;

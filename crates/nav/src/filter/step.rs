@@ -1,0 +1,125 @@
+//! A sample's step, checked: the one place where its gap and range are judged.
+
+use super::{Filter, FilterError};
+use crate::{mechanisation::Increments, sample::ImuSample};
+use core::fmt;
+
+/// Longest sample that a step takes \[s\]: one that spans a gap has no motion within it.
+pub const LONGEST_STEP: f64 = 10.0;
+
+/// Why a sample was refused; the filter is then as it was, but for [`StepError::Diverged`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StepError {
+    /// Its time is not finite, or its length is not above 0 and at most [`LONGEST_STEP`].
+    Invalid {
+        /// End of the sample \[s\].
+        time: f64,
+        /// Its length \[s\].
+        dt: f64,
+    },
+    /// An increment is not finite.
+    NotFinite,
+    /// It does not begin where the filter stands, to half its length: samples were lost, or came twice.
+    Gap {
+        /// Where the filter stands \[s\].
+        reached: f64,
+        /// End of the sample \[s\].
+        time: f64,
+        /// Its length \[s\].
+        dt: f64,
+    },
+    /// Its increments would move the solution out of the range that [`Filter::check`] asks for.
+    OutOfRange,
+    /// The solution has diverged: start a new filter.
+    Diverged,
+}
+
+impl fmt::Display for StepError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Invalid { time, dt } => write!(
+                f,
+                "invalid sample: dt = {dt} s at t = {time} s; dt must be above 0 and at most {LONGEST_STEP} s"
+            ),
+            Self::NotFinite => f.write_str("a sample has a value that is not finite"),
+            Self::Gap { reached, time, .. } if time <= reached => write!(
+                f,
+                "time goes backwards: the filter has reached {reached} s, the sample ends at {time} s"
+            ),
+            Self::Gap { reached, time, dt } => write!(
+                f,
+                "the sample of dt = {dt} s that ends at {time} s does not begin where the filter stands, at {reached} s; \
+                 to carry it across a gap pass dt = {}, or start a new filter",
+                time - reached
+            ),
+            Self::OutOfRange => f.write_str(
+                "gyro and accel would move the solution out of range: check their units, rad/s and m/s²",
+            ),
+            Self::Diverged => FilterError::Diverged.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for StepError {}
+
+impl<const N: usize> Filter<N> {
+    /// Carries the filter over one whole sample, checked as [`Filter::accepts_step`] says: the everyday call.
+    /// Where a measurement falls within the sample, the same in parts: [`Filter::begin_step`],
+    /// [`Filter::advance_to`] the measurement, update, and [`Filter::advance`] to 1.
+    ///
+    /// # Errors
+    /// A sample that is refused, the filter as it was; [`StepError::Diverged`] of a solution that has ended.
+    pub fn step(&mut self, sample: &ImuSample) -> Result<(), StepError> {
+        self.begin_step(sample)?;
+        self.advance(1.0);
+        self.check().map_err(|_| StepError::Diverged)
+    }
+
+    /// Moves to the end of the sample taken up before, if it is not done, and takes up the next one, without moving
+    /// into it.
+    ///
+    /// # Errors
+    /// As [`Filter::accepts_step`]; the filter is then as it was.
+    pub fn begin_step(&mut self, sample: &ImuSample) -> Result<(), StepError> {
+        self.accepts_step(sample)?;
+        self.advance(1.0);
+        self.begin(sample);
+        Ok(())
+    }
+
+    /// Where the next sample begins \[s\]: the end of the one taken up, or the present time.
+    pub fn reached(&self) -> f64 {
+        self.sample_end().unwrap_or(self.nav().time)
+    }
+
+    /// Whether a sample can be the next: its numbers are finite, it begins where the filter stands to half its length,
+    /// and the solution after it is in range as far as is seen without taking it up.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn accepts_step(&self, sample: &ImuSample) -> Result<(), StepError> {
+        let &ImuSample { time, dt, .. } = sample;
+        if !(dt > 0.0 && dt <= LONGEST_STEP && time.is_finite()) {
+            return Err(StepError::Invalid { time, dt });
+        }
+        let mut increments = sample.dtheta.iter().chain(&sample.dvel);
+        if !increments.all(|value| value.is_finite()) {
+            return Err(StepError::NotFinite);
+        }
+        let reached = self.reached();
+        if libm::fabs(time - dt - reached) > 0.5 * dt {
+            return Err(StepError::Gap { reached, time, dt });
+        }
+        let mut nav = *self.nav();
+        nav.step(&Increments::from_raw(
+            dt,
+            sample.dtheta,
+            sample.dvel,
+            self.previous.as_ref(),
+        ));
+        if !nav.is_valid() {
+            return Err(StepError::OutOfRange);
+        }
+        Ok(())
+    }
+}

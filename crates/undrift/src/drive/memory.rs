@@ -1,0 +1,113 @@
+//! Drives of samples in memory.
+
+use super::{Beginning, Drive, Logs, scalars, tables};
+use crate::{
+    align::AlignSettings,
+    replay::{GnssUse, QualityStd},
+    settings::fix_errors::{Correlation, StdFactors},
+    vehicle::Profile,
+};
+use std::path::{Path, PathBuf};
+use undrift_io::{
+    Memory, gnss::GnssSource, imu::ImuFormat, scalar::ScalarFormat, source::BytesRead,
+    truth::TruthSource,
+};
+use undrift_nav::{
+    Vector3,
+    covariance::AXES,
+    sample::{GnssFix, ImuSample, Scalar, TruthSample},
+};
+
+/// What messages and results call the logs.
+const IMU: &str = "<imu>";
+const GNSS: &str = "<gnss>";
+const TRUTH: &str = "<truth>";
+const ODOMETER: &str = "<odometer>";
+const BAROMETER: &str = "<barometer>";
+
+impl Drive {
+    /// A drive of samples and fixes in memory, each in order of time in the same time base: samples in body axes, antenna at
+    /// the IMU, no vehicle. All else is as in a drive file that says nothing of it, and is set in the fields; `model` must be.
+    ///
+    /// Samples and fixes are checked where they are read, as those of a file: what is not finite or out of order is
+    /// skipped and counted.
+    pub fn from_samples(imu: &[ImuSample], fixes: &[GnssFix]) -> Self {
+        let (imu_path, gnss_path) = (PathBuf::from(IMU), PathBuf::from(GNSS));
+        let mut logs = Logs::default();
+        logs.memory
+            .insert(imu_path.clone(), Memory::Samples(imu.into()));
+        logs.memory
+            .insert(gnss_path.clone(), Memory::Fixes(fixes.into()));
+        let (constraints, parameters) =
+            tables::vehicle_by_default(Profile::default(), tables::states_by_default());
+        let mut drive = Self {
+            imu: (imu_path, ImuFormat::samples()),
+            imu_read: BytesRead::default(),
+            estimate_mounting: false,
+            vibration: Some([1.0; AXES]),
+            gnss: (
+                gnss_path,
+                GnssSource::Fixes {
+                    time_offset: 0.0,
+                    span: None,
+                },
+            ),
+            odometer: None,
+            barometer: None,
+            gnss_use: GnssUse::default(),
+            truth: None,
+            lever_arm: Vector3::zeros(),
+            align: AlignSettings::default(),
+            parameters,
+            constraints,
+            gating: true,
+            adapt: false,
+            quality: QualityStd::AsStated,
+            correlation: Correlation::Auto,
+            std_factors: StdFactors::ONE,
+            model: None,
+            epoch: None,
+            beginning: Beginning::default(),
+            logs,
+        };
+        drive.date(None);
+        drive
+    }
+
+    /// The drive of a vehicle: what it cannot do, and the constants that this asks for.
+    pub fn with_vehicle(mut self, profile: Profile) -> Self {
+        (self.constraints, self.parameters) = tables::vehicle_by_default(profile, self.parameters);
+        self
+    }
+
+    /// The drive with a reference solution in memory, in order of time.
+    pub fn with_truth(mut self, truth: &[TruthSample]) -> Self {
+        let path = self.hold(TRUTH, Memory::Truth(truth.into()));
+        self.truth = Some((path, TruthSource::Samples { time_offset: 0.0 }));
+        self
+    }
+
+    /// The drive with wheel speeds in memory, forward positive \[m/s\], in order of time.
+    pub fn with_odometer(mut self, speeds: &[Scalar]) -> Self {
+        let path = self.hold(ODOMETER, Memory::Scalars(speeds.into()));
+        let format = ScalarFormat::scalars("odometer", scalars::SPEEDS);
+        self.odometer = Some((path, format));
+        self.parameters = scalars::odometer_by_default(self.parameters);
+        self
+    }
+
+    /// The drive with barometric heights in memory \[m\], in order of time.
+    pub fn with_barometer(mut self, heights: &[Scalar]) -> Self {
+        let path = self.hold(BAROMETER, Memory::Scalars(heights.into()));
+        let format = ScalarFormat::scalars("barometer", scalars::HEIGHTS);
+        self.barometer = Some((path, format));
+        self.parameters = scalars::barometer_by_default(self.parameters);
+        self
+    }
+
+    fn hold(&mut self, name: &str, memory: Memory) -> PathBuf {
+        let path = Path::new(name).to_path_buf();
+        self.logs.memory.insert(path.clone(), memory);
+        path
+    }
+}
