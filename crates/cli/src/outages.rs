@@ -49,7 +49,7 @@ pub struct Arguments {
     /// Smooth: measure the errors when the fixes after an outage are used too
     #[arg(long)]
     smooth: bool,
-    /// Look ahead: study the errors of all fixes first. Default: as while driving, from the fixes so far
+    /// Look ahead: study the errors of all fixes first, and find the mounting. Default: as while driving, from the log so far
     #[arg(long)]
     look_ahead: bool,
     /// Write outages.json and outages.svg into this folder

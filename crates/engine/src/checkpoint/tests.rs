@@ -74,6 +74,8 @@ fn nor_is_the_mounting_looked_for_again() {
     }
     drive.settings.find_mounting = true;
     drive.settings.constraints.non_holonomic = Some(crate::vehicle::NonHolonomic::CAR);
+    let prior = Prior::constant(0.05);
+    drive.settings.parameters = drive.settings.parameters.with(Parameter::Mounting, prior);
     drive.settings.lever_arm = Vector3::new(0.1, 0.0, 0.0);
     let mut whole = Navigator::new(drive.settings.clone());
     push(&drive, &mut whole, 0.0, 200.0, 0.0);

@@ -10,11 +10,14 @@ use crate::{
     vehicle::Constraints,
 };
 use alloc::boxed::Box;
-use undrift_nav::{Quaternion, Vector3};
+use undrift_nav::{Quaternion, Vector3, parameters::Parameter};
 
 /// Standard deviation of pitch and yaw from which a mounting is of use \[rad\]: less than what a mounting stated by hand is
 /// taken to be wrong by, 0.05.
 const USEFUL: f64 = 0.03;
+/// The same where constraints take it for right, without a state for the rest \[rad\]: at 15 m/s what a car's velocity to the
+/// right scatters by, 0.2 m/s.
+const TRUSTED: f64 = 0.015;
 
 /// Looks for the mounting.
 #[derive(Clone)]
@@ -31,6 +34,8 @@ pub(crate) struct Search {
     /// Driving at which it was looked at last, and from which it is next \[s\].
     seen: f64,
     next: f64,
+    /// Standard deviation of pitch and yaw from which it is taken \[rad\].
+    limit: f64,
     found: Option<Mounting>,
     failure: MountingError,
     over: bool,
@@ -63,7 +68,7 @@ impl Search {
             course: None,
             ..settings.constraints.clone()
         };
-        Some(Box::new(Self {
+        let mut search = Self {
             align: core::mem::replace(&mut settings.align, free),
             constraints: core::mem::replace(&mut settings.constraints, untied),
             lever_arm: core::mem::replace(&mut settings.lever_arm, Vector3::zeros()),
@@ -72,10 +77,20 @@ impl Search {
             last: None,
             seen: 0.0,
             next: MIN_BLOCKS as f64 * BLOCK,
+            limit: USEFUL,
             found: None,
             failure: MountingError::TooLittle { found: 0.0 },
             over: false,
-        }))
+        };
+        if search.ties() && settings.parameters.prior(Parameter::Mounting).is_none() {
+            search.limit = TRUSTED;
+        }
+        Some(Box::new(search))
+    }
+
+    /// Whether constraints tie heading and mounting together.
+    fn ties(&self) -> bool {
+        self.constraints.non_holonomic.is_some() || self.constraints.course.is_some()
     }
 
     /// Whether body axes are the vehicle's.
@@ -139,9 +154,8 @@ impl Search {
         let mounting = self.look()?;
         let first = self.found.is_none();
         self.found = Some(mounting);
-        // Constraints tie heading and mounting together: what the filter shows of the mounting from then on is what it was
-        // given. The rest it estimates itself.
-        if self.constraints.non_holonomic.is_some() || self.constraints.course.is_some() {
+        // What a tied filter shows of the mounting is what it was given. The rest it estimates itself.
+        if self.ties() {
             self.end();
         }
         Some(Turned {
@@ -167,7 +181,7 @@ impl Search {
             return None;
         }
         match self.estimator.estimate() {
-            Ok(mounting) if self.found.is_some() || mounting.std.yz().max() < USEFUL => {
+            Ok(mounting) if self.found.is_some() || mounting.std.yz().max() < self.limit => {
                 self.next = 2.0 * driving;
                 Some(mounting)
             }

@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 use undrift_nav::{
     attitude::from_rpy,
     covariance::{AXES, NAV},
-    parameters::{Parameter, Parameters, Prior},
+    parameters::{Parameters, Prior},
 };
 use undrift_simulate::{GnssNoise, Trajectory};
 
@@ -146,6 +146,20 @@ fn before_it_is_found_no_constraint_acts() {
     // The filter estimates the rest of it.
     assert_eq!(summary.mountings.len(), 1);
     assert!(summary.non_holonomic.per_dof().unwrap() < 1.0);
+}
+
+#[test]
+fn where_constraints_take_it_for_right_it_is_to_be_better() {
+    let mut drive = car(1);
+    let (found, mounting) = end(push(&drive, |_, _| ())).mountings[0];
+    assert!(mounting.std.yz().max() < USEFUL);
+    drive.settings.parameters = Parameters::none();
+    let summary = end(push(&drive, |_, _| ()));
+    let (later, better) = summary.mountings[0];
+    assert!(
+        later >= found && better.std.yz().max() < TRUSTED,
+        "{better:?}"
+    );
 }
 
 #[test]
