@@ -85,8 +85,7 @@ pub enum Finding {
         /// Length of the longest \[s\].
         longest: f64,
     },
-    /// The mounting was to be found on the way and was not: the solution is in the sensor's axes, without what is known of
-    /// the vehicle. One of the three says why.
+    /// The mounting was not found while driving: the solution is in the sensor's axes. One of the three says why.
     NoMounting {
         /// Driving with a known heading, which was too little \[s\].
         driving: Option<f64>,
