@@ -226,7 +226,7 @@ impl Run {
         observer: &mut dyn Observer,
     ) -> Result<(), FilterError> {
         let Checked { sample, doubt } = match &mut self.search {
-            Some(search) => search.to_body(checked),
+            Some(search) => search.in_body_axes(checked),
             None => checked,
         };
         let (sample, broken_off) = self.after_gap(sample);

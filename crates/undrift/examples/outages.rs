@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         "{:14} {:>8} {:>8} {:>8}",
         "model", "median", "RMS", "maximum"
     );
-    for (name, outcome) in logs.run(&models, &cuts, false, &|_samples| ())? {
+    for (name, outcome) in logs.run(&models, &cuts, Hindsight::Causal, &|_samples| ())? {
         // One model that fails stops none of the others.
         let errors = match outcome {
             Ok(run) => run.errors,

@@ -104,7 +104,7 @@ impl Search {
     }
 
     /// A sample of the sensor in body axes.
-    pub(crate) fn to_body(&mut self, mut checked: Checked) -> Checked {
+    pub(crate) fn in_body_axes(&mut self, mut checked: Checked) -> Checked {
         self.since.get_or_insert(checked.sample.time);
         if let Some(mounting) = &self.found {
             let c = mounting.matrix();

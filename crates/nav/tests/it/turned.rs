@@ -80,7 +80,7 @@ fn fix(filter: &mut Filter<N>, lever: &Vector3) {
     let place = Position::Geodetic(filter.antenna_position(lever).displaced(&off));
     let observed = filter.observe_position(&place, lever);
     let noise = Matrix3::identity() * 0.25;
-    filter.update(&observed, &noise, &Gate::OPEN, None).unwrap();
+    filter.update(&observed, &noise, &Gate::OPEN).unwrap();
 }
 
 /// Runs samples, with a fix after every fiftieth.

@@ -197,7 +197,7 @@ fn what_turns_is_the_axes_and_not_the_solution() {
 fn an_antenna_away_from_the_sensor_is_taken_for_it_until_then() {
     let lever_arm = Vector3::new(1.5, -0.6, -1.2);
     let gnss = GnssNoise {
-        lever_arm: lever_arm.into(),
+        lever_arm,
         ..receiver()
     };
     let mut drive = drive(&gnss, 3);
