@@ -20,7 +20,7 @@ use undrift_nav::{
 };
 
 /// Of the bytes: changes whenever what is kept does.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 /// Why a navigator cannot be restored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -114,7 +114,9 @@ impl Navigator {
         settings.fix_errors = kept.fix_errors;
         settings.parameters = kept.parameters;
         let mut run = kept.run;
-        run.go_on_under(settings.clone());
+        if !run.go_on_under(settings.clone()) {
+            return Err(RestoreError::OtherSettings);
+        }
         run.summary_mut().set_last_innovations(kept.innovations);
         let same = |filter: &dyn Estimator| {
             (0..AXES).all(|k| filter.sensors().axis(k).order == sensors[k].order)

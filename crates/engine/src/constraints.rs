@@ -69,6 +69,11 @@ impl Vehicle {
         }
     }
 
+    /// Body axes turn by `c`.
+    pub(super) fn turn(&mut self, c: &Matrix3) {
+        self.rest.turn(c);
+    }
+
     /// A wheel speed within the present sample.
     pub(super) fn odometer(
         solution: &mut Solution,

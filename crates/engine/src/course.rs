@@ -116,6 +116,13 @@ impl CourseWatch {
         self.doubted = true;
     }
 
+    /// Heading and body axes turned by so much \[rad\]: what is usual is so much less.
+    pub(super) fn turn(&mut self, heading: f64) {
+        for off in self.usual.iter_mut().chain(&mut self.recent) {
+            *off = wrap_pi(*off - heading);
+        }
+    }
+
     fn learn(&mut self, off: f64, heading_std: f64) {
         if heading_std < KNOWN {
             self.usual[self.learned % USUAL] = off;

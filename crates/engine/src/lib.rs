@@ -55,6 +55,7 @@ mod inertial;
 mod kept;
 mod measurement;
 mod median;
+pub mod mounting;
 mod navigator;
 mod not_aligned;
 mod observer;

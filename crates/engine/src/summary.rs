@@ -7,6 +7,7 @@ use super::{
 use crate::{
     align::Alignment,
     fixes::FixStudy,
+    mounting::{Mounting, MountingError},
     settings::{Doubt, fix_errors::FixErrors},
 };
 use alloc::vec::Vec;
@@ -160,6 +161,10 @@ pub struct Summary {
     pub study: Option<FixStudy>,
     /// From when on \[s\] the filter has taken them to be wrong by what; each time it changed.
     pub fix_errors: Vec<(f64, FixErrors)>,
+    /// After when \[s\] body axes are the vehicle's, where the mounting was to be found on the way; each time it changed.
+    pub mountings: Vec<(f64, Mounting)>,
+    /// Why it was not found until the end.
+    pub no_mounting: Option<MountingError>,
     /// When the solution diverged, if it did and was not re-initialised \[s\].
     pub diverged: Option<f64>,
     /// The covariance at the end, if there is a solution.
@@ -202,6 +207,11 @@ impl Summary {
                 self.fix_errors
                     .iter()
                     .map(|(time, errors)| Event::FixErrors(*time, *errors)),
+            )
+            .chain(
+                self.mountings
+                    .iter()
+                    .map(|(time, mounting)| Event::Mounting(*time, *mounting)),
             )
             .chain(self.diverged.map(Event::Diverged))
     }

@@ -6,6 +6,7 @@
 
 use std::error::Error;
 use std::path::Path;
+use undrift::navigate::Hindsight;
 use undrift::reference::HORIZONTAL;
 use undrift::{BiasModel, Drive, Logs, Schedule, navigate::Hindsight};
 
@@ -19,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // All of the logs is read once; every model runs on the same samples.
     let drive = Drive::load(Path::new(file), None)?;
-    let logs = Logs::load(&drive)?;
+    let logs = Logs::load(&drive, Hindsight::Causal)?;
 
     // The first cut comes when turns have separated the constants of the accelerometers from tilt.
     let start = 180.0;

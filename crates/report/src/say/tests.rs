@@ -94,6 +94,22 @@ fn every_finding_has_its_sentence() {
             "IMU log: ends at 12.5 s, 300 s before the last fix: it may be cut short",
         ),
         (
+            Finding::NoMounting {
+                driving: Some(12.0),
+                wander: None,
+                std: None,
+            },
+            "the mounting was not found: only 12 s of driving above 0.7 m/s with a known heading, 30 s are needed; the solution is in the sensor's axes, and no constraint of the vehicle was applied: set imu.mounting or imu.axes",
+        ),
+        (
+            Finding::NoMounting {
+                driving: None,
+                wander: Some(0.35),
+                std: None,
+            },
+            "the mounting was not found: the direction of motion varies by 20 deg in sensor axes; the solution is in the sensor's axes, and no constraint of the vehicle was applied: set imu.mounting or imu.axes",
+        ),
+        (
             Finding::BadCovariance { fixes: 3 },
             "rejected 3 fixes whose covariance is not positive definite",
         ),

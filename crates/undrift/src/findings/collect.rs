@@ -3,6 +3,7 @@
 use super::{Finding, Log};
 use crate::{
     fixes::FixStudy,
+    mounting::MountingError,
     outages::ModelErrors,
     replay::{Implausible, Innovations, Part, SampleFault, Summary},
     settings::fix_errors::{Correlated, FixErrors},
@@ -47,6 +48,19 @@ pub fn of_health(summary: &Summary) -> Vec<Finding> {
             longest,
         });
     }
+    found.extend(summary.no_mounting.map(|why| {
+        let (mut driving, mut wander, mut std) = (None, None, None);
+        match why {
+            MountingError::TooLittle { found } => driving = Some(found),
+            MountingError::Wanders { wander: of } => wander = Some(of),
+            MountingError::Unsure { std: of } => std = Some(of),
+        }
+        Finding::NoMounting {
+            driving,
+            wander,
+            std,
+        }
+    }));
     let (start, length) = summary.longest_without_gnss;
     if length > WITHOUT_GNSS {
         found.push(Finding::WithoutGnss { start, length });

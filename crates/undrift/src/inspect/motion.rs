@@ -4,7 +4,7 @@ use super::{Content, Inspection, Known, Line, Note, Part, quoted, sensor::GUESS}
 use crate::{
     drive::{AXLE_STD, Drive, Logs},
     engine::derived::with_velocities,
-    mounting::{FLOOR_TURNING, MountingError, by_force, turn_ratio},
+    mounting::{EstimateError, FLOOR_TURNING, MountingError, by_force, turn_ratio},
     navigate::{NavigateError, Wanted, navigate, resolve_mounting},
     vehicle::Profile,
 };
@@ -90,7 +90,9 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
             let wheels = true;
             Motion { wheels, heading }
         }
-        Err(NavigateError::Mounting(MountingError::Wanders { .. })) => {
+        Err(NavigateError::Mounting(EstimateError::Mounting(MountingError::Wanders {
+            ..
+        }))) => {
             file.found.push(Note::NoWheels);
             let wheels = false;
             Motion { wheels, heading }

@@ -4,7 +4,7 @@ use super::{NavigateError, Report};
 use crate::{
     findings::{self, Finding, Log, NoError},
     fixes::LONGEST_CORRELATION,
-    mounting::MountingError,
+    mounting::EstimateError,
     replay::{Part, ReplayError},
 };
 
@@ -110,7 +110,7 @@ impl NavigateError {
     /// What was found out about the logs before it ended.
     pub fn findings(&self) -> Vec<Finding> {
         match self {
-            Self::Replay(error) | Self::Mounting(MountingError::Replay(error)) => error.findings(),
+            Self::Replay(error) | Self::Mounting(EstimateError::Replay(error)) => error.findings(),
             _ => Vec::new(),
         }
     }

@@ -11,7 +11,7 @@ use crate::{
     findings::{self, Finding, Log},
     fixes::{self, FixStudy},
     mounting::Mounting,
-    navigate::{Hindsight, NavigateError, look_ahead, resolve_mounting, scalars, settings},
+    navigate::{Hindsight, NavigateError, look_ahead, resolve_ahead, scalars, settings},
     replay::{Measurement, Outage, ReplayError, merge},
     results::{self, Outages},
 };
@@ -29,9 +29,9 @@ const NODE_SPAN: f64 = 0.2;
 
 /// A drive and all that its logs hold. Every model is run on the same.
 pub struct Logs {
-    /// The drive, in the vehicle's axes.
+    /// The drive, in the vehicle's axes; in the sensor's where the mounting is to be found on the way.
     pub drive: Drive,
-    /// The mounting, where the drive asks for an estimate.
+    /// The mounting, where the drive asks for an estimate and it was looked for ahead.
     pub mounting: Option<Mounting>,
     /// Inertial samples.
     pub imu: Vec<ImuSample>,
@@ -50,12 +50,12 @@ pub struct Logs {
 }
 
 impl Logs {
-    /// Reads the logs of a drive.
+    /// Reads the logs of a drive, for runs that know so much of them.
     ///
     /// # Errors
     /// A log that cannot be read; a mounting that cannot be estimated.
-    pub fn load(drive: &Drive) -> Result<Self, NavigateError> {
-        let (drive, mounting) = resolve_mounting(drive)?;
+    pub fn load(drive: &Drive, hindsight: Hindsight) -> Result<Self, NavigateError> {
+        let (drive, mounting) = resolve_ahead(drive, hindsight)?;
         let mut imu_reader = drive.open_imu()?;
         let imu = imu_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
         let mut gnss_reader = drive.open_gnss()?;
@@ -176,8 +176,9 @@ impl Logs {
             found.extend(findings::of_temperature(self.thermal));
             // Among several, what one model disagrees with says nothing of the log.
             if runs.next().is_none() {
-                let rotation = &self.drive.imu.1.rotation;
-                found.extend(findings::with_axes(findings::of_disagreement(s), rotation));
+                let mounted = s.mountings.last().map(|(_, mounting)| mounting.matrix());
+                let rotation = mounted.unwrap_or(self.drive.imu.1.rotation);
+                found.extend(findings::with_axes(findings::of_disagreement(s), &rotation));
             }
             for (log, health, used) in [
                 (Log::Odometer, &self.odometer, &s.odometer),
