@@ -8,7 +8,7 @@ use std::error::Error;
 use std::path::Path;
 use undrift::navigate::Hindsight;
 use undrift::reference::HORIZONTAL;
-use undrift::{BiasModel, Drive, Logs, Schedule, navigate::Hindsight};
+use undrift::{BiasModel, Drive, Logs, Schedule};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().collect();
