@@ -328,6 +328,10 @@ pub fn build(
 }
 
 /// What a filter is made of.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "passed on once, when a filter is made"
+)]
 enum Start<'a> {
     New(
         NavState,

@@ -47,6 +47,7 @@ pub(crate) mod filter {
         Vec<f64>,
     );
 
+    #[expect(clippy::borrowed_box, reason = "what the derived code calls it with")]
     pub(crate) fn serialize<S: Serializer>(
         filter: &Box<dyn Estimator>,
         to: S,

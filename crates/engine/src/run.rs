@@ -135,7 +135,7 @@ impl Run {
             fixes: (settings.from_fixes.is_some()
                 && settings.nodes.is_none()
                 && settings.log.is_none())
-            .then(|| FixWatch::default()),
+            .then(FixWatch::default),
             settings,
         }
     }
