@@ -4,7 +4,7 @@ use crate::{
     settings::fix_errors::FromFixes,
     tests::{Scenario, receiver},
 };
-use undrift_nav::{parameters::Prior, shaping::ShapingFilter};
+use undrift_nav::{Vector3, attitude::from_rpy, parameters::Prior, shaping::ShapingFilter};
 use undrift_simulate::Trajectory;
 
 fn state(navigator: &Navigator) -> Vec<u64> {
