@@ -173,6 +173,13 @@ impl Logs {
                 found.extend(findings::of_fixes(study, &study.errors));
             }
             found.extend(findings::of_health(s));
+            // One model that loses its way finds no mounting; another does.
+            let finds = |(_, run): &ModelOutcome| {
+                (run.as_ref()).is_ok_and(|run| run.summary.no_mounting.is_none())
+            };
+            if results.iter().any(finds) {
+                found.retain(|of| !matches!(of, Finding::NoMounting { .. }));
+            }
             found.extend(findings::of_temperature(self.thermal));
             // Among several, what one model disagrees with says nothing of the log.
             if runs.next().is_none() {
