@@ -223,6 +223,7 @@ pub fn replay(
     summary.map_err(|error| match error {
         EndError::NotAligned(why) => ReplayError::NotAligned(Box::new(NotAligned {
             why: *why,
+            finds_mounting: settings.find_mounting,
             skipped: Vec::new(),
         })),
         EndError::Filter(error) => ReplayError::Filter(error),

@@ -523,7 +523,7 @@ fn what_was_done_is_said_in_the_words_of_the_drive() {
     run.summary.ended = f64::NAN.into();
     let done = section(&run);
     assert!(
-        sentences(&done)[0].starts_with("a: imu.csv at 100 Hz was navigated with the fixes of gnss.csv, using a noise model as arma. Start:"),
+        sentences(&done)[0].starts_with("a: imu.csv at 100 Hz was navigated with the fixes of gnss.csv, using a noise model as arma; every estimate uses only what came before it, as while driving. Start:"),
         "{:?}",
         sentences(&done)
     );

@@ -319,8 +319,11 @@ fn what_was_done_names_the_drive_the_outages_and_the_reference() {
     run.outages = vec![cut(300.0, 30.0), cut(400.0, 30.04)];
     assert_eq!(
         what_was_done("", &run),
-        "On the drive, GNSS was cut 2 times for 30 s. During the outages the solution was compared with the truth."
+        "On the drive, GNSS was cut 2 times for 30 s. During the outages the solution, of what came before each instant only, was compared with the truth."
     );
+    run.look_ahead = true;
+    let ahead = "the solution, which knew the errors of all fixes from the start, was compared";
+    assert!(what_was_done("", &run).contains(ahead));
     run.drive.imu = Some("imu.csv".into());
     run.drive.gnss = Some("gnss.csv".into());
     run.drive.rate_hz = 100.0.into();

@@ -309,6 +309,7 @@ fn a_drive_is_line_by_line() {
     assert_eq!(
         navigate(&result),
         "not usable: the solution diverged at 9 s and ends there
+causal: each instant uses only what came before it, as while driving
 estimated mounting: roll 1 deg
 bias model arma; attitude as specified
 navigated 1000 samples from 1.500 s to 11.500 s, after 50 samples and 2 fixes for alignment
