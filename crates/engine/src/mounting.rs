@@ -43,7 +43,7 @@ const ROUNDS: usize = 10;
 const FLOOR: [f64; 3] = [0.012, 0.004, 0.003];
 /// The same in yaw where turns count, which may all be to one side.
 pub const FLOOR_TURNING: f64 = 0.015;
-/// The part of the log that [`estimate`] looks at, from its first sample \[s\].
+/// The part of a log that an estimate ahead looks at, from its first sample \[s\].
 pub const LONGEST_PASS: f64 = 900.0;
 
 /// How the IMU sits in the vehicle.
