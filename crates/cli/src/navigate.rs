@@ -55,7 +55,7 @@ pub struct Arguments {
     /// Smooth: use the whole log for the estimate at every sample
     #[arg(long)]
     smooth: bool,
-    /// Look ahead: study the errors of all fixes first. Default: as while driving, from the fixes so far
+    /// Look ahead: study the errors of all fixes first, and find the mounting. Default: as while driving, from the log so far
     #[arg(long)]
     look_ahead: bool,
     #[command(flatten)]

@@ -49,7 +49,7 @@ pub struct Arguments {
     /// Smooth: measure the errors when the fixes after an outage are used too
     #[arg(long)]
     smooth: bool,
-    /// Look ahead: study the errors of all fixes first. Default: as while driving, from the fixes so far
+    /// Look ahead: study the errors of all fixes first, and find the mounting. Default: as while driving, from the log so far
     #[arg(long)]
     look_ahead: bool,
     /// Write outages.json and outages.svg into this folder
@@ -98,12 +98,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     })?;
     let outputs = arguments.result.files().chain(arguments.track.as_deref());
     let (drive, files) = navigate::load(&arguments.drive, &arguments.common, outputs)?;
-    let logs = Logs::load(&drive).map_err(|error| anyhow!(sentences::unsolved(error)))?;
+    let hindsight = Hindsight::asked(arguments.look_ahead, arguments.smooth);
+    let logs =
+        Logs::load(&drive, hindsight).map_err(|error| anyhow!(sentences::unsolved(error)))?;
     if let Some(mounting) = &logs.mounting {
         note(sentences::estimated(&sentences::mounting(mounting)));
     }
     let cuts = logs.plan(&plan, length).map_err(refused)?;
-    let hindsight = Hindsight::asked(arguments.look_ahead, arguments.smooth);
     let outcomes = stage("navigation", || {
         let total = logs.imu.len() * arguments.bias_models.len();
         let bar = Bar::new("navigated", total as u64, "samples");
@@ -111,6 +112,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         logs.run(&arguments.bias_models, &cuts, hindsight, &done)
             .map_err(anyhow::Error::from)
     })?;
+    let mut runs = outcomes.iter().filter_map(|(_, run)| run.as_ref().ok());
+    if let Some(found) = runs.find_map(|run| sentences::found(&run.summary.mountings)) {
+        note(sentences::estimated(&found));
+    }
     let result = sentences::cut(logs.result(&arguments.drive, &cuts, &outcomes, hindsight));
     print::judge(&result.findings);
     let json = results::text(&result);

@@ -177,6 +177,11 @@ impl Measurement {
         (!finite).then_some(what)
     }
 
+    /// Whether it says nothing before the mounting is known.
+    pub(crate) fn needs_vehicle_axes(&self) -> bool {
+        matches!(self, Self::Odometer(_))
+    }
+
     /// Its place among those of one time: fixes come first.
     pub(crate) fn rank(&self) -> u8 {
         match self {

@@ -13,7 +13,10 @@ use crate::{
 };
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::{ComplexField, RealField};
-use undrift_nav::sample::{GnssFix, ImuSample};
+use undrift_nav::{
+    Matrix3,
+    sample::{GnssFix, ImuSample},
+};
 
 /// The speed of a fix holds for this long \[s\].
 const SPEED_HOLDS: f64 = 1.5;
@@ -40,6 +43,11 @@ impl Vehicle {
             stood: false,
             positions: Positions::default(),
         }
+    }
+
+    /// Body axes turn by `c`.
+    pub(super) fn turn(&mut self, c: &Matrix3) {
+        self.rest.turn(c);
     }
 
     /// A fix that was shown to the filter: its speed, and its course where that is the heading.

@@ -42,7 +42,7 @@ const SIGMAS: f64 = 2.0;
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct CourseWatch {
     last: f64,
-    #[cfg_attr(feature = "checkpoint", serde(with = "crate::checkpoint::array"))]
+    #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::array"))]
     usual: [f64; USUAL],
     learned: usize,
     recent: [f64; RECENT],
@@ -114,6 +114,13 @@ impl CourseWatch {
         filter.doubt_heading(lacking, lacking / RECENT as f64);
         summary.heading_off(fix.time, shift, self.doubted);
         self.doubted = true;
+    }
+
+    /// Heading and body axes turned by so much \[rad\]: what is usual is so much less.
+    pub(super) fn turn(&mut self, heading: f64) {
+        for off in self.usual.iter_mut().chain(&mut self.recent) {
+            *off = wrap_pi(*off - heading);
+        }
     }
 
     fn learn(&mut self, off: f64, heading_std: f64) {

@@ -230,6 +230,10 @@ pub trait Estimator: Send + Sync {
     fn numbers(&mut self, each: &mut Each);
     /// A copy, which records nothing.
     fn boxed(&self) -> Box<dyn Estimator>;
+    /// Turns the body axes, as [`Filter::turn`].
+    fn turn(&mut self, q_vb: &Quaternion);
+    /// Makes a parameter unknown again, as [`Filter::renew`].
+    fn renew(&mut self, kind: Parameter, std: f64);
     /// A copy, which records nothing and from now on estimates the lasting errors of position and velocity as given.
     ///
     /// # Errors
@@ -257,6 +261,10 @@ pub fn build(
 }
 
 /// What a filter is made of.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "passed on once, when a filter is made"
+)]
 enum Start<'a> {
     New(
         NavState,
@@ -589,6 +597,14 @@ impl<const N: usize> Estimator for Sized<N> {
             tape: None,
             log: None,
         })
+    }
+
+    fn turn(&mut self, q_vb: &Quaternion) {
+        self.filter.turn(q_vb);
+    }
+
+    fn renew(&mut self, kind: Parameter, std: f64) {
+        self.filter.renew(kind, std);
     }
 
     fn with_lasting(

@@ -2,6 +2,7 @@
 
 use crate::{
     align::Alignment,
+    mounting::Mounting,
     settings::{Doubt, fix_errors::FixErrors},
 };
 
@@ -25,6 +26,8 @@ pub enum Event {
     AlignsAgain(f64, RestartCause),
     /// From this time \[s\] on the fixes are taken to be wrong by this beyond what they state, as they have shown it.
     FixErrors(f64, FixErrors),
+    /// After this time \[s\] body axes are the vehicle's, by this mounting.
+    Mounting(f64, Mounting),
     /// Another solution began at this time \[s\].
     Resumed(f64),
     /// The solution diverged at this time \[s\].
@@ -40,6 +43,7 @@ impl Event {
             Self::Started(time, _)
             | Self::AlignsAgain(time, _)
             | Self::FixErrors(time, _)
+            | Self::Mounting(time, _)
             | Self::Resumed(time)
             | Self::Diverged(time)
             | Self::TooLate(time) => *time,

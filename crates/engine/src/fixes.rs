@@ -19,13 +19,14 @@ pub(crate) use watch::FixWatch;
 use crate::median::median;
 use crate::{
     measurement::Repeats,
-    settings::fix_errors::{Correlated, FixErrors},
+    settings::fix_errors::{Correlated, FixErrors, FromFixes},
 };
 use alloc::{vec, vec::Vec};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{
     Vector3,
+    parameters::{Parameter, Parameters},
     sample::{GnssFix, Position},
 };
 
@@ -41,6 +42,20 @@ pub struct FixStudy {
     pub velocity_late: Option<(f64, f64)>,
     /// What they are wrong by.
     pub errors: FixErrors,
+}
+
+impl FixStudy {
+    /// What the fixes are taken to be wrong by, with what is stated of it, in a filter with these parameters.
+    pub fn errors(&self, stated: &FromFixes, parameters: &Parameters) -> FixErrors {
+        let mut errors = self.errors;
+        // Velocities are as good as the positions show them to be only where their latency is estimated.
+        let is_late = self.velocity_late.is_some();
+        if is_late && parameters.prior(Parameter::VelocityTimeOffset).is_none() {
+            errors.velocity_factor = errors.velocity_factor.max(1.0);
+            errors.velocity_correlated = None;
+        }
+        errors.under(stated)
+    }
 }
 
 /// Of χ²(1), the median.
@@ -59,10 +74,9 @@ const FACTOR: f64 = 2.0;
 /// Velocities that the positions show to be better than this share of their stated standard deviations are taken as
 /// that good.
 const MODEST: f64 = 0.5;
-/// Acceleration at which a latency that they do not show would make them worse \[m/s²\].
-const ACCELERATES: f64 = 2.0;
-/// Changes of the velocity up to this many times its noise are taken for noise.
-const CHANCE: f64 = 1.5;
+/// For so long they have to move faster than [`MOVES`] to show it: what a receiver gets wrong in motion does not show at
+/// rest \[s\].
+const MOVING: f64 = 60.0;
 /// Least share of their stated standard deviations that velocities are taken to have.
 const LEAST_VELOCITY: f64 = 0.1;
 /// Share of the variance of such velocities that lasts, as in a receiver that smooths.
@@ -173,7 +187,7 @@ fn study_track(track: &Track) -> Option<FixStudy> {
         error: track.less_velocity(interval),
         time: &track.time,
     };
-    let latency = differences.take_out_latency(&track.velocity, &track.stated_velocity);
+    let velocity_late = differences.take_out_latency(&track.velocity);
     let jitter = differences.jitter(&track.velocity);
     let one = differences.gamma(1, jitter > 0.0)?;
     // Variance of a velocity over that of a position; by the trapezoidal rule γ has a quarter of it times dt².
@@ -187,14 +201,10 @@ fn study_track(track: &Track) -> Option<FixStudy> {
         known: true,
         ..FixErrors::default()
     };
-    // Were all of it the velocities' white noise. What a latency that nothing shows would make of them when the vehicle
-    // accelerates is not in it.
-    let stated = track.stated_velocity.iter().map(Vector3::min);
-    let stated = median(&stated.collect::<Vec<_>>());
-    let white = one / from_velocity;
-    let hidden = (latency.unknown(white) * ACCELERATES).powi(2) / stated;
-    let bound = (white + hidden).sqrt();
-    if bound < MODEST {
+    // Were all of it the velocities' white noise.
+    let bound = (one / from_velocity).sqrt();
+    let moving = track.velocity.iter().filter(|v| v.norm() > MOVES).count() as f64;
+    if bound < MODEST && moving * interval > MOVING {
         errors.velocity_factor = bound.max(LEAST_VELOCITY);
         errors.velocity_correlated = Some(Correlated {
             share: VELOCITY_SHARE,
@@ -210,7 +220,7 @@ fn study_track(track: &Track) -> Option<FixStudy> {
     Some(FixStudy {
         interval,
         repeated: 0,
-        velocity_late: latency.found,
+        velocity_late,
         errors,
     })
 }
@@ -287,31 +297,6 @@ fn grid(written: &[Vector3], i: usize) -> f64 {
     }
 }
 
-/// By how much velocities are later than positions, and what that was seen by.
-#[derive(Default)]
-struct Latency {
-    /// With its standard error, where it shows \[s\].
-    found: Option<(f64, f64)>,
-    /// Of the differences that it leaves, as if none overlapped \[m\].
-    spread: f64,
-    /// Sums of the squared changes of the velocity, and of the stated variances in them [m²/s²].
-    changes: f64,
-    noise: f64,
-}
-
-impl Latency {
-    /// Its standard error by what the velocity changes beyond its noise, of which the variance is this share of the stated
-    /// one \[s\].
-    fn unknown(&self, share: f64) -> f64 {
-        let motion = self.changes - CHANCE * share.min(1.0) * self.noise;
-        if motion > 0.0 {
-            self.spread / motion.sqrt()
-        } else {
-            f64::INFINITY
-        }
-    }
-}
-
 /// What positions move by that velocities do not tell.
 struct Differences<'a> {
     interval: f64,
@@ -349,16 +334,15 @@ impl Differences<'_> {
     }
 
     /// A velocity that holds `δ` later than the position makes `δ Δv` of a difference; taken out where it shows.
-    fn take_out_latency(&mut self, velocity: &[Vector3], stated: &[Vector3]) -> Latency {
+    fn take_out_latency(&mut self, velocity: &[Vector3]) -> Option<(f64, f64)> {
         let lag = (1.0 / self.interval).round().max(1.0) as usize;
-        let (mut pairs, mut latency) = (Vec::new(), Latency::default());
+        let mut pairs = Vec::new();
         for (a, b) in self.pairs(lag) {
             let (e, dv) = (self.error[b] - self.error[a], velocity[b] - velocity[a]);
             pairs.extend((0..2).map(|i| (dv[i], e[i])));
-            latency.noise += (stated[a] + stated[b]).xy().sum();
         }
         if pairs.len() < LEAST_PAIRS {
-            return latency;
+            return None;
         }
         let (mut late, mut error) = (0.0, f64::INFINITY);
         // Huber's weights.
@@ -372,21 +356,18 @@ impl Differences<'_> {
                 xx += weight(*rest) * x * x;
             }
             if xx <= 0.0 {
-                return latency;
+                return None;
             }
             // Differences overlap, each second `lag` of them.
-            latency.spread = spread * (lag as f64).sqrt();
-            latency.changes = xx;
-            (late, error) = (xy / xx, latency.spread / xx.sqrt());
+            (late, error) = (xy / xx, spread * (lag as f64 / xx).sqrt());
         }
         if late.abs() < 3.0 * error {
-            return latency;
+            return None;
         }
         for (e, v) in self.error.iter_mut().zip(velocity) {
             *e -= v * late;
         }
-        latency.found = Some((late, error));
-        latency
+        Some((late, error))
     }
 
     /// Standard deviation of the stamps \[s\]: they move positions along the track and not across.

@@ -75,7 +75,7 @@ pub(super) enum Verdict {
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct FixGate {
     part: Part,
-    #[cfg_attr(feature = "checkpoint", serde(with = "crate::checkpoint::array"))]
+    #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::array"))]
     recent: [f64; WINDOW],
     count: usize,
     /// Time of the last fix of this kind, and of the last one accepted \[s\].
@@ -447,5 +447,17 @@ mod tests {
         let times = 9.0 / 2.366;
         assert!((larger.weaken / (weaken * times) - 1.0).abs() < 1e-3);
         assert!((larger.reject / (reject * times) - 1.0).abs() < 1e-3);
+    }
+    #[test]
+    fn after_a_gap_the_solution_is_to_be_confirmed_again() {
+        let mut summary = Summary::default();
+        let r = Matrix3::identity() * (SIGMA * SIGMA);
+        for (pause, doubted) in [(0.99 * GAP, false), (1.01 * GAP, true)] {
+            let mut gate = settled(&mut summary);
+            assert!(!gate.is_in_doubt());
+            // The last of the forty came at 9.75 s.
+            gate.judge(9.75 + pause, &Vector3::zeros(), &r, 15.0);
+            assert_eq!(gate.is_in_doubt(), doubted, "{pause}");
+        }
     }
 }

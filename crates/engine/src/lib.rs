@@ -52,8 +52,11 @@ pub mod fixes;
 mod gate;
 mod health;
 mod inertial;
+#[cfg(feature = "checkpoint")]
+mod kept;
 mod measurement;
 mod median;
+pub mod mounting;
 mod navigator;
 mod not_aligned;
 mod observer;

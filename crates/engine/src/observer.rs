@@ -1,6 +1,7 @@
 //! Who watches the navigator.
 
 use crate::estimator::{Adjoint, Estimator};
+use crate::mounting::Mounting;
 use undrift_nav::{filter::Update, sample::GnssFix};
 
 /// Called with everything that happens, in order of time; what is not implemented is not looked at.
@@ -16,6 +17,8 @@ pub trait Observer {
     fn updated(&mut self, _time: f64, _updates: [Option<Update>; 2]) {}
     /// A block of samples was judged to be rest or motion; the filter stands at its end.
     fn judged(&mut self, _filter: &dyn Estimator, _rest: bool) {}
+    /// The mounting was found, or found better: from the next sample on body axes are the vehicle's.
+    fn mounted(&mut self, _mounting: &Mounting) {}
     /// A node of a smoother: the filter after all that happened up to now, and the adjoint of what
     /// happened since the node before; `None` at the first one.
     fn node(&mut self, _filter: &dyn Estimator, _since: Option<&Adjoint>) {}

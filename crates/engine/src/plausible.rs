@@ -17,7 +17,7 @@ use moves::Moves;
 use nalgebra::ComplexField;
 use turns::Turns;
 use undrift_nav::{
-    Vector3,
+    Matrix3, Vector3,
     earth::STANDARD_GRAVITY,
     sample::{GnssFix, ImuSample},
 };
@@ -32,6 +32,13 @@ const GRAVITY: Range<f64> = 0.7..1.4;
 const LEAST_SHARE: f64 = 0.1;
 /// Cosine of the angle between gravity and body down below which axes are not forward, right, down.
 const DOWN: f64 = 0.5;
+
+/// Whether body axes are promised to be forward, right, down.
+fn promises_level(settings: &Settings) -> bool {
+    settings.align.attitude.is_none()
+        && (settings.align.heading == Heading::Course
+            || settings.constraints.non_holonomic.is_some())
+}
 
 /// What is known so far.
 #[derive(Clone)]
@@ -55,9 +62,7 @@ pub(super) struct Plausible {
 impl Plausible {
     pub(super) fn new(settings: &Settings) -> Self {
         Self {
-            level: settings.align.attitude.is_none()
-                && (settings.align.heading == Heading::Course
-                    || settings.constraints.non_holonomic.is_some()),
+            level: promises_level(settings),
             block: (Vector3::zeros(), 0.0),
             direction: Vector3::zeros(),
             logarithms: 0.0,
@@ -67,6 +72,14 @@ impl Plausible {
             moves: Moves::default(),
             positions: Positions::default(),
         }
+    }
+
+    /// Body axes turn by `c`; of which kind they are from now on, `settings` says.
+    pub(super) fn turn(&mut self, c: &Matrix3, settings: &Settings) {
+        self.level = promises_level(settings);
+        self.block.0 = c * self.block.0;
+        self.direction = c * self.direction;
+        self.turns.turn(c);
     }
 
     /// Takes in a sample.

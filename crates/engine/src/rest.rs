@@ -1,8 +1,9 @@
 //! Tells rest from motion by the sensors alone, at a level learned while GNSS says that the vehicle stands.
 
+use super::vibration::turned_variances;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
-use undrift_nav::{Vector3, covariance::AXES, sample::ImuSample, shaping::ShapingFilter};
+use undrift_nav::{Matrix3, Vector3, covariance::AXES, sample::ImuSample, shaping::ShapingFilter};
 
 /// Length of the blocks that are judged \[s\].
 const BLOCK: f64 = 0.5;
@@ -65,6 +66,18 @@ impl RestDetector {
             moving: f64::INFINITY,
             ..Self::default()
         }
+    }
+
+    /// Body axes turn by `c`: the level of rest is that of independent axes, the block begins again.
+    pub(super) fn turn(&mut self, c: &Matrix3) {
+        *self = Self {
+            level: turned_variances(c, &self.level),
+            count: 0.0,
+            duration: 0.0,
+            sum: [0.0; AXES],
+            squares: [0.0; AXES],
+            ..*self
+        };
     }
 
     /// Adds a sample; the block it completes, if it does. `expected` is what the sensors should read at

@@ -1,5 +1,7 @@
 //! The state of the navigator between samples, and what a sample and a fix do to it.
 
+mod axes;
+
 use super::{
     aid::{self, Measurement},
     constraints::Vehicle,
@@ -21,7 +23,8 @@ use crate::{
     align::{Aligner, Heading, Stamps, compare},
     estimator::{Estimator, STAMP_ROUNDING},
     fixes::{FixStudy, FixWatch},
-    settings::{GnssUse, Settings, fix_errors::FixErrors},
+    mounting::Search,
+    settings::{GnssUse, Settings},
 };
 use alloc::{boxed::Box, sync::Arc};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -38,7 +41,7 @@ use undrift_nav::{
 pub(crate) struct Run {
     #[cfg_attr(
         feature = "checkpoint",
-        serde(skip, default = "crate::checkpoint::no_settings")
+        serde(skip, default = "crate::kept::no_settings")
     )]
     settings: Arc<Settings>,
     /// Measurements that were taken in and are not due yet.
@@ -55,6 +58,8 @@ pub(crate) struct Run {
     vehicle: Vehicle,
     inertial: Inertial,
     vibration: Option<Vibration>,
+    /// Where the mounting is to be found on the way.
+    search: Option<Box<Search>>,
     /// Where the fixes are to show what they are wrong by.
     fixes: Option<FixWatch>,
 }
@@ -108,7 +113,8 @@ fn tells_velocity(fix: &GnssFix, part: Option<Part>) -> bool {
 }
 
 impl Run {
-    pub(super) fn new(settings: Settings) -> Self {
+    pub(super) fn new(mut settings: Settings) -> Self {
+        let search = Search::of(&mut settings);
         let settings = Arc::new(settings);
         Self {
             queue: Queue::new(),
@@ -126,10 +132,11 @@ impl Run {
             vehicle: Vehicle::new(&settings),
             inertial: Inertial::new(settings.rotation),
             vibration: Vibration::of(&settings),
+            search,
             fixes: (settings.from_fixes.is_some()
                 && settings.nodes.is_none()
                 && settings.log.is_none())
-            .then(|| FixWatch::default()),
+            .then(FixWatch::default),
             settings,
         }
     }
@@ -162,10 +169,16 @@ impl Run {
         &self.settings
     }
 
-    /// Navigates under these from now on.
+    /// Navigates under these from now on; whether both look for the mounting or neither.
     #[cfg(feature = "checkpoint")]
-    pub(super) fn go_on_under(&mut self, settings: Settings) {
-        self.settings = Arc::new(settings);
+    pub(super) fn go_on_under(&mut self, settings: Settings) -> bool {
+        let mut in_sensor_axes = settings.clone();
+        let looks = Search::of(&mut in_sensor_axes).is_some();
+        self.settings = Arc::new(match self.has_vehicle_axes() {
+            true => settings,
+            false => in_sensor_axes,
+        });
+        looks == self.search.is_some()
     }
 
     /// What happened so far, to be put in place.
@@ -209,10 +222,14 @@ impl Run {
     /// A sample, and the measurements up to its end.
     pub(super) fn sample(
         &mut self,
-        Checked { sample, doubt }: Checked,
+        checked: Checked,
         measured: &Measured,
         observer: &mut dyn Observer,
     ) -> Result<(), FilterError> {
+        let Checked { sample, doubt } = match &mut self.search {
+            Some(search) => search.in_body_axes(checked),
+            None => checked,
+        };
         let (sample, broken_off) = self.after_gap(sample);
         if self.log.first_sample.is_none() || broken_off {
             self.log.first_sample.get_or_insert(sample.time);
@@ -246,7 +263,8 @@ impl Run {
                     self.fix(&fix, part, &sample, observer)?;
                 }
                 other => {
-                    if let Some(solution) = &mut self.solution {
+                    let placed = self.has_vehicle_axes() || !other.needs_vehicle_axes();
+                    if placed && let Some(solution) = &mut self.solution {
                         aid::update(solution, &other, &self.settings, &mut self.summary);
                     }
                 }
@@ -281,6 +299,7 @@ impl Run {
                 ..study
             });
         self.summary.louder = self.vibration.as_ref().and_then(Vibration::louder);
+        self.summary.no_mounting = self.search.as_ref().and_then(|search| search.failure());
         if self.has_ended() {
             return Ok(self.summary);
         }
@@ -472,7 +491,7 @@ impl Run {
             return Ok(());
         };
         let stated = self.settings.from_fixes.unwrap_or_default();
-        let errors = FixErrors::of(Some(&study), &stated, &self.settings.parameters);
+        let errors = study.errors(&stated, &self.settings.parameters);
         let before = self.settings.fix_errors;
         if errors == before {
             return Ok(());
@@ -642,6 +661,7 @@ impl Run {
         if solution.node_is_due(self.settings.nodes, sample.time) {
             solution.node(self.settings.nodes, observer);
         }
+        self.look_for_mounting(observer);
     }
 }
 

@@ -58,6 +58,10 @@ pub struct Settings {
     pub sensors: [ShapingFilter; AXES],
     /// From the sensor's own axes to the body's: what an axis of the sensor does wrong is looked for there.
     pub rotation: Matrix3,
+    /// Whether samples come in the axes of a sensor that sits in the vehicle in an unknown way. Body axes are the
+    /// sensor's then until the mounting is found, and the vehicle's from then on; what is stated here is in the
+    /// vehicle's axes and waits for them. Not beside `nodes` or `log`.
+    pub find_mounting: bool,
     /// IMU → antenna, body axes \[m\].
     pub lever_arm: Vector3,
     /// Which parts of a fix are used. Alignment takes the position in any case.
@@ -104,6 +108,7 @@ impl Settings {
         Self {
             sensors,
             rotation: Matrix3::identity(),
+            find_mounting: false,
             lever_arm: Vector3::zeros(),
             gnss_use: GnssUse::Both,
             align: AlignSettings::default(),

@@ -20,7 +20,7 @@ pub(super) const MOST_LATE: f64 = 10.0;
 
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Solution {
-    #[cfg_attr(feature = "checkpoint", serde(with = "crate::checkpoint::filter"))]
+    #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::filter"))]
     pub(super) filter: Box<dyn Estimator>,
     /// While a gap is being bridged.
     bridge: Option<Bridge>,

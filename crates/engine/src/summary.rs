@@ -10,6 +10,7 @@ use crate::{
     aid::ByAid,
     align::Alignment,
     fixes::FixStudy,
+    mounting::{Mounting, MountingError},
     settings::{Doubt, fix_errors::FixErrors},
 };
 use alloc::vec::Vec;
@@ -153,6 +154,10 @@ pub struct Summary {
     pub study: Option<FixStudy>,
     /// From when on \[s\] the filter has taken them to be wrong by what; each time it changed.
     pub fix_errors: Vec<(f64, FixErrors)>,
+    /// After when \[s\] body axes are the vehicle's, where the mounting was to be found on the way; each time it changed.
+    pub mountings: Vec<(f64, Mounting)>,
+    /// Why it was not found until the end.
+    pub no_mounting: Option<MountingError>,
     /// When the solution diverged, if it did and was not re-initialised \[s\].
     pub diverged: Option<f64>,
     /// The covariance at the end, if there is a solution.
@@ -195,6 +200,11 @@ impl Summary {
                 self.fix_errors
                     .iter()
                     .map(|(time, errors)| Event::FixErrors(*time, *errors)),
+            )
+            .chain(
+                self.mountings
+                    .iter()
+                    .map(|(time, mounting)| Event::Mounting(*time, *mounting)),
             )
             .chain(self.diverged.map(Event::Diverged))
     }

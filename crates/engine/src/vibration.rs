@@ -13,6 +13,7 @@ use core::f64::consts::PI;
 use nalgebra::ComplexField;
 use nalgebra::{Complex, SMatrix, SVector};
 use undrift_nav::{
+    Matrix3,
     covariance::{AXES, four_lanes},
     filter::Each,
     sample::ImuSample,
@@ -59,7 +60,7 @@ pub struct Vibration {
     sum: [f64; AXES],
     count: usize,
     /// The sums of the present block, by frequency.
-    #[cfg_attr(feature = "checkpoint", serde(with = "crate::checkpoint::array"))]
+    #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::array"))]
     block: [[[f64; AXES]; 2]; BINS],
     means: usize,
     /// Density in the band [unit²·s], and for how long it is known \[s\].
@@ -163,6 +164,13 @@ impl Vibration {
         Some(self.variances())
     }
 
+    /// Body axes turn by `c`: the noise is that of independent axes, the block begins again.
+    pub(crate) fn turn(&mut self, c: &Matrix3) {
+        self.level = turned_variances(c, &self.level);
+        self.beyond = turned_variances(c, &self.beyond);
+        (self.count, self.sum, self.means) = (0, [0.0; AXES], 0);
+    }
+
     /// Takes in a whole block.
     fn learn(&mut self) {
         let length = self.interval * BLOCK as f64;
@@ -235,6 +243,15 @@ impl Vibration {
         let any = self.beyond.iter().any(|beyond| *beyond > 0.0);
         any.then(|| core::array::from_fn(ratio))
     }
+}
+
+/// Variances of the axes of both triads, which are independent, after the axes turned by `c`.
+pub(crate) fn turned_variances(c: &Matrix3, variances: &[f64; AXES]) -> [f64; AXES] {
+    core::array::from_fn(|i| {
+        let triad = i / 3 * 3;
+        let share = |j: usize| c[(i % 3, j)] * c[(i % 3, j)] * variances[triad + j];
+        share(0) + share(1) + share(2)
+    })
 }
 
 /// Density of the white noise in the band that samples show [unit·√s], the root mean square of all blocks; `None`

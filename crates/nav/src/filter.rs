@@ -9,6 +9,7 @@
 mod lasting;
 mod numbers;
 mod step;
+mod turned;
 
 pub use lasting::{Carried, Lasting};
 pub use numbers::Each;

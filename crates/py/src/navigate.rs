@@ -104,7 +104,7 @@ pub fn outages<'py>(
     let hindsight = Hindsight::asked(look_ahead, smooth);
     let counted = Progress::default();
     let cut = || {
-        let logs = Logs::load(&drive.drive).map_err(say::unsolved)?;
+        let logs = Logs::load(&drive.drive, hindsight).map_err(say::unsolved)?;
         let cuts = logs.plan(&plan, length)?;
         counted.of(logs.imu.len() as u64 * kinds.len() as u64);
         let outcomes = logs.run(&kinds, &cuts, hindsight, &|samples| counted.add(samples))?;

@@ -134,3 +134,6 @@ fn names(results: &[(PathBuf, Results)]) -> Vec<String> {
     };
     results.iter().enumerate().map(name).collect()
 }
+
+#[cfg(test)]
+mod tests;

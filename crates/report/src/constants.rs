@@ -62,3 +62,79 @@ pub(crate) fn constant(kind: &str) -> Constant<'_> {
         factor,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_constant_is_in_a_unit_of_data_sheets() {
+        const DEG: f64 = std::f64::consts::PI / 180.0;
+        for (kind, named, unit, one) in [
+            ("GyroScale", "gyro scale factors x, y, z", "%", 0.01),
+            (
+                "AccelScale",
+                "accelerometer scale factors x, y, z",
+                "%",
+                0.01,
+            ),
+            (
+                "GyroMisalignment",
+                "gyro misalignment xy, xz, yx, yz, zx, zy",
+                "°",
+                DEG,
+            ),
+            (
+                "AccelMisalignment",
+                "accelerometer misalignment xy, xz, yx, yz, zx, zy",
+                "°",
+                DEG,
+            ),
+            (
+                "LeverArm",
+                "lever arm correction forward, right, down",
+                "m",
+                1.0,
+            ),
+            (
+                "TimeOffset",
+                "time offset of the positions (true less stamped)",
+                "ms",
+                1e-3,
+            ),
+            (
+                "VelocityTimeOffset",
+                "time offset of the velocities (true less stamped)",
+                "ms",
+                1e-3,
+            ),
+            (
+                "ClockRate",
+                "rate of the fixes' clock (offset grows)",
+                "ppm",
+                1e-6,
+            ),
+            ("Mounting", "vehicle-to-body angles pitch, yaw", "°", DEG),
+            ("Axle", "forward shift of the fixed axle", "m", 1.0),
+            ("OdometerScale", "odometer scale factor", "%", 0.01),
+            ("BarometerBias", "barometric height error", "m", 1.0),
+            (
+                "PositionError",
+                "correlated position error north, east, down",
+                "σ",
+                1.0,
+            ),
+            (
+                "VelocityError",
+                "correlated velocity error north, east, down",
+                "σ",
+                1.0,
+            ),
+            ("New", "New", "SI", 1.0),
+        ] {
+            let constant = constant(kind);
+            assert_eq!((&*constant.named(), constant.unit), (named, unit));
+            assert!((constant.factor * one - 1.0).abs() < 1e-12, "{kind}");
+        }
+    }
+}

@@ -131,9 +131,9 @@ fn number(value: f64, decimals: i32) -> Value {
         return Value::Null;
     }
     let rounded = match usize::try_from(decimals) {
-        Ok(n) if n <= 17 => format!("{value:.n$}").parse().unwrap_or(value),
-        // Beyond what decimals are for: seven digits.
-        _ => format!("{value:.6e}").parse().unwrap_or(value),
+        Ok(n) => format!("{value:.n$}").parse().unwrap_or(value),
+        // More than seven digits before the point.
+        Err(_) => format!("{value:.6e}").parse().unwrap_or(value),
     };
     if rounded.fract() == 0.0 && rounded.abs() < 1e15 {
         Value::from(rounded as i64)
@@ -196,6 +196,79 @@ mod tests {
         assert_eq!(
             (&series[0]["name"], &series[1]["x"]),
             (&json!("</script>"), &json!(0))
+        );
+    }
+    #[test]
+    fn values_in_a_tiny_span_are_told_apart() {
+        let x = [1.0, 1.0 + 1e-12, 1.0 + 3e-12, 1.0 + 7e-12];
+        let Value::Array(kept) = list(&x) else {
+            panic!("no list");
+        };
+        for (kept, x) in kept.iter().zip(x) {
+            assert!((kept.as_f64().unwrap() - x).abs() < 1e-15, "{kept} {x}");
+        }
+    }
+
+    #[test]
+    fn three_evenly_spaced_values_are_a_list_and_four_a_step() {
+        assert_eq!(list(&[1.0, 2.0, 3.0]), json!([1, 2, 3]));
+        let even = json!({ "start": 1.0, "step": 1.0, "count": 4 });
+        assert_eq!(list(&[1.0, 2.0, 3.0, 4.0]), even);
+        // A ten millionth of the span from where it should be.
+        assert_eq!(list(&[1.0, 2.0 + 2e-7, 3.0, 4.0]), even);
+        assert_eq!(
+            list(&[1.0, 2.0 + 4e-6, 3.0, 4.0]),
+            json!([1, 2.000004, 3, 4])
+        );
+        assert_eq!(list(&[5.0, 5.0, 5.0, 5.0]), json!([5, 5, 5, 5]));
+        // Small values of a logarithmic axis beside large ones.
+        assert_eq!(list(&[1.234567e-5, 1e5]), json!([1.234567e-5, 100000]));
+        assert_eq!(list(&[123456.789, 0.0]), json!([123456.8, 0]));
+    }
+
+    #[test]
+    fn a_series_has_what_it_is_drawn_with() {
+        let mut lists = Lists::default();
+        let plain = series(&Series::line("a", 3, vec![(0.0, 1.0)]), &mut lists);
+        assert_eq!(
+            plain,
+            json!({ "name": "a", "colour": 3, "style": "line", "x": 0, "y": [[1]] })
+        );
+        let way = [(7.0, (0.0, 2.0)), (8.0, (1.0, 3.0))];
+        let points = Series::points_within("b", 1, vec![[2.0, 0.12345], [3.0, 0.5]]);
+        let points = points.on_map(&way).pattern(2);
+        let value = series(&points, &mut lists);
+        assert_eq!(value["dash"], 2);
+        // East with the east's, north with the north's.
+        assert_eq!(value["sigma"], json!([[2, 3], [0.123, 0.5]]));
+        assert_eq!((&value["x"], &value["t"]), (&json!(1), &json!(2)));
+        assert_eq!(lists.lists[2], json!([7, 8]));
+        assert_eq!(value["y"], json!([[2, 3]]));
+    }
+
+    #[test]
+    fn a_panel_has_its_axes_shades_and_clock() {
+        let x = PlotAxis::categories(["a", "b"]);
+        let mut panel = Panel::new("T", x, PlotAxis::logarithmic("y").within(1.0..10.0));
+        panel.shade(1.0, 2.0);
+        let value = super::panel(&panel.over_time(1000.0), &mut Lists::default());
+        assert_eq!(
+            value,
+            json!({
+                "title": "T",
+                "x": { "label": "", "log": false, "range": [-0.6, 1.6], "fixed": true, "names": ["a", "b"] },
+                "y": { "label": "y", "log": true, "range": [1.0, 10.0], "fixed": true, "names": [] },
+                "scale": false,
+                "shades": [[1.0, 2.0]],
+                "clock": 1000.0,
+                "series": [],
+            })
+        );
+        let free = Panel::new("", PlotAxis::new(""), PlotAxis::new("")).to_scale();
+        let value = super::panel(&free, &mut Lists::default());
+        assert_eq!(
+            (&value["x"]["fixed"], &value["scale"]),
+            (&json!(false), &json!(true))
         );
     }
 }

@@ -38,3 +38,60 @@ pub fn of_axis(drive: &Drive, time: f64) -> Option<String> {
     let iso = drive.start.as_ref()?.at(time)?;
     Some(utc(&format!("{}Z", iso.get(..19)?)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use undrift::results::Start;
+
+    #[test]
+    fn a_date_names_its_clock() {
+        for (name, words) in [
+            ("gnss", "from the GNSS receiver"),
+            ("utc", "from dates in UTC or Unix times"),
+            ("host", "from the clock of the recording device"),
+            (
+                "receipt",
+                "from the clock of the recording device at receipt",
+            ),
+            (
+                "no-zone",
+                "local or UTC: no time zone in the file, read as UTC",
+            ),
+            ("stated", "from the drive file"),
+            ("new", "new"),
+        ] {
+            assert_eq!(clock(name), words);
+        }
+    }
+
+    #[test]
+    fn a_drive_with_a_file_has_a_date_or_says_that_it_has_none() {
+        let mut drive = Drive {
+            start: Some(Start {
+                time_s: 10.0.into(),
+                utc: String::new(),
+                unix_s: 1e9.into(),
+                clock: "utc".into(),
+            }),
+            ..Drive::default()
+        };
+        assert_eq!(of_drive(&drive, 11.0), None);
+        drive.file = Some("drive.toml".into());
+        assert_eq!(
+            of_drive(&drive, 11.25).as_deref(),
+            Some("2001-09-09 01:46:41.250 UTC (from dates in UTC or Unix times)")
+        );
+        assert_eq!(of_drive(&drive, f64::NAN), None);
+        assert_eq!(
+            of_axis(&drive, 11.25).as_deref(),
+            Some("2001-09-09 01:46:41 UTC")
+        );
+        drive.start = None;
+        assert_eq!(
+            of_drive(&drive, 11.0).as_deref(),
+            Some("no date in the logs: times are those of their own clock")
+        );
+        assert_eq!(of_axis(&drive, 11.0), None);
+    }
+}

@@ -392,3 +392,6 @@ fn rows(demo: &Demo) -> Option<Section> {
     });
     Section::of("Errors inside the outages", tables)
 }
+
+#[cfg(test)]
+mod tests;

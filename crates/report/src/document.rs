@@ -329,4 +329,52 @@ mod tests {
             assert!(!of(text).is_numeric(1), "{text}");
         }
     }
+    #[test]
+    fn nothing_stands_out_where_all_read_the_same() {
+        let strong = |values: &[f64]| {
+            let mut table = Table {
+                rows: vec![Vec::new(); values.len()],
+                ..Table::default()
+            };
+            table.add_ranked("a".into(), values);
+            crate::tests::strong(&table)
+        };
+        assert_eq!(strong(&[1.001, 1.002, f64::NAN]), []);
+        assert_eq!(strong(&[2.0, f64::NAN, -1.0]), [(2, 0)]);
+        assert_eq!(strong(&[f64::INFINITY, 2.0, 3.0]), [(1, 0)]);
+    }
+
+    #[test]
+    fn a_first_column_of_numbers_alone_is_numeric() {
+        let of = |texts: &[&str]| Table {
+            rows: texts.iter().map(|text| vec![Cell::from(*text)]).collect(),
+            ..Table::default()
+        };
+        for texts in [
+            ["10 %", "20"],
+            ["1\u{202f}000", "not detected"],
+            ["< 5", "±3"],
+        ] {
+            assert!(of(&texts).is_numeric(0), "{texts:?}");
+        }
+        for texts in [["10 s", "20"], ["", ""], ["1", "a"]] {
+            assert!(!of(&texts).is_numeric(0), "{texts:?}");
+        }
+    }
+
+    #[test]
+    fn cells_are_numbers_counts_or_a_dash() {
+        assert_eq!(Cell::number(1.25, 1).text, "1.2");
+        assert_eq!(Cell::number(f64::INFINITY, 1).text, "–");
+        assert_eq!(Cell::from(1234u64).text, "1\u{202f}234");
+        assert_eq!(Cell::from(Number(0.5)).text, "0.500");
+        assert_eq!(Cell::from(&None::<String>).text, "–");
+        assert_eq!(Cell::from(&Some("a".to_owned())).text, "a");
+        assert!(Cell::from("a").strong().strong && !Cell::from("a").strong_if(false).strong);
+        assert!(Table::default().block().is_none() && Section::of("a", []).is_none());
+        assert!(Figure::of("a", "", 1, []).is_none());
+        let section = Section::of("a", [Block::Text("b".into())]).unwrap();
+        assert!(!section.folded && section.clone().folded().folded);
+        assert_eq!(section.noted("n".into()).note, "n");
+    }
 }

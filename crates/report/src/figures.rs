@@ -125,4 +125,58 @@ mod tests {
         let text = std::fs::read_to_string(&written[0]).unwrap();
         assert!(text.contains(">Title</text>") && text.contains("stroke=\"#0072b2\""));
     }
+    #[test]
+    fn a_map_is_as_high_as_it_needs_for_its_width() {
+        let size = |columns: usize, wide: f64, map: bool| {
+            let mut panel = Panel::new("", PlotAxis::new(""), PlotAxis::new(""));
+            panel.add(Series::line("", 7, vec![(0.0, 0.0), (wide, 100.0)]));
+            let figure = Figure {
+                name: String::new(),
+                caption: String::new(),
+                columns,
+                panels: vec![if map { panel.to_scale() } else { panel }],
+            };
+            let file = of(&figure, "a").file();
+            let (_, rest) = file.split_once("viewBox=\"0 0 ").unwrap();
+            rest.split_once('"').unwrap().0.to_owned()
+        };
+        assert_eq!(
+            [0, 1, 2, 3].map(|n| size(n, 1.0, false)),
+            ["840 420", "840 420", "580 420", "440 420"]
+        );
+        // 110 m by 157.14: 0.7 of 840 and 80; at least a half, at most nine tenths.
+        assert_eq!(size(1, 110.0 / 0.7, true), "840 668");
+        assert_eq!(
+            [size(1, 1e4, true), size(1, 10.0, true)],
+            ["840 500", "840 836"]
+        );
+    }
+
+    #[test]
+    fn the_picture_of_an_experiment_has_the_way_and_the_drift() {
+        let figure = |name: &str, x: f64| {
+            let mut panel = Panel::new(name, PlotAxis::new(""), PlotAxis::new(""));
+            panel.add(Series::line("", 7, vec![(0.0, 0.0), (x, 1.0)]));
+            let other = Panel::new("second", PlotAxis::new(""), PlotAxis::new(""));
+            Figure::of(name, "", 1, [panel, other]).unwrap()
+        };
+        let blocks = ["drift", "trajectory", "nees"].map(|name| figure(name, 1.0));
+        let document = Document {
+            sections: Section::of("", blocks).into_iter().collect(),
+            ..Document::default()
+        };
+        let text = experiment(&document);
+        let (way, drift) = (
+            text.find("Drive, GNSS outages").unwrap(),
+            text.find("Horizontal drift since the cut").unwrap(),
+        );
+        assert!(way < drift && !text.contains("second"), "{text}");
+        assert!(text.contains("viewBox=\"0 0 1160 520\""), "{text}");
+        let nees = consistency(&document);
+        assert!(
+            nees.contains(">nees</text>") && !nees.contains(">drift</text>"),
+            "{nees}"
+        );
+        assert!(consistency(&Document::default()).contains("<svg"));
+    }
 }

@@ -217,4 +217,113 @@ mod tests {
             ["2 logs failed: 000/drive.toml, 001/drive.toml"]
         );
     }
+    #[test]
+    fn what_was_done_names_the_verbs_and_the_failures() {
+        let tasks = ["identify", "navigate", "outages", "tune"];
+        let mut run = Fleet {
+            tasks: (1..).zip(tasks).map(|(n, task)| (task.into(), n)).collect(),
+            ..Fleet::default()
+        };
+        assert_eq!(
+            what_was_done(&run),
+            "1 log identified from a static recording, 2 logs navigated, 3 logs run with GNSS outages, 4 logs tuned. All succeeded."
+        );
+        run.failed = vec![Trouble::default()];
+        assert!(what_was_done(&run).ends_with(". 1 failed; the last section lists the reasons."));
+    }
+
+    #[test]
+    fn a_dozen_names_are_listed_and_one_of_a_log_once() {
+        let trouble = |k: usize| Trouble {
+            log: format!("{k}"),
+            part: Some("arma".into()),
+            why: "diverged".into(),
+            ..Trouble::default()
+        };
+        let mut run = Fleet {
+            untrusted: (1..=12).flat_map(|k| [trouble(k), trouble(k)]).collect(),
+            ..Fleet::default()
+        };
+        assert_eq!(
+            alarms(&run),
+            [
+                "24 results of single logs, models or axes failed or are not usable: 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12"
+            ]
+        );
+        run.untrusted.push(trouble(13));
+        assert_eq!(
+            alarms(&run),
+            ["25 results of single logs, models or axes failed or are not usable: 25 × diverged"]
+        );
+        // The causes with the logs they are of.
+        let section = troubles(&run).unwrap();
+        assert_eq!(crate::tests::names(&section), ["untrusted"]);
+        let crate::Block::Table(table) = &section.blocks[0] else {
+            panic!("no table");
+        };
+        assert_eq!(
+            crate::tests::cells(table),
+            [["diverged", "arma", "25", "1, 1, 2"]]
+        );
+        assert_eq!(shortened("All.", ROWS), "All.");
+        assert_eq!(shortened("All.", ROWS + 1), "All. The first 200 of 201.");
+    }
+
+    #[test]
+    fn numbers_make_no_cause_of_their_own_but_parts_do() {
+        let all = [
+            ("a", "x", "0.5 s late"),
+            ("b", "x", "12 s late"),
+            ("c", "y", "3 s late"),
+            ("d", "x", "early"),
+        ];
+        let found = causes(
+            all.into_iter()
+                .map(|(log, part, why)| (log, part, why.to_owned())),
+        );
+        let found: Vec<(&str, &str, u64)> = found
+            .iter()
+            .map(|cause| (&*cause.why, &*cause.part, cause.logs))
+            .collect();
+        assert_eq!(found[0], ("0.5 s late", "x", 2));
+        assert!(found.contains(&("3 s late", "y", 1)) && found.contains(&("early", "x", 1)));
+        assert_eq!(found.len(), 3);
+    }
+
+    #[test]
+    fn the_sections_are_the_answers_the_measures_and_the_troubles() {
+        let measure = |name: &str| undrift::results::FleetMeasure {
+            name: name.into(),
+            what: "drift".into(),
+            ..undrift::results::FleetMeasure::default()
+        };
+        let run = Fleet {
+            tasks: [("tune".to_owned(), 1)].into(),
+            measures: vec![measure("drift"), measure("error")],
+            warned: vec![undrift::results::Warned {
+                log: "a.toml".into(),
+                warnings: vec!["a.toml: late".into()],
+                ..undrift::results::Warned::default()
+            }],
+            ..Fleet::default()
+        };
+        let sections = sections(&[("f".to_owned(), &run)]);
+        let titles: Vec<&str> = sections.iter().map(|section| &*section.title).collect();
+        assert_eq!(
+            titles,
+            [
+                "f: The fleet",
+                "f: Drift",
+                "f: Error",
+                "f: Failures and warnings"
+            ]
+        );
+        let crate::Block::Table(table) = &sections[3].blocks[0] else {
+            panic!("no table");
+        };
+        assert_eq!(
+            crate::tests::cells(table),
+            [["…: late", "all", "1", "a.toml"]]
+        );
+    }
 }

@@ -360,4 +360,96 @@ mod tests {
         }
         assert!(html.contains("default-src 'none'"));
     }
+    #[test]
+    fn numbers_stand_to_the_right_with_a_true_minus() {
+        let row = |a: &str, b: &str| vec![Cell::from(a), Cell::from(b).strong_if(b == "2")];
+        let html = table(
+            &Table {
+                name: "t/1".into(),
+                caption: "c".into(),
+                head: vec!["model-1".into(), "E [m]".into()],
+                rows: vec![row("a-b", "-1"), row("c", "2")],
+            },
+            3,
+        );
+        assert!(
+            html.contains(
+                "<th scope=\"col\">model-1</th><th scope=\"col\" class=\"number\">E [m]</th>"
+            ),
+            "{html}"
+        );
+        assert!(
+            html.contains("<tr><td>a-b</td><td class=\"number\">−1</td></tr>"),
+            "{html}"
+        );
+        assert!(
+            html.contains("<tr><td>c</td><td class=\"number strong\">2</td></tr>"),
+            "{html}"
+        );
+        assert!(
+            html.contains("<figure id=\"table-3\" data-table=\"t-1\">")
+                && html.contains("<b>Table 3.</b>c<"),
+            "{html}"
+        );
+        let text = table(
+            &Table {
+                rows: vec![vec![Cell::from("x").strong()]],
+                ..Table::default()
+            },
+            1,
+        );
+        assert!(text.contains("<td class=\"strong\">x</td>"), "{text}");
+    }
+
+    #[test]
+    fn figures_stand_in_columns_and_sections_fold() {
+        let figure = |columns: usize| Figure {
+            name: String::new(),
+            caption: "c".into(),
+            columns,
+            panels: vec![Panel::new("", PlotAxis::new(""), PlotAxis::new(""))],
+        };
+        for (columns, class) in [
+            (0, "panels"),
+            (1, "panels"),
+            (2, "panels two"),
+            (3, "panels three"),
+            (4, "panels three"),
+        ] {
+            let html = super::figure(&figure(columns), 2);
+            assert!(
+                html.contains(&format!(
+                    "<div class=\"{class}\">\n<div class=\"panel\"><svg"
+                )),
+                "{html}"
+            );
+            assert!(
+                html.contains("<figure id=\"figure-2\">") && html.contains("<b>Figure 2.</b>c<"),
+                "{html}"
+            );
+        }
+        let section = |title: &str, note: &str| Section {
+            title: title.into(),
+            blocks: vec![
+                Block::Warnings(vec!["a".into(), "b".into()]),
+                Block::Verdict("v".into()),
+            ],
+            note: note.into(),
+            folded: false,
+        };
+        let html = render(&Document {
+            title: "t".into(),
+            subtitle: "s".into(),
+            sections: vec![section("one", ""), section("two", "5 m").folded()],
+        });
+        for text in [
+            "<p class=\"subtitle\">s</p>",
+            "<li><a href=\"#section-1\">one</a></li>",
+            "<li><a href=\"#section-2\">two</a> <small>5 m</small></li>",
+            "<section id=\"section-1\">\n<h2>one</h2>\n<div class=\"warning\"><b>Warnings</b><ul>\n<li>a</li>\n<li>b</li>\n</ul></div>\n<p class=\"verdict\">v</p>\n</section>",
+            "<details><summary><h2>two</h2> <span>5 m</span></summary>\n<a id=\"section-2\"></a>",
+        ] {
+            assert!(html.contains(text), "{text}");
+        }
+    }
 }

@@ -387,3 +387,6 @@ fn last_drift(axis: &Axis, unit: &Units) -> Cell {
         format!("{drift} {} after {after:.0} s", unit.drift).into()
     })
 }
+
+#[cfg(test)]
+mod tests;

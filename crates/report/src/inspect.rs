@@ -76,15 +76,12 @@ fn known(known: &Known) -> String {
             "the z axis points up; assumes x forward and y left (if y is forward: \"y,x,-z\")"
         }
         Known::Motion {
-            rpy_deg: [roll, pitch, yaw],
             std_deg: [forward, right, down],
             duration_s,
+            ..
         } => {
-            // Without the sign of a zero.
-            let [roll, pitch, yaw] =
-                [roll, pitch, yaw].map(|angle| (angle * 10.0).round() / 10.0 + 0.0);
             return format!(
-                "estimated from {duration_s:.0} s of this drive: roll {roll:.1}, pitch {pitch:.1}, yaw {yaw:.1} deg, ±{forward:.1}, ±{right:.1}, ±{down:.1} deg"
+                "estimated from {duration_s:.0} s of this drive, to ±{forward:.1}, ±{right:.1}, ±{down:.1} deg; \"auto\" finds it anew in each drive"
             );
         }
         Known::Forces { std_deg } => {

@@ -36,3 +36,6 @@ pub use compare::{document, of_results};
 pub use document::{Block, Cell, Document, Figure, Section, Table};
 pub use numbers::short;
 pub use read::read;
+
+#[cfg(test)]
+mod tests;

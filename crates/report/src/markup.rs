@@ -39,3 +39,24 @@ pub(crate) fn file_stem(name: &str) -> String {
         stem.to_owned()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_escaped_for_elements_and_attributes() {
+        assert_eq!(escape("a<b>&\"c'\n\td"), "a&lt;b&gt;&amp;&quot;c&#39;\n\td");
+        // What acts on the text around it, and what XML has no place for.
+        for hidden in ['\u{0}', '\u{202e}', '\u{fffe}', '\u{ffff}'] {
+            assert_eq!(escape(&format!("a{hidden}b")), "a\u{fffd}b", "{hidden:?}");
+        }
+    }
+
+    #[test]
+    fn a_file_has_a_plain_name() {
+        assert_eq!(file_stem("../a b/ü_1-2."), "a-b-ü_1-2");
+        assert_eq!([file_stem(""), file_stem("...")], ["unnamed"; 2]);
+        assert_eq!(file_stem(&"a".repeat(101)), "a".repeat(100));
+    }
+}

@@ -267,3 +267,6 @@ fn innovations(models: &[Model<'_>]) -> Table {
         ],
     )
 }
+
+#[cfg(test)]
+mod tests;

@@ -229,3 +229,6 @@ fn sensors(shown: &Shown<'_>) -> Option<Section> {
     let blocks: Vec<Block> = parts.into_iter().filter_map(figure).collect();
     Section::of("Estimated sensor errors", blocks)
 }
+
+#[cfg(test)]
+mod tests;

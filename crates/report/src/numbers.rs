@@ -147,4 +147,77 @@ mod tests {
         assert_eq!(probability(7e-297), "< 0.0001");
         assert_eq!(probability(0.91), "0.910");
     }
+    #[test]
+    fn a_number_that_rounds_up_to_the_next_size_is_of_that() {
+        for (value, text) in [
+            (9.994e-4, "9.99e-4"),
+            (9.996e-4, "0.00100"),
+            (9.994e-3, "0.00999"),
+            (9.996e-3, "0.0100"),
+            (0.099_94, "0.0999"),
+            (0.099_96, "0.100"),
+            (0.9994, "0.999"),
+            (0.9996, "1.00"),
+            (9.994, "9.99"),
+            (9.996, "10.0"),
+            (99.94, "99.9"),
+            (99.96, "100"),
+            (9_999.4, "9999"),
+            (9_999.6, "10\u{202f}000"),
+            (99_940.0, "99\u{202f}900"),
+            (99_960.0, "100\u{202f}000"),
+            (123_456.0, "123\u{202f}000"),
+            (999_400.0, "999\u{202f}000"),
+            (999_600.0, "1.00e6"),
+            (-1e7, "-1.00e7"),
+            (f64::INFINITY, "–"),
+        ] {
+            assert_eq!(short(value), text);
+        }
+        for (value, text) in [
+            (123_456.7, "123456.7"),
+            (1_234_567.8, "1.234568e6"),
+            (1.5e-4, "0.0001500000"),
+            (9e-5, "9.000000e-5"),
+            (f64::INFINITY, "–"),
+        ] {
+            assert_eq!(exact(value), text);
+        }
+        for (value, text) in [
+            (9.94e-5, "9.9e-5"),
+            (9.96e-5, "0.000100"),
+            (9.94, "9.9"),
+            (9.96, "9.96"),
+            (-0.5, "-0.50"),
+            (0.0, "0"),
+            (f64::NAN, "–"),
+        ] {
+            assert_eq!(error(value), text);
+        }
+    }
+
+    #[test]
+    fn spans_shares_and_bounds_have_their_units() {
+        for (seconds, text) in [
+            (599.4, "599 s"),
+            (600.0, "10 min"),
+            (7199.0, "120 min"),
+            (7200.0, "2.0 h"),
+            (f64::NAN, "–"),
+        ] {
+            assert_eq!(span(seconds), text);
+        }
+        assert_eq!(percent(0.1234.into()), "12.3 %");
+        assert_eq!(percent(Number::default()), "–");
+        assert_eq!(bounded(0.256.into(), 0.05.into()), "0.26 (±0.05)");
+        assert_eq!(bounded(Number::default(), 0.05.into()), "–");
+        assert_eq!(
+            [probability(1e-4), probability(9e-5)],
+            ["1.00e-4", "< 0.0001"]
+        );
+        assert_eq!(count(1000), "1\u{202f}000");
+        assert_eq!([count(0), count(999)], ["0", "999"]);
+        let numbers = Numbers::from([("a".to_owned(), 2.0.into())]);
+        assert!(get(&numbers, "a") == 2.0 && get(&numbers, "b").is_nan());
+    }
 }

@@ -334,4 +334,127 @@ mod tests {
         assert_eq!(points.len(), 4);
         assert!(points[1].1.is_nan());
     }
+    #[test]
+    fn lists_are_spoken_with_an_and_and_cut_short() {
+        let names = |n: usize| -> Vec<String> {
+            ["a", "b", "c"]
+                .into_iter()
+                .take(n)
+                .map(String::from)
+                .collect()
+        };
+        assert_eq!(
+            [0, 1, 2, 3].map(|n| spoken_list(&names(n))),
+            ["", "a", "a and b", "a, b and c"]
+        );
+        assert_eq!(
+            [2, 3].map(|n| first_few(&names(n), 2)),
+            ["a, b", "a, b and 1 more"]
+        );
+        assert_eq!(capital("übel"), "Übel");
+        assert_eq!([prefixed("", "x"), prefixed("a", "x")], ["x", "a: x"]);
+        assert_eq!([of_which("", "x"), of_which("a", "x")], ["x", "in a: x"]);
+        assert_eq!(named("a", "On it"), "a: on it");
+        assert_eq!(named("", "The end"), "The end");
+        assert_eq!(named("a", "Then"), "a: Then");
+    }
+
+    #[test]
+    fn warnings_are_sentences() {
+        let of = |texts: &[&str]| {
+            let texts: Vec<String> = texts.iter().map(|text| (*text).to_owned()).collect();
+            warnings(&texts)
+        };
+        assert!(of(&[]).is_none());
+        assert!(matches!(of(&["late"]), Some(Block::Warning(text)) if text == "Late."));
+        let Some(Block::Warnings(texts)) = of(&["late!", "why?", "so."]) else {
+            panic!("no list");
+        };
+        assert_eq!(texts, ["Late!", "Why?", "So."]);
+        let joined = text(["One.".to_owned(), String::new(), "Two.".to_owned()]);
+        assert!(matches!(joined, Some(Block::Text(text)) if text == "One. Two."));
+        assert!(text([String::new()]).is_none());
+    }
+
+    #[test]
+    fn a_verdict_without_a_cause_says_that_nothing_was_found() {
+        let verdict = |findings: &[Finding]| match verdict_of("a", findings) {
+            Block::Verdict(text) => text,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(
+            verdict(&[]),
+            "a: Usable: no fault found in the logs or the solution."
+        );
+        assert_eq!(
+            verdict(&[Finding::Diverged { time: 9.0 }]),
+            "a: Not usable: the solution diverged at 9 s and ends there."
+        );
+    }
+
+    #[test]
+    fn values_over_more_than_a_decade_and_a_half_are_on_a_logarithmic_axis() {
+        let logarithmic = |values: &[f64]| axis_for(values, "y").logarithmic;
+        assert!(logarithmic(&[1.0, 30.1]) && !logarithmic(&[1.0, 30.0]));
+        assert!(!logarithmic(&[0.0, 100.0]) && !logarithmic(&[-1.0, 100.0]) && !logarithmic(&[]));
+        assert_eq!(axis_for(&[1.0, 100.0], "y").label, "y");
+        assert_eq!(
+            quartiles(&[1.0, 2.0, 3.0, 4.0, 5.0]),
+            Some([1.0, 2.0, 3.0, 4.0, 5.0])
+        );
+        assert_eq!(quartiles(&[]), None);
+    }
+
+    #[test]
+    fn a_way_is_in_metres_from_where_it_begins() {
+        let numbers =
+            |values: &[f64]| -> Vec<Number> { values.iter().copied().map(Number).collect() };
+        let track = Track {
+            time_s: numbers(&[1.0, 2.0, 3.0]),
+            lat_deg: numbers(&[45.0, 45.001, f64::NAN]),
+            lon_deg: numbers(&[7.0, 7.001, 7.0]),
+            ..Track::default()
+        };
+        let origin = origin(&track).unwrap();
+        let way = on_the_ground(&track, Some(&origin));
+        // A thousandth of a degree at 45° is 111.13 m to the north and 78.85 m to the east.
+        assert_eq!(way.len(), 2);
+        let (time, (east, north)) = way[1];
+        assert!(
+            (time, east.round(), north.round()) == (2.0, 79.0, 111.0),
+            "{way:?}"
+        );
+        assert!(on_the_ground(&track, None).is_empty());
+        for (lat, lon) in [(f64::NAN, 7.0), (45.0, f64::NAN)] {
+            let track = Track {
+                lat_deg: numbers(&[lat]),
+                lon_deg: numbers(&[lon]),
+                ..Track::default()
+            };
+            assert_eq!(super::origin(&track), None);
+        }
+    }
+
+    #[test]
+    fn a_clock_says_from_when_it_counts() {
+        assert_eq!(Clock::starting(12.5).label(), "time [s]");
+        assert_eq!(Clock::starting(1000.5).label(), "time since 1000 s [s]");
+        assert_eq!(extent(&[(1.0, 5.0), (2.0, 6.0), (4.0, 7.0)]), (1.0, 4.0));
+        assert_eq!(extent(&[]), (0.0, 1.0));
+        let level = level("a", 2, (1.0, 4.0), 3.0);
+        assert_eq!(Vec::from_iter(level.points()), [(1.0, 3.0), (4.0, 3.0)]);
+    }
+
+    #[test]
+    fn a_line_is_broken_in_the_middle_of_a_span_alone() {
+        let line = vec![(0.0, 1.0), (1.0, 2.0), (2.0, 3.0)];
+        let gaps = broken(line.clone(), &[(1.2, 1.8)]);
+        assert_eq!((gaps.len(), gaps[2].0, gaps[2].1.is_nan()), (4, 1.5, true));
+        // Between the points, but not where its middle is.
+        for span in [(1.5, 1.8), (1.2, 1.5), (5.0, 6.0)] {
+            assert_eq!(broken(line.clone(), &[span]).len(), 3, "{span:?}");
+        }
+        let half = unwrapped(vec![(0.0, -90.0), (1.0, 90.0), (2.0, -90.1)]);
+        assert_eq!(half.len(), 4);
+    }
 }

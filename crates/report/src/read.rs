@@ -108,7 +108,7 @@ fn key_at(text: &str, line: usize, column: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::key_at;
+    use super::*;
 
     #[test]
     fn a_place_has_a_key() {
@@ -123,5 +123,52 @@ mod tests {
         assert_eq!(at(2, "]}"), "a");
         assert_eq!(at(3, "5"), "d");
         assert_eq!(at(4, "}"), "");
+    }
+    /// What a text is refused for.
+    fn refused(text: &str) -> String {
+        read(Path::new("a.json"), text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_text_that_is_no_result_says_where_and_why() {
+        let head = r#""undrift": "1", "kind": "#;
+        assert_eq!(
+            refused("a,b\n1,2\n"),
+            "a.json: not a result of undrift: not JSON; give a file that --json wrote"
+        );
+        assert_eq!(
+            refused(&format!("{{{head}\"plot\"}}")),
+            "a.json: not a result of undrift: unknown kind \"plot\"; known: identify, navigate, outages, montecarlo, demo, fleet, tune (key kind)"
+        );
+        assert_eq!(
+            refused(&format!("{{{head}\"tune\", \"schema\": 4000000}}")),
+            "a.json: schema 4000000 is from a later version of undrift (key schema)"
+        );
+        let inside = refused(&format!("{{{head}\"tune\",\n \"windows\": -1}}"));
+        assert!(
+            inside.starts_with("a.json line 2: not a result of undrift: invalid value")
+                && inside.ends_with("(key windows)"),
+            "{inside}"
+        );
+        // Beyond the result there is no key.
+        let after = refused(&format!("{{{head}\"tune\"}}\n x"));
+        assert_eq!(
+            after,
+            "a.json line 2: not a result of undrift: trailing characters"
+        );
+        // Whatever comes after the name of a program is a result by its kind.
+        let kinds = [
+            "identify",
+            "navigate",
+            "outages",
+            "montecarlo",
+            "demo",
+            "fleet",
+            "tune",
+        ];
+        for kind in kinds {
+            let result = read(Path::new(""), &format!("{{{head}\"{kind}\"}}")).unwrap();
+            assert_eq!(result.version(), "1", "{kind}");
+        }
     }
 }

@@ -15,7 +15,7 @@ pub use fill::{cut, demo, navigated, outcome};
 pub use recording::{guessed, refused};
 pub(crate) use solution::usable;
 pub use solution::{cause, ended, hindsight, verdict};
-pub use start::{alignment, estimated, mounting, unsolved};
+pub use start::{alignment, estimated, found, mounting, unsolved};
 
 use undrift::findings::Finding;
 
@@ -59,6 +59,11 @@ pub fn say(finding: &Finding) -> String {
             first,
             longest,
         } => solution::long_gaps(*gaps, *first, *longest),
+        F::NoMounting {
+            driving,
+            wander,
+            std,
+        } => start::no_mounting(*driving, *wander, *std),
         F::WithoutGnss { start, length } => solution::without_gnss(*start, *length),
         F::EndsEarly { end, missing } => solution::ends_early(*end, *missing),
         F::Restart { time, why, resumed } => solution::restart(*time, *why, *resumed),

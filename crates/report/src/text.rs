@@ -14,3 +14,6 @@ pub use crate::{
 };
 pub use identify::{correlation_csv, identify};
 pub use navigate::navigate;
+
+#[cfg(test)]
+mod tests;

@@ -263,3 +263,6 @@ fn calibration(tune: &Tune) -> Option<Block> {
         tune.drift.iter().map(panel),
     )
 }
+
+#[cfg(test)]
+mod tests;

@@ -123,11 +123,16 @@ impl Trajectory {
                 }
             }
         }
-        // Home: at 1.5 m/s² or more gently, in the time that is left.
+        // Home at 1.5 m/s², harder where less time is left.
         let speed = car.speed.last_value();
         if speed > 0.0 {
-            let start = (deadline - speed / 1.5 - PEDAL_ROUNDING).max(t);
-            car.speed.ramp_to(start, 1.5, PEDAL_ROUNDING, 0.0);
+            let start = deadline - speed / 1.5 - PEDAL_ROUNDING;
+            let (start, brake) = if start < t {
+                (t, speed / (deadline - t - PEDAL_ROUNDING))
+            } else {
+                (start, 1.5)
+            };
+            car.speed.ramp_to(start, brake, PEDAL_ROUNDING, 0.0);
         }
         car
     }

@@ -514,3 +514,51 @@ fn aeroplanes_lift_off_and_climb_to_their_height() {
     assert!((250.0..275.0).contains(&least), "{least}");
     assert!((475.0..500.0).contains(&most), "{most}");
 }
+
+#[test]
+fn cars_stand_for_the_last_five_seconds() {
+    let mut late = Vec::new();
+    // Of the first few thousand the two that turn last.
+    for seed in (0..300u32).chain([936, 2154]) {
+        let duration = 120.0 + f64::from(seed % 400);
+        let car = Trajectory::car(duration, seed.into());
+        let end = car.knots().into_iter().fold(0.0, f64::max);
+        // Rounding of some hundred seconds.
+        if end > duration - 5.0 + 1e-9 {
+            late.push((seed, end - duration + 5.0));
+        }
+    }
+    assert!(late.is_empty(), "{late:?}");
+}
+
+#[test]
+fn aeroplanes_climb_when_low_and_descend_when_high() {
+    let (mut low, mut high) = (0, 0);
+    for seed in 0..40 {
+        let flight = Trajectory::flight(6000.0, seed);
+        let climb = &flight.climb.profile;
+        let knots: Vec<f64> = climb.knots().collect();
+        let (mut time, mut height) = (0.0, 0.0);
+        let step = 0.5;
+        // Each change of height is a step to its slope and one back; the first is the climb.
+        for change in knots.chunks_exact(4).skip(1) {
+            while time < change[0] {
+                let slope: f64 = climb.at(time).value;
+                height += flight.speed.at(time).value * slope.sin() * step;
+                time += step;
+            }
+            let slope = climb.at(change[1]).value;
+            // The drawn height is without the roundings of the first climb, 5 s at 7° and 60 m/s at most.
+            if height < 195.0 {
+                low += 1;
+                assert!(slope > 0.0, "{seed}: {height}");
+            }
+            if height > 840.0 {
+                high += 1;
+                assert!(slope < 0.0, "{seed}: {height}");
+            }
+        }
+    }
+    println!("{low} low, {high} high");
+    assert!(low > 10 && high > 5);
+}

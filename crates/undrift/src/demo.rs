@@ -192,9 +192,7 @@ pub fn run(
     let identified = identify::run(&record, &Options::at(RATE_HZ), one_more);
     let models = models::models(&experiment.source, &identified)?;
 
-    let of_lengths = models.len() * rides.len() * CUTS.len();
-    let replays = of_lengths + paper::replays(&experiment);
-    let total = replays as u64 * (DURATION * RATE_HZ) as u64;
+    let total = samples(models.len(), rides.len(), paper::replays(&experiment));
     let told = |more| done(Stage::Navigation, more, total);
     told(0);
     let runs: Vec<_> = (0..CUTS.len())
@@ -226,6 +224,12 @@ pub fn run(
         lengths,
         paper,
     })
+}
+
+/// Samples of all replays: of each model on each drive with the outages of each length, and of some more.
+fn samples(models: usize, drives: usize, more: usize) -> u64 {
+    let replays = models * drives * CUTS.len() + more;
+    replays as u64 * (DURATION * RATE_HZ) as u64
 }
 
 /// The outages of a drive.
@@ -264,5 +268,16 @@ fn settings(ride: &Ride, length: usize, model: &Model) -> Settings {
         lever_arm: sensor::LEVER_ARM.into(),
         outages: ride.cuts[length].clone(),
         ..Settings::new(model.filters)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn progress_is_of_all_samples() {
+        // Three lengths, 900 s of 100 Hz.
+        assert_eq!(samples(11, 5, 7), (11 * 5 * 3 + 7) * 90_000);
     }
 }

@@ -85,6 +85,15 @@ pub enum Finding {
         /// Length of the longest \[s\].
         longest: f64,
     },
+    /// The mounting was not found while driving: the solution is in the sensor's axes. One of the three says why.
+    NoMounting {
+        /// Driving with a known heading, which was too little \[s\].
+        driving: Option<f64>,
+        /// Standard deviation of the direction of motion in the sensor's axes, which was too much \[rad\].
+        wander: Option<f64>,
+        /// Standard deviation of pitch or yaw, which was too much \[rad\].
+        std: Option<f64>,
+    },
     /// A long span has no usable fix.
     WithoutGnss {
         /// Start of the longest \[s\].
@@ -443,6 +452,7 @@ impl Finding {
             | Self::SetBack { .. }
             | Self::StartedLate { .. }
             | Self::EndsEarly { .. }
+            | Self::NoMounting { .. }
             | Self::NoReference { .. } => Severity::Warning,
             _ => Severity::Note,
         }
@@ -471,6 +481,7 @@ impl Finding {
             | Self::Held { .. }
             | Self::SetBack { .. }
             | Self::VelocityBias { .. } => 2,
+            Self::NoMounting { .. } => 2,
             Self::OptimisticModel { .. } | Self::FarParameter { .. } => 3,
             Self::CorrelatedInnovations { .. } | Self::OptimisticDrift { .. } => 4,
             Self::Restart { .. } | Self::HeadingOff { .. } | Self::LargeInnovations { .. } => 5,

@@ -18,7 +18,7 @@ use crate::{
     engine::derived::with_velocities,
     findings::Log,
     fixes::{self, FixStudy},
-    mounting::{self, Mounting, MountingError},
+    mounting::{self, EstimateError, Mounting},
     reference::Errors,
     replay::{Aid, Measurement, ReplayError, Settings, Summary, merge, replay},
     settings::fix_errors::{FixErrors, FromFixes},
@@ -52,7 +52,8 @@ pub struct Report {
     pub study: Option<FixStudy>,
     /// What they are wrong by beyond what they state, as all of them show.
     pub fix_errors: FixErrors,
-    /// The mounting, where the drive asks for an estimate: the solution is that of the vehicle's axes.
+    /// The mounting, where the drive asks for an estimate and it was found: the solution is that of the vehicle's axes, in a
+    /// causal run from the first of [`Summary::mountings`] on.
     pub mounting: Option<Mounting>,
     /// Rotation from the sensor's axes to the body's.
     pub rotation: Matrix3,
@@ -94,7 +95,7 @@ pub enum NavigateError {
     Replay(#[from] ReplayError),
     /// The mounting cannot be estimated.
     #[error(transparent)]
-    Mounting(#[from] MountingError),
+    Mounting(#[from] EstimateError),
     /// No noise model is named.
     #[error(
         "no noise model: specify one with --model or with model = \"…\" in the drive file; {}",
@@ -118,28 +119,24 @@ impl From<undrift_noise::ModelError> for NavigateError {
 /// Longest span between two nodes of the smoother \[s\].
 pub const NODE_SPAN: f64 = 1.0;
 
-/// The filter's settings for a drive under one bias model of its IMU; for a drive whose mounting is
-/// to be estimated, [`resolve_mounting`] comes first, else the axes are the sensor's.
+/// The filter's settings for a drive under one bias model of its IMU; for a drive whose mounting is to be estimated it is
+/// found on the way, but where [`resolve_mounting`] came first.
 ///
 /// # Errors
 /// [`NavigateError::NoModel`] for a drive without a model; a model that makes no filter of this kind; an
 /// inertial log that cannot be read or is at another rate than stated.
 pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateError> {
     let model = drive.model.as_ref().ok_or(NavigateError::NoModel)?;
-    let mut align = drive.align.clone();
-    if drive.estimate_mounting && align.heading == Heading::Course {
-        // Axes that are not the vehicle's have no course.
-        align.heading = Heading::Auto;
-    }
     let stated = stated(drive);
-    let fix_errors = FixErrors::of(None, &stated, &drive.parameters);
+    let fix_errors = FixErrors::default().under(&stated);
     Ok(Settings {
         fix_errors,
         from_fixes: Some(stated),
         rotation: drive.imu.1.rotation,
+        find_mounting: drive.estimate_mounting,
         lever_arm: drive.lever_arm,
         gnss_use: drive.gnss_use,
-        align,
+        align: drive.align.clone(),
         parameters: fix_errors.with_states(drive.parameters),
         constraints: drive.constraints.clone(),
         gating: drive.gating,
@@ -176,7 +173,7 @@ pub enum Hindsight {
     /// What has come so far, as while driving.
     #[default]
     Causal,
-    /// What all of the fixes show of their errors, from the first one on; else what has come so far.
+    /// From the first sample on what all of the fixes show of their errors, and the mounting; else what has come so far.
     LookAhead,
     /// All of it: smoothed.
     Smooth,
@@ -201,16 +198,24 @@ pub fn stated(drive: &Drive) -> FromFixes {
     }
 }
 
+/// What a study of the fixes and what is stated of them says that they are wrong by.
+fn errors(study: Option<&FixStudy>, stated: &FromFixes, parameters: &Parameters) -> FixErrors {
+    study.map_or_else(
+        || FixErrors::default().under(stated),
+        |study| study.errors(stated, parameters),
+    )
+}
+
 /// From the first fix on the filter takes the fixes to be wrong by what all of them show.
 pub fn look_ahead(settings: &mut Settings, study: Option<&FixStudy>) {
     let stated = settings.from_fixes.take().unwrap_or_default();
-    let errors = FixErrors::of(study, &stated, &settings.parameters);
+    let errors = errors(study, &stated, &settings.parameters);
     settings.parameters = errors.with_states(settings.parameters);
     settings.fix_errors = errors;
 }
 
-/// The drive with its mounting estimated where it asks for that: from then on its body axes are the
-/// vehicle's.
+/// The drive with its mounting estimated from its beginning, where it asks for that: from the first sample on its body axes
+/// are the vehicle's.
 ///
 /// # Errors
 /// As [`mounting::estimate`], or where the drive cannot be set up.
@@ -230,6 +235,7 @@ pub fn resolve_mounting(drive: &Drive) -> Result<(Drive, Option<Mounting>), Navi
     let fixes = with_velocities(fixes);
     for _ in 0..passes {
         let mut settings = settings(drive, BiasModel::Arma)?;
+        settings.find_mounting = false;
         settings.align = AlignSettings {
             heading: Heading::Auto,
             ..AlignSettings::default()
@@ -252,6 +258,20 @@ pub fn resolve_mounting(drive: &Drive) -> Result<(Drive, Option<Mounting>), Navi
     Ok((resolved, found))
 }
 
+/// As [`resolve_mounting`] for a solution that may look ahead; a causal one finds the mounting on its way.
+///
+/// # Errors
+/// As [`resolve_mounting`].
+pub fn resolve_ahead(
+    drive: &Drive,
+    hindsight: Hindsight,
+) -> Result<(Drive, Option<Mounting>), NavigateError> {
+    match hindsight {
+        Hindsight::Causal => Ok((drive.clone(), None)),
+        Hindsight::LookAhead | Hindsight::Smooth => resolve_mounting(drive),
+    }
+}
+
 /// Navigates a drive for what is wanted of it. The files get their names if all went well.
 ///
 /// Smoothed, the solution written and compared is the smoothed one: the filter's nodes go to a
@@ -261,8 +281,8 @@ pub fn resolve_mounting(drive: &Drive) -> Result<(Drive, Option<Mounting>), Navi
 /// As [`settings`]; a log that cannot be read or ends before the alignment; a mounting that cannot be
 /// estimated; a file that cannot be written; a filter that cannot be built.
 pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report, NavigateError> {
-    let (drive, mounting) = resolve_mounting(drive)?;
     let hindsight = wanted.hindsight;
+    let (drive, mounting) = resolve_ahead(drive, hindsight)?;
     let smooth = hindsight == Hindsight::Smooth;
     let mut settings = settings(&drive, kind)?;
     let mut seen_ahead = None;
@@ -286,6 +306,7 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
     let mut imu = drive.open_imu()?;
     let mut aids = Aids::open(&drive)?;
     let mut recorder = Recorder::new(wanted, drive.open_truth()?)?;
+    recorder.mounted = !settings.find_mounting;
     let replayed = replay(&mut imu, &mut aids.measurements(), &settings, &mut recorder);
     let summary = replayed.map_err(|error| match error {
         // What was left out is often why.
@@ -300,9 +321,10 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
     })?;
     recorder.smooth(&drive)?;
     let seen = recorder.finish()?;
+    let mounting = mounting.or(summary.mountings.last().map(|(_, mounting)| *mounting));
     let study = seen_ahead.or(summary.study);
     let fix_errors = match settings.from_fixes {
-        Some(stated) => FixErrors::of(study.as_ref(), &stated, &settings.parameters),
+        Some(stated) => errors(study.as_ref(), &stated, &settings.parameters),
         None => settings.fix_errors,
     };
     Ok(Report {
@@ -312,7 +334,7 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
         fix_errors,
         summary,
         mounting,
-        rotation: drive.imu.1.rotation,
+        rotation: mounting.map_or(drive.imu.1.rotation, |mounting| mounting.matrix()),
         rmse: seen.rmse,
         consistency: seen.consistency,
         recording: seen.recording,

@@ -2,7 +2,7 @@
 //! reported as in the source paper's Table 4.
 //!
 //! ```
-//! use undrift::{BiasModel, ImuModel, Logs, Schedule, Setup, reference::HORIZONTAL};
+//! use undrift::{BiasModel, ImuModel, Logs, Schedule, Setup, navigate::Hindsight, reference::HORIZONTAL};
 //! # use undrift::{Trajectory, simulate, simulate::GnssNoise};
 //! # let model = ImuModel::preset("adis16465").ok_or("no such preset")?;
 //! # let noise = model.shaping(BiasModel::GaussMarkov, 0.02)?;
@@ -10,10 +10,10 @@
 //! # let (imu, fixes) = (&log.imu, &log.gnss);
 //!
 //! let model = ImuModel::preset("adis16465").ok_or("no such preset")?;
-//! let logs = Logs::load(&Setup::default().drive(imu, fixes, &model))?;
+//! let logs = Logs::load(&Setup::default().drive(imu, fixes, &model), Hindsight::Causal)?;
 //! // Two outages of 10 s after the first two minutes. Without a truth the withheld fixes are the reference.
 //! let cuts = logs.plan(&Schedule::Count { start: 120.0, count: 2 }, 10.0)?;
-//! for (name, run) in logs.run(&[BiasModel::White, BiasModel::Arma], &cuts, false, &|_| ())? {
+//! for (name, run) in logs.run(&[BiasModel::White, BiasModel::Arma], &cuts, Hindsight::Causal, &|_| ())? {
 //!     println!("{name}: {:.2} m", run?.errors.rms.0[HORIZONTAL]);
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())

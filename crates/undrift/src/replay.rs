@@ -15,7 +15,7 @@ pub use undrift_engine::{
 
 use crate::estimator::{Adjoint, Estimator};
 use std::cell::RefCell;
-use undrift_engine::{EndError, Navigator, PushError};
+use undrift_engine::{EndError, Navigator, PushError, mounting::Mounting};
 use undrift_io::ReadError;
 use undrift_nav::{
     filter::{FilterError, Update},
@@ -45,6 +45,8 @@ pub trait Observer {
     fn updated(&mut self, _time: f64, _updates: [Option<Update>; 2]) {}
     /// A block of samples was judged to be rest or motion; the filter stands at its end.
     fn judged(&mut self, _filter: &dyn Estimator, _rest: bool) {}
+    /// The mounting was found, or found better: from the next sample on body axes are the vehicle's.
+    fn mounted(&mut self, _mounting: &Mounting) {}
     /// A node of a smoother: the filter after all that happened up to now, and the adjoint of what
     /// happened since the node before; `None` at the first one.
     ///
@@ -95,6 +97,10 @@ impl undrift_engine::Observer for Watched<'_> {
 
     fn judged(&mut self, filter: &dyn Estimator, rest: bool) {
         self.observer.judged(filter, rest);
+    }
+
+    fn mounted(&mut self, mounting: &Mounting) {
+        self.observer.mounted(mounting);
     }
 
     fn node(&mut self, filter: &dyn Estimator, since: Option<&Adjoint>) {
@@ -217,6 +223,7 @@ pub fn replay(
     summary.map_err(|error| match error {
         EndError::NotAligned(why) => ReplayError::NotAligned(Box::new(NotAligned {
             why: *why,
+            finds_mounting: settings.find_mounting,
             skipped: Vec::new(),
         })),
         EndError::Filter(error) => ReplayError::Filter(error),

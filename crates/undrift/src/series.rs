@@ -276,4 +276,20 @@ mod tests {
         assert_eq!(to_millisecond(345_678.123_456), 345_678.123);
         assert_eq!(to_millimetre(45.123_456_789_1), 45.123_456_79);
     }
+    /// Of values that are the same the first.
+    #[test]
+    fn an_extreme_is_where_it_first_was() {
+        let bucket = |time: f64, value: f64| Bucket::of((time, value));
+        let low = bucket(1.0, 5.0)
+            .with(bucket(2.0, 5.0))
+            .with(bucket(3.0, 7.0))
+            .with(bucket(4.0, 7.0));
+        let points: Vec<Point> = low.points().collect();
+        assert_eq!(points, [(1.0, 5.0), (3.0, 7.0)]);
+        let falling = bucket(1.0, 7.0)
+            .with(bucket(2.0, 5.0))
+            .with(bucket(3.0, 5.0));
+        assert_eq!(Vec::from_iter(falling.points()), [(1.0, 7.0), (2.0, 5.0)]);
+        assert_eq!(Vec::from_iter(bucket(1.0, 7.0).points()), [(1.0, 7.0)]);
+    }
 }

@@ -65,16 +65,12 @@ impl Setup {
     }
 
     /// A navigator to push samples of `interval` \[s\] and fixes into, as they come: in real time there is no smoothing, and
-    /// a mounting is not estimated.
+    /// a mounting to be estimated is found on the way.
     ///
     /// # Errors
     /// A noise model that makes no filter at this interval.
     pub fn navigator(&self, model: &ImuModel, interval: f64) -> Result<Navigator, NavigateError> {
-        let mut drive = Self {
-            estimate_mounting: false,
-            ..self.clone()
-        }
-        .drive(&[], &[], model);
+        let mut drive = self.drive(&[], &[], model);
         drive.imu.1.rate_hz = Some(1.0 / interval);
         let settings = navigate::settings(&drive, self.bias_model)?;
         Ok(Navigator::new(settings))

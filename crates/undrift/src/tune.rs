@@ -20,6 +20,7 @@ pub mod steps;
 
 use crate::{
     drive::Drive,
+    navigate::Hindsight,
     navigate::{NavigateError, look_ahead, settings},
     outages::Logs,
     replay::{ReplayError, begin, vibration::densities},
@@ -218,12 +219,13 @@ fn at_rest(first: &Drive, options: &Options) -> Result<Start, NavigateError> {
 /// The logs of the drives, with the mounting found under a noise.
 fn load(drives: &[Drive], start: &Start, noise: &Noise) -> Result<Vec<Logs>, NavigateError> {
     let load = |drive: &Drive| {
-        Logs::load(&Drive {
+        let drive = Drive {
             model: Some(start.model(&noise.white, &noise.walk)),
             std_factors: StdFactors::ONE,
             vibration: None,
             ..drive.clone()
-        })
+        };
+        Logs::load(&drive, Hindsight::LookAhead)
     };
     drives.iter().map(load).collect()
 }

@@ -77,3 +77,58 @@ pub(super) fn segments<'a>(
     }
     segments
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use undrift_nav::{Matrix3, sample::FixQuality};
+
+    /// Samples of 0.1 s from 0 to 5 s that turn by 0.2 rad/s and push by 3 m/s², and fixes with a velocity of their time.
+    fn log(fixes: &[f64]) -> (Vec<ImuSample>, Vec<GnssFix>) {
+        let sample = |k: u32| ImuSample {
+            time: 0.1 * f64::from(k + 1),
+            dt: 0.1,
+            dtheta: Vector3::new(0.0, 0.0, 0.02),
+            dvel: Vector3::new(0.3, 0.0, 0.0),
+        };
+        let fix = |time: &f64| GnssFix {
+            time: *time,
+            position: None,
+            velocity: Some((Vector3::new(*time, 0.0, 0.0), Matrix3::identity() * 0.04)),
+            quality: FixQuality::Unknown,
+        };
+        (
+            (0..50).map(sample).collect(),
+            fixes.iter().map(fix).collect(),
+        )
+    }
+
+    #[test]
+    fn fixes_closer_than_the_spacing_are_passed_over_but_for_the_last() {
+        let (samples, fixes) = log(&[0.55, 0.8, 1.3, 1.7, 2.6, 2.9]);
+        let gyro = Vector3::new(0.0, 0.0, 0.05);
+        let found = segments(samples.iter(), fixes.iter(), 1.0, &gyro);
+        let seen: Vec<(f64, f64)> = found.iter().map(|s| (s.motion.dt, s.v_n.x)).collect();
+        let expected = [(0.0, 0.55), (1.15, 1.7), (1.2, 2.9)];
+        assert_eq!(seen.len(), 3, "{seen:?}");
+        for ((dt, at), (length, time)) in seen.into_iter().zip(expected) {
+            assert!((dt - length).abs() < 1e-9 && at == time, "{dt} {at}");
+        }
+        for segment in &found {
+            assert!((segment.omega_b.z - 0.15).abs() < 1e-12);
+            assert!((segment.variance - Vector3::repeat(0.04)).norm() < 1e-15);
+        }
+        // None are passed over without a spacing; a fix without a velocity is none.
+        let (samples, mut fixes) = log(&[0.5, 1.0, 2.0]);
+        let lengths = |fixes: &[GnssFix]| -> Vec<f64> {
+            let found = segments(samples.iter(), fixes.iter(), 0.0, &gyro);
+            found
+                .iter()
+                .map(|s| (100.0 * s.motion.dt).round())
+                .collect()
+        };
+        assert_eq!(lengths(&fixes), [0.0, 50.0, 100.0]);
+        fixes[1].velocity = None;
+        assert_eq!(lengths(&fixes), [0.0, 150.0]);
+    }
+}

@@ -4,6 +4,7 @@ use crate::{
     settings::fix_errors::FromFixes,
     tests::{Scenario, receiver},
 };
+use undrift_nav::{Vector3, attitude::from_rpy, parameters::Prior, shaping::ShapingFilter};
 use undrift_simulate::Trajectory;
 
 fn state(navigator: &Navigator) -> Vec<u64> {
@@ -61,6 +62,39 @@ fn a_navigator_that_is_restored_goes_on_to_the_last_bit() {
                 whole.summary().events().count()
             );
         }
+    }
+}
+
+#[test]
+fn nor_is_the_mounting_looked_for_again() {
+    let mut drive = Scenario::new(&Trajectory::car(200.0, 1), &receiver(), 1);
+    let back = from_rpy(&Vector3::new(0.4, -0.3, 2.0)).inverse();
+    for sample in &mut drive.log.imu {
+        sample.dtheta = back * sample.dtheta;
+        sample.dvel = back * sample.dvel;
+    }
+    drive.settings.find_mounting = true;
+    drive.settings.constraints.non_holonomic = Some(crate::vehicle::NonHolonomic::CAR);
+    let prior = Prior::constant(0.05);
+    drive.settings.parameters = drive.settings.parameters.with(Parameter::Mounting, prior);
+    drive.settings.lever_arm = Vector3::new(0.1, 0.0, 0.0);
+    let mut whole = Navigator::new(drive.settings.clone());
+    push(&drive, &mut whole, 0.0, 200.0, 0.0);
+    let (found, _) = whole.summary().mountings[0];
+    for at in [20.0, found - 1.0, found + 0.1, found + 5.0] {
+        let mut first = Navigator::new(drive.settings.clone());
+        push(&drive, &mut first, 0.0, at, 0.0);
+        let kept = first.checkpoint();
+        let mut second = Navigator::restore(drive.settings.clone(), &kept).unwrap();
+        push(&drive, &mut second, at, 200.0, 0.0);
+        assert_eq!(state(&second), state(&whole), "{at}");
+        assert_eq!(second.summary(), whole.summary(), "{at}");
+        let stated = Settings {
+            find_mounting: false,
+            ..drive.settings.clone()
+        };
+        let other = Navigator::restore(stated, &kept).err();
+        assert_eq!(other, Some(RestoreError::OtherSettings));
     }
 }
 

@@ -252,3 +252,91 @@ fn wheels_hold_a_velocity_to_the_right_and_down() {
         [1, 0, 0, 1, 0, 1]
     );
 }
+
+/// A turn of 0.5 rad/s at 10 m/s is 5 m/s² to the side: with a slip of 0.02 s the wheels slide by 0.1 m/s more.
+#[test]
+fn wheels_slip_with_the_force_to_the_side() {
+    let after = |turn: f64, right: f64, slip: f64| {
+        let rule = NonHolonomic {
+            right,
+            down: 0.4,
+            slip,
+            interval: 1.0,
+            lever: Vector3::zeros(),
+            min_speed: 1.0,
+        };
+        let nav = NavState {
+            v_n: Vector3::new(10.0, 0.1, 0.0),
+            ..*moving(Vector3::zeros(), Vector3::repeat(1.0)).nav()
+        };
+        let std = InitialStd {
+            position: Vector3::repeat(0.5),
+            velocity: Vector3::repeat(0.2),
+            attitude: Vector3::repeat(1e-6),
+        };
+        let mut filter = build(nav, &std, &sensors(), Parameters::none()).unwrap();
+        filter.begin(&ImuSample {
+            time: 0.01,
+            dt: 0.01,
+            dtheta: Vector3::new(0.0, 0.0, turn * 0.01),
+            // It goes the way that it looks.
+            dvel: Vector3::new(0.0, 10.0 * turn * 0.01, -0.0981),
+        });
+        filter.advance(None);
+        non_holonomic::update(&mut *filter, &rule, &mut Summary::default()).unwrap();
+        filter.nav().v_n.y
+    };
+    for turn in [0.5, -0.5] {
+        let (slipping, wider) = (after(turn, 0.2, 0.02), after(turn, 0.3, 0.0));
+        // The Earth and the way over it turn by 1e-4 rad/s.
+        assert!((slipping - wider).abs() < 1e-5, "{slipping} {wider}");
+        assert!((slipping - after(turn, 0.2, 0.0)).abs() > 0.01);
+    }
+    assert!((after(0.0, 0.2, 0.02) - after(0.0, 0.2, 0.0)).abs() < 1e-5);
+}
+
+/// The mean of the gyros over a rest of 4 s has the white noise of 5e-3 °/√s over two and the rule's own.
+#[test]
+fn a_rest_measures_the_gyros_with_the_noise_of_its_mean() {
+    let own = 2e-3f64.to_radians();
+    let white = 5e-3f64.to_radians() / 2.0;
+    let off = [4e-3, -6e-3, 5e-3].map(f64::to_radians);
+    let mut settings = Settings::new(sensors());
+    settings.constraints.zero_angular_rate = Some(own);
+    let nav = *moving(Vector3::zeros(), Vector3::repeat(1.0)).nav();
+    let std = InitialStd {
+        position: Vector3::repeat(0.5),
+        velocity: Vector3::repeat(0.2),
+        attitude: Vector3::repeat(1e-9),
+    };
+    let mut filter = build(nav, &std, &sensors(), Parameters::none()).unwrap();
+    let known = filter.sensor_error_std();
+    let rest = RestBlock {
+        rate: earth_rate_n(nav.position.lat) + Vector3::from(off),
+        duration: 4.0,
+        ..block(true)
+    };
+    let (mut stood, mut summary) = (false, Summary::default());
+    let stands =
+        |filter: &mut dyn Estimator, rest: &RestBlock, stood: &mut bool, summary: &mut Summary| {
+            zero_velocity::update(filter, rest, stood, &settings, summary)
+        };
+    let moves = RestBlock {
+        rest: false,
+        ..rest
+    };
+    assert!(!stands(&mut *filter, &moves, &mut stood, &mut summary));
+    assert_eq!(filter.sensor_error()[0], 0.0);
+    assert!(stands(&mut *filter, &rest, &mut stood, &mut summary));
+    let found = filter.sensor_error();
+    for axis in 0..3 {
+        let variance = known[axis] * known[axis];
+        let expected = off[axis] * variance / (variance + white * white + own * own);
+        let error = found[axis] - expected;
+        assert!(
+            error.abs() < 1e-6 * off[0],
+            "{axis}: {} {expected}",
+            found[axis]
+        );
+    }
+}

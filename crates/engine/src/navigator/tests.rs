@@ -1,5 +1,6 @@
 use super::*;
 use crate::Scalar;
+use crate::aid::Aid;
 use crate::tests::{Scenario, receiver};
 use alloc::vec::Vec;
 use nalgebra::DMatrix;
@@ -89,6 +90,46 @@ fn arrivals_in_any_order_within_the_horizon_give_the_same_state_to_the_last_bit(
         assert_eq!(late.last().unwrap(), expected, "seed {seed}");
         // Not by chance: on the way the late ones were missing.
         assert_ne!(late[20], in_order[20], "seed {seed}");
+    }
+}
+
+#[test]
+fn nor_does_the_order_matter_where_the_mounting_is_found_on_the_way() {
+    let mut drive = Scenario::new(&Trajectory::car(200.0, 1), &receiver(), 1);
+    let back = undrift_nav::attitude::from_rpy(&Vector3::new(0.4, -0.3, 2.0)).inverse();
+    for sample in &mut drive.log.imu {
+        sample.dtheta = back * sample.dtheta;
+        sample.dvel = back * sample.dvel;
+    }
+    drive.settings.find_mounting = true;
+    drive.settings.constraints.non_holonomic = Some(crate::vehicle::NonHolonomic::CAR);
+    let prior = Prior::constant(0.05);
+    drive.settings.parameters = drive.settings.parameters.with(Parameter::Mounting, prior);
+    let all = Measurement::of_fixes(&drive.log.gnss);
+    let found = |horizon: f64, arrivals: &[(f64, Measurement)]| {
+        let mut navigator = Navigator::new(drive.settings.clone()).with_horizon(horizon);
+        let mut arriving = arrivals.iter().peekable();
+        let mut handed_out = 0;
+        for sample in &drive.log.imu {
+            while let Some((_, m)) = arriving.next_if(|(at, _)| *at <= sample.time) {
+                navigator.measure(*m).unwrap();
+            }
+            navigator.imu(*sample).unwrap();
+            let events = navigator.events();
+            handed_out += events
+                .iter()
+                .filter(|event| matches!(event, Event::Mounting(..)))
+                .count();
+        }
+        arriving.for_each(|(_, m)| assert!(navigator.measure(*m).unwrap()));
+        let mountings = navigator.summary().mountings.clone();
+        (state(&navigator), mountings, handed_out)
+    };
+    let expected = found(0.0, &shuffled(&all, 0.0, 1));
+    assert_eq!((expected.1.len(), expected.2), (1, 1), "found, and once");
+    for seed in 1..=2 {
+        let late = found(2.5, &shuffled(&all, 2.0, seed));
+        assert_eq!((&late.0, &late.1), (&expected.0, &expected.1), "{seed}");
     }
 }
 
@@ -221,4 +262,37 @@ fn events_are_handed_out_once_in_order_of_time() {
         assert_eq!(kinds, ["started", "rejected"], "{events:?}");
         assert!(navigator.events().is_empty());
     }
+}
+
+#[test]
+fn the_summary_counts_what_was_pushed() {
+    let (drive, all) = drive();
+    let mut navigator = Navigator::new(drive.settings.clone());
+    let mut arriving = all.iter().peekable();
+    let (mut fixes, mut speeds) = (0, 0);
+    for sample in &drive.log.imu {
+        let until = sample.time + navigator.ahead();
+        while let Some(measurement) = arriving.next_if(|m| m.time() <= until) {
+            navigator.measure(*measurement).unwrap();
+            match measurement {
+                Measurement::Gnss(_) => fixes += 1,
+                _ => speeds += 1,
+            }
+        }
+        navigator.imu(*sample).unwrap();
+    }
+    let summary = navigator.summary();
+    let samples = drive.log.imu.len() as u64;
+    // The last one waits for the next.
+    assert_eq!(summary.samples + summary.align_samples + 1, samples);
+    // All but the first few, from which it starts, and those still to come.
+    assert!(
+        summary.fixes + 3 > fixes && summary.fixes <= fixes,
+        "{fixes}: {summary:?}"
+    );
+    let updates = summary.innovations[Aid::Odometer].updates;
+    assert!(
+        updates + 5 > speeds && updates <= speeds,
+        "{speeds}: {updates}"
+    );
 }

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::RealField;
-use undrift_nav::{Vector3, earth::wrap_pi, sample::ImuSample};
+use undrift_nav::{Matrix3, Vector3, earth::wrap_pi, sample::ImuSample};
 
 /// Lags at which turns are compared: so many steps of so many seconds to each side.
 const LAGS: usize = 120;
@@ -105,7 +105,7 @@ pub(super) struct Turns {
     /// Windows whose later samples are still to come.
     waiting: VecDeque<Turn>,
     /// Of the turns on those of the vertical at each lag, and of each axis at none.
-    #[cfg_attr(feature = "checkpoint", serde(with = "crate::checkpoint::array"))]
+    #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::array"))]
     lags: [Regression; 2 * LAGS + 1],
     axes: [Regression; 3],
     /// Of the accelerations along the course and to its right on the forces along forward and right.
@@ -152,6 +152,17 @@ impl Turns {
             self.waiting.pop_front();
             self.compare(&window);
         }
+    }
+
+    /// Body axes turn by `c`: what each of them has shown begins again.
+    pub(super) fn turn(&mut self, c: &Matrix3) {
+        let entries = self.history.iter_mut().map(|(_, sums)| sums);
+        for sums in entries.chain([&mut self.sums]) {
+            sums.angle = c * sums.angle;
+            sums.velocity = c * sums.velocity;
+        }
+        self.axes = Default::default();
+        self.pushes = Default::default();
     }
 
     /// At the end of the log: what still waits is compared with what there is.

@@ -1,6 +1,5 @@
 //! What fixes are wrong by, beyond what they state.
 
-use crate::fixes::FixStudy;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{
@@ -119,22 +118,14 @@ impl Default for FixErrors {
 }
 
 impl FixErrors {
-    /// What fixes are taken to be wrong by that have shown this of themselves, beside what is stated, in a filter with
-    /// these parameters.
-    pub fn of(study: Option<&FixStudy>, stated: &FromFixes, parameters: &Parameters) -> Self {
-        let mut errors = study.map_or(Self::default(), |study| study.errors);
-        // Velocities are as good as the positions show them to be only where their latency is estimated.
-        let late = study.is_some_and(|study| study.velocity_late.is_some());
-        if late && parameters.prior(Parameter::VelocityTimeOffset).is_none() {
-            errors.velocity_factor = errors.velocity_factor.max(1.0);
-            errors.velocity_correlated = None;
-        }
+    /// These, with what is stated of them.
+    pub fn under(mut self, stated: &FromFixes) -> Self {
         match stated.correlation {
             Correlation::Auto => {}
-            Correlation::Off => errors.correlated = None,
-            Correlation::Given(given) => errors.correlated = Some(given),
+            Correlation::Off => self.correlated = None,
+            Correlation::Given(given) => self.correlated = Some(given),
         }
-        errors.scaled(&stated.factors)
+        self.scaled(&stated.factors)
     }
 
     /// What a filter estimates of the lasting parts of position and velocity, whose fixes were taken to be wrong by `before`

@@ -58,7 +58,7 @@ impl<const N: usize> Filter<N> {
     pub fn carried(&self) -> Carried {
         Carried {
             nav: self.nav,
-            sensors: self.sensors.clone(),
+            sensors: self.sensors,
             parameters: self.parameters,
             c_nb: self.c_nb,
             previous: self.previous,

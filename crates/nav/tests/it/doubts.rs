@@ -221,3 +221,32 @@ fn a_doubted_sample_is_turned_from_the_body_to_north_east_down() {
     }
     assert_is(&added, &expected);
 }
+
+/// A heading in doubt says nothing of a gyro whose states its error does not contain.
+#[test]
+fn a_gyro_whose_error_has_no_state_stays_as_it_was() {
+    let known = ShapingFilter::constant(1e-2, DT).unwrap();
+    let unseen = ShapingFilter {
+        h: Default::default(),
+        ..known
+    };
+    let nav = NavState {
+        time: 0.0,
+        position: Geodetic::from_degrees(45.0, 7.0, 300.0),
+        v_n: Vector3::zeros(),
+        q_nb: from_rpy(&Vector3::zeros()),
+    };
+    let std = InitialStd {
+        position: Vector3::repeat(1.0),
+        velocity: Vector3::repeat(1.0),
+        attitude: Vector3::repeat(0.1),
+    };
+    let sensors = [known, known, unseen, known, known, known];
+    let mut filter = Filter::<15>::new(nav, &std, sensors, Parameters::none()).unwrap();
+    let before = *filter.covariance();
+    filter.doubt_heading(0.2, 0.03);
+    let mut expected = SMatrix::<f64, 15, 15>::zeros();
+    expected[(8, 8)] = 0.2 * 0.2;
+    let off = (filter.covariance() - before - expected).amax();
+    assert!(off < EXACT, "{off:e}");
+}

@@ -8,6 +8,7 @@ mod properties;
 mod refused;
 mod smoother;
 mod start;
+mod turned;
 mod update;
 mod values;
 mod weakened;

@@ -115,3 +115,35 @@ pub fn order_by_aicc(samples: &[f64], p_max: usize) -> Result<usize, ArmaError> 
     }
     Ok(best)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    /// Hurvich & Tsai: n ln σ² + 2 k n / (n − k − 1), k parameters: p coefficients, mean and variance.
+    #[test]
+    fn the_order_has_the_least_corrected_criterion() {
+        for seed in 1..=10 {
+            let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+            let (mut x, mut before) = (0.0, 0.0);
+            let samples: Vec<f64> = (0..60)
+                .map(|_| {
+                    let next = 0.9 * x - 0.5 * before + rng.random::<f64>() - 0.5;
+                    (x, before) = (next, x);
+                    next
+                })
+                .collect();
+            let n = samples.len() as f64;
+            let criterion = |p: usize| {
+                let k = p as f64 + 2.0;
+                let variance = *burg(&samples, p).unwrap().variance_by_order.last().unwrap();
+                n * variance.ln() + 2.0 * k * n / (n - k - 1.0)
+            };
+            let least = (0..=20).map(criterion).fold(f64::INFINITY, f64::min);
+            let order = order_by_aicc(&samples, 20).unwrap();
+            assert!((criterion(order) - least).abs() < 1e-9, "{seed}: {order}");
+        }
+    }
+}

@@ -253,4 +253,37 @@ mod tests {
             }
         }
     }
+    /// Against differences of the sum over every sample, `M = Σ (Aᵗ)ᵀ e eᵀ Aᵗ`, t below n.
+    #[test]
+    fn the_information_of_a_state_is_of_so_many_samples() {
+        let k = DMatrix::from_row_slice(2, 2, &[1.0, 0.3, 0.3, 2.0]);
+        let trace = |theta: &[f64], n: usize| -> f64 {
+            let a = companion(theta, 2);
+            let mut power = DMatrix::<f64>::identity(2, 2);
+            let mut sum = 0.0;
+            for _ in 0..n {
+                let row = power.row(0).transpose();
+                sum += row.dot(&(&k * &row));
+                power = &a * power;
+            }
+            sum
+        };
+        let theta = [0.9, -0.1];
+        for n in [1, 2, 3, 5, 6, 13, 40] {
+            let found = by_moving_average(&theta, n, &k);
+            for i in 0..2 {
+                let at = |h: f64| {
+                    let mut moved = theta;
+                    moved[i] += h;
+                    trace(&moved, n)
+                };
+                let slope = (at(1e-5) - at(-1e-5)) / 2e-5;
+                assert!(
+                    (found[i] - slope).abs() < 1e-6 * (1.0 + slope.abs()),
+                    "{n} {i}: {} {slope}",
+                    found[i]
+                );
+            }
+        }
+    }
 }

@@ -609,3 +609,6 @@ fn with_effort(effort: f64) -> FitOptions {
         ..FitOptions::default()
     }
 }
+
+#[cfg(test)]
+mod tests;

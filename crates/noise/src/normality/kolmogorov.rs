@@ -140,3 +140,17 @@ pub fn lilliefors_p(distance: f64, samples: usize) -> f64 {
         .rev()
         .fold(0.0, |sum, c| sum * modified + c)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The p of Dallal & Wilkinson at the 5 % distance of Molin & Abdi, who drew their own samples.
+    #[test]
+    fn lilliefors_p_is_five_percent_at_the_critical_distance() {
+        for samples in [7, 10, 15, 20, 30, 50, 100, 101, 200] {
+            let p = lilliefors_p(lilliefors_critical_5(samples), samples);
+            assert!((p - 0.05).abs() < 0.0013, "{samples}: {p}");
+        }
+    }
+}

@@ -283,4 +283,47 @@ mod tests {
             assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         }
     }
+    /// Averages that alternate by one: √2 by the differences of neighbours, 1 by what the level leaves.
+    #[test]
+    fn a_search_begins_with_noise_of_the_size_of_what_is_seen() {
+        let rows = |of: fn(f64) -> f64| -> Vec<Row> {
+            let signs = [1.0, -1.0, 1.0, -1.0];
+            signs.map(|sign| [of(sign), 1.0, sign, 0.0]).into()
+        };
+        let averages = |rows: Vec<Row>| Averages {
+            rows,
+            block: 50,
+            interval: 0.02,
+        };
+        let set = TermSet {
+            white: true,
+            random_walk: true,
+            gauss_markov: 1,
+            ..TermSet::default()
+        };
+        let found = averages(rows(|sign| 3.0 + sign))
+            .starts(set, 0, 1000.0)
+            .unwrap();
+        let mut expected = Vec::new();
+        for sigma in [1.0, 0.2, 0.04] {
+            for tau_s in [3.0, 30.0, 300.0] {
+                let process = GaussMarkov { sigma, tau_s };
+                expected.push(set.coordinates(&CompositeTerms {
+                    // A block of a second.
+                    white: 2f64.sqrt(),
+                    // The walk of its driving noise, σ √(2/τ).
+                    random_walk: sigma * (2.0 / tau_s).sqrt(),
+                    gauss_markov: [process; 2],
+                    ..CompositeTerms::default()
+                }));
+            }
+        }
+        assert_eq!(found.len(), expected.len());
+        for (found, expected) in found.concat().into_iter().zip(expected.concat()) {
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        }
+        // Averages that are all the same, or that the regressor is all of, have no noise.
+        assert!(averages(rows(|_| 3.0)).starts(set, 0, 1000.0).is_none());
+        assert!(averages(rows(|sign| sign)).starts(set, 1, 1000.0).is_none());
+    }
 }

@@ -142,7 +142,8 @@ def navigate(
     smooth : bool
         Whether the solution is the smoothed one.
     look_ahead : bool
-        Whether the errors of all fixes are studied first, else those of the fixes so far, as while driving.
+        Whether the errors of all fixes are studied and the mounting is found first, else both from the log so far, as while
+        driving.
     output : path or iterable of paths
         Files to write the solution to.
     format : str, optional

@@ -225,7 +225,8 @@ def outages(
     smooth : bool
         Whether the solutions are smoothed.
     look_ahead : bool
-        Whether the errors of all fixes are studied first, else those of the fixes so far, as while driving.
+        Whether the errors of all fixes are studied and the mounting is found first, else both from the log so far, as while
+        driving.
     progress : bool or callable
         True for a bar; or ``tqdm``, or what is called like it.
     **keys

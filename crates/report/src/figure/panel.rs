@@ -320,4 +320,63 @@ mod tests {
         assert!(PlotAxis::logarithmic("x").within(0.0..1.0).range.is_none());
         assert!(PlotAxis::new("y").range_of(std::iter::empty(), 0.0).end >= 1.0);
     }
+    #[test]
+    fn an_axis_has_a_little_room_beyond_its_values() {
+        let close = |range: Range<f64>, start: f64, end: f64| {
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs().max(1e-12);
+            assert!(
+                near(range.start, start) && near(range.end, end),
+                "{range:?}"
+            );
+        };
+        let linear = |values: &[f64]| PlotAxis::new("").range_of(values.iter().copied(), 0.05);
+        let logarithmic =
+            |values: &[f64]| PlotAxis::logarithmic("").range_of(values.iter().copied(), 0.05);
+        close(linear(&[3.0, -1.0, 2.0]), -1.2, 3.2);
+        close(linear(&[-3.0, -1.0]), -3.1, -0.9);
+        // A twentieth of two decades.
+        close(logarithmic(&[0.1, 10.0]), 10f64.powf(-1.1), 10f64.powf(1.1));
+        // One value: a thousandth of it, one about zero, a decade.
+        close(linear(&[5.0]), 4.995, 5.005);
+        close(linear(&[-5.0]), -5.005, -4.995);
+        close(linear(&[0.0]), -1.0, 1.0);
+        close(logarithmic(&[10.0]), 1.0, 100.0);
+        // None at all.
+        close(linear(&[]), -0.05, 1.05);
+        let given = PlotAxis::new("").within(2.0..3.0);
+        close(given.range_of([9.0].into_iter(), 0.05), 2.0, 3.0);
+        // Whatever the values, ends and length are finite.
+        let far = linear(&[-f64::MAX, f64::MAX]);
+        assert!((far.end - far.start).is_finite());
+        let far = logarithmic(&[1e-307, 1e307]);
+        assert!(far.start > 0.0 && far.end.is_finite());
+    }
+
+    #[test]
+    fn a_range_without_length_is_none() {
+        let within = |range: Range<f64>| PlotAxis::new("").within(range).range;
+        assert_eq!(within(1.0..2.0), Some(1.0..2.0));
+        assert!(within(2.0..2.0).is_none() && within(0.0..f64::INFINITY).is_none());
+        assert!(within(f64::NAN..1.0).is_none());
+        let names = PlotAxis::categories(["a", "b", "c"]);
+        assert_eq!(names.range, Some(-0.6..2.6));
+        assert_eq!(PlotAxis::categories([""; 0]).range, Some(-0.6..0.6));
+        let axis = PlotAxis::new("").within(1.0..2.0);
+        assert!(axis.holds(1.0) && axis.holds(2.0) && !axis.holds(0.9) && !axis.holds(2.1));
+        assert!(axis.takes(9.0) && axis.takes(-9.0) && !PlotAxis::logarithmic("").takes(0.0));
+    }
+
+    #[test]
+    fn bands_and_boxes_have_their_columns() {
+        let band = Series::band("", 0, &[(0.0, 1.0, 2.0), (5.0, 3.0, 4.0)]);
+        assert_eq!(band.x, [0.0, 5.0]);
+        assert_eq!(band.y, [[1.0, 3.0], [2.0, 4.0]]);
+        let boxes = Series::boxes("", 0, vec![(7.0, [1.0, 2.0, 3.0, 4.0, 5.0])]);
+        assert_eq!(
+            (&boxes.x[..], boxes.y.concat()),
+            (&[7.0][..], vec![1.0, 2.0, 3.0, 4.0, 5.0])
+        );
+        let points: Vec<(f64, f64)> = band.points().collect();
+        assert_eq!(points, [(0.0, 1.0), (5.0, 3.0), (0.0, 2.0), (5.0, 4.0)]);
+    }
 }

@@ -234,4 +234,119 @@ mod tests {
         assert!(d.contains(".9-35"), "the extreme is missing");
         assert!(d.len() < 40_000, "{}", d.len());
     }
+    fn window_of(panel: &Panel) -> Window {
+        panel.window(100.0, 100.0)
+    }
+
+    fn panel_with(series: Series) -> Panel {
+        let axis = || PlotAxis::new("").within(0.0..10.0);
+        let mut panel = Panel::new("", axis(), axis());
+        panel.add(series);
+        panel
+    }
+
+    #[test]
+    fn a_bar_goes_from_zero_to_its_value_about_its_x() {
+        let panel = panel_with(Series::bars("", 7, vec![(2.0, 4.0), (7.0, 1.0)]));
+        let drawn = paths(&panel, 0, &window_of(&panel));
+        // Of a distance of 5 a bar has 0.8, less four hundredths at each side: 1.84 each way.
+        assert!(
+            drawn.contains("d=\"M1.6 100H38.4V60H1.6ZM51.6 100H88.4V90H51.6Z\""),
+            "{drawn}"
+        );
+        assert!(drawn.contains("fill=\"#0072b2\" opacity=\"1\""), "{drawn}");
+    }
+
+    #[test]
+    fn a_box_has_its_quartiles_whiskers_and_median() {
+        let panel = panel_with(Series::boxes("", 7, vec![(5.0, [1.0, 2.0, 4.0, 6.0, 9.0])]));
+        let drawn = paths(&panel, 0, &window_of(&panel));
+        // 0.368 each way of 5.
+        let area = "M46.3 40H53.7V80H46.3Z";
+        assert!(
+            drawn.contains(&format!(
+                "<path d=\"{area}\" fill=\"#0072b2\" opacity=\"0.2\"/>"
+            )),
+            "{drawn}"
+        );
+        assert!(
+            drawn.contains(&format!(
+                "d=\"{area}M50 80V90M50 40V10\" fill=\"none\" stroke=\"#0072b2\" stroke-width=\"1\""
+            )),
+            "{drawn}"
+        );
+        assert!(
+            drawn.contains(
+                "d=\"M46.3 60H53.7\" fill=\"none\" stroke=\"#0072b2\" stroke-width=\"2.8\""
+            ),
+            "{drawn}"
+        );
+    }
+
+    #[test]
+    fn a_band_is_closed_along_its_lower_curve() {
+        let x = [0.0, 5.0, 10.0];
+        let drawn = band(&x, [&[1.0, 2.0, 3.0], &[4.0, 5.0, 6.0]], &window());
+        assert_eq!(drawn, "M0 60L50 50L100 40L100 70L50 80L0 90Z");
+        // A single point is no band.
+        assert_eq!(band(&x[..1], [&[1.0], &[2.0]], &window()), "");
+    }
+
+    #[test]
+    fn lines_have_their_width_and_pattern() {
+        let line = || vec![(0.0, 0.0), (10.0, 10.0)];
+        let drawn = |series: Series| {
+            let panel = panel_with(series);
+            paths(&panel, 0, &window_of(&panel))
+        };
+        for (series, width, pattern) in [
+            (Series::thin("", 7, line()), "1", None),
+            (Series::line("", 7, line()), "1.6", None),
+            (Series::thick("", 7, line()), "2.8", None),
+            (Series::dashed("", 7, line()), "1.6", Some("6,4")),
+            (Series::line("", 7, line()).pattern(2), "1.6", Some("2,3")),
+        ] {
+            let text = drawn(series);
+            assert!(
+                text.starts_with("<path d=\"M0 100l100-100\" fill=\"none\" stroke=\"#0072b2\""),
+                "{text}"
+            );
+            assert!(
+                text.contains(&format!("stroke-width=\"{width}\"")),
+                "{text}"
+            );
+            assert_eq!(
+                text.split_once("dasharray=\"").map(|(_, rest)| &rest[..3]),
+                pattern
+            );
+        }
+        let dots = drawn(Series::dots("", 7, line()));
+        assert!(
+            dots.contains("M0 100h.01M100 0h.01")
+                && dots.contains("stroke-width=\"5\"")
+                && dots.contains("linecap=\"round\""),
+            "{dots}"
+        );
+        let keys = [
+            (Series::line("", 0, Vec::new()), "M0 6H18"),
+            (Series::dots("", 0, Vec::new()), "M9 6h.01"),
+            (Series::band("", 0, &[]), "M0 1H18V11H0Z"),
+            (Series::boxes("", 0, Vec::new()), "M3 1H15V11H3Z"),
+        ];
+        for (series, path) in keys {
+            assert!(key(&series).starts_with(&format!("<path d=\"{path}\"")));
+        }
+    }
+
+    #[test]
+    fn steps_of_a_path_have_no_needless_letters() {
+        let of = |steps: &[f64]| {
+            let mut d = "l".to_owned();
+            for by in steps {
+                step(&mut d, *by);
+            }
+            d
+        };
+        assert_eq!(of(&[0.5, 10.0, -0.5, 10.5, 0.04]), "l.5 10-.5 10.5 0");
+    }
 }

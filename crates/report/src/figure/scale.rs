@@ -373,4 +373,102 @@ mod tests {
             assert!((left + right).abs() < 1e-12 && right > 0.3);
         }
     }
+    #[test]
+    fn a_value_has_its_pixel_by_its_share_of_the_axis() {
+        let (axis, log) = (PlotAxis::new(""), PlotAxis::logarithmic(""));
+        let x = Scale::new(&axis, Along::X, 2.0..6.0, 200.0);
+        assert_eq!(
+            [x.pixel(2.0), x.pixel(3.0), x.pixel(6.0)],
+            [0.0, 50.0, 200.0].map(Some)
+        );
+        let y = Scale::new(&axis, Along::Y, -1.0..3.0, 200.0);
+        assert_eq!(
+            [y.pixel(-1.0), y.pixel(0.0), y.pixel(3.0)],
+            [200.0, 150.0, 0.0].map(Some)
+        );
+        let decades = Scale::new(&log, Along::X, 1.0..1000.0, 300.0);
+        assert_eq!(
+            [decades.pixel(10.0), decades.pixel(100.0)],
+            [100.0, 200.0].map(Some)
+        );
+        assert_eq!(
+            [decades.pixel(0.0), decades.pixel(-1.0)],
+            [Some(-1e5), None]
+        );
+        assert_eq!(
+            [x.pixel(f64::NAN), x.pixel(1e9), x.pixel(-1e9)],
+            [None, Some(1e5), Some(-1e5)]
+        );
+        // Bars begin at zero, or at the foot of a logarithmic axis.
+        assert_eq!(y.base(), 150.0);
+        assert_eq!(Scale::new(&log, Along::Y, 1.0..10.0, 200.0).base(), 200.0);
+        // To a tenth of a pixel.
+        assert_eq!([px(1.04), px(1.06), px(-0.01)], [1.0, 1.1, 0.0]);
+    }
+
+    #[test]
+    fn ticks_are_as_many_as_there_is_room_for() {
+        let ticks = |along, range, length| {
+            let ticks = Scale::new(&PlotAxis::new(""), along, range, length).ticks();
+            ticks
+                .into_iter()
+                .map(|(_, label)| label)
+                .collect::<Vec<_>>()
+        };
+        // 28 pixels each along y, of which eight are enough; 46 along x.
+        assert_eq!(ticks(Along::Y, 0.0..10.0, 84.0), ["0", "5", "10"]);
+        assert_eq!(
+            ticks(Along::Y, 0.0..10.0, 140.0),
+            ["0", "2", "4", "6", "8", "10"]
+        );
+        assert_eq!(ticks(Along::Y, 0.0..16.0, 1000.0).len(), 9);
+        assert_eq!(ticks(Along::X, 0.0..10.0, 460.0).len(), 11);
+        assert_eq!(
+            ticks(Along::X, 0.0..10.0, 230.0),
+            ["0", "2", "4", "6", "8", "10"]
+        );
+        let placed = Scale::new(&PlotAxis::new(""), Along::X, 0.0..10.0, 230.0).ticks();
+        assert_eq!(placed[1], (46.0, "2".to_owned()));
+    }
+
+    #[test]
+    fn a_curve_fills_its_panel_with_room_for_dots_and_bars() {
+        let with = |series: Series| {
+            let mut panel = Panel::new("", PlotAxis::new(""), PlotAxis::new(""));
+            panel.add(series);
+            panel.extents()
+        };
+        let points = vec![(0.0, 1.0), (100.0, 3.0), (f64::NAN, 9.0)];
+        let close = |range: &Range<f64>, start: f64, end: f64| {
+            assert!(
+                (range.start - start).abs() < 1e-9 && (range.end - end).abs() < 1e-9,
+                "{range:?}"
+            );
+        };
+        let (x, y) = with(Series::line("", 0, points.clone()));
+        close(&x, 0.0, 100.0);
+        close(&y, 0.9, 3.1);
+        let (x, _) = with(Series::dots("", 0, points.clone()));
+        close(&x, -1.0, 101.0);
+        // Bars of 0.8 of the distance less a little air, from zero on.
+        let (x, y) = with(Series::bars("", 0, points[..2].to_vec()));
+        close(&x, -36.8, 136.8);
+        close(&y, -0.15, 3.15);
+        let mut panel = Panel::new("", PlotAxis::new(""), PlotAxis::new("")).to_scale();
+        panel.add(Series::line("", 0, vec![(0.0, 0.0), (200.0, 100.0)]));
+        // Five metres of room above and below.
+        assert!((panel.shape() - 0.55).abs() < 1e-12);
+        // 200 m in 100 pixels, 1.04 times: 2.08 m a pixel both ways, about the middle.
+        let window = panel.window(100.0, 100.0);
+        close(&window.x.range, -4.0, 204.0);
+        close(&window.y.range, -54.0, 154.0);
+    }
+
+    #[test]
+    fn widths_of_letters_are_rather_too_large() {
+        assert_eq!(text_width("il. "), 20.0);
+        assert_eq!(text_width("mW%"), 36.0);
+        assert_eq!(text_width("AZ−"), 28.5);
+        assert_eq!(text_width("an0"), 24.0);
+    }
 }

@@ -183,4 +183,67 @@ mod tests {
         measure.effects = None;
         assert!(of(&measure).is_empty());
     }
+    #[test]
+    fn an_effect_of_temperature_is_one_that_is_found() {
+        let slope = |percent: f64, found| Slope {
+            percent_per_k: percent.into(),
+            low: (-3.0).into(),
+            high: 2.5.into(),
+            found,
+            ..Slope::default()
+        };
+        assert_eq!(
+            of_temperature("drift", &slope(-1.0, true)),
+            "Temperature matters: drift falls with it, by -1.00 %/K (95 %: -3.00 to 2.50)."
+        );
+        assert_eq!(
+            of_temperature("drift", &slope(1.0, false)),
+            "No effect of temperature is shown: 1.00 %/K (95 %: -3.00 to 2.50)."
+        );
+    }
+
+    #[test]
+    fn several_that_stand_out_are_listed_the_surest_first() {
+        let group = |name: &str, effect| Group {
+            name: name.into(),
+            effect,
+            ..Group::default()
+        };
+        // One that could not be compared does not count.
+        let groups = [
+            group("a", effect(2.0, 0.005)),
+            group("b", effect(0.5, 0.5)),
+            group("c", effect(3.0, 0.001)),
+            group("d", None),
+        ];
+        let text = of_groups("drift", &groups, |n| many(n, "unit")).unwrap();
+        assert_eq!(
+            text,
+            "Some stand out of 3 units in drift: c 3.00 times the others (95 %: 2.00 to 4.50; p = 0.00100), a 2.00 times the others (95 %: 1.33 to 3.00; p = 0.00500)."
+        );
+        assert_eq!(of_groups("drift", &groups[3..], |n| many(n, "unit")), None);
+    }
+
+    #[test]
+    fn each_reason_not_to_compare_a_label_has_its_words() {
+        let label = |name: &str, left_out| Label {
+            label: name.into(),
+            left_out,
+            by_value: Vec::new(),
+        };
+        let measure = Measure {
+            by_label: vec![
+                label("a", Some(LeftOut::Unit)),
+                label("b", None),
+                label("c", Some(LeftOut::Many)),
+                label("d", Some(LeftOut::Aliased)),
+            ],
+            ..Measure::default()
+        };
+        assert_eq!(
+            left_out(&measure).unwrap(),
+            "Labels not compared: a (most values of one unit only), c (too many values), d (not separable from the sensor, other labels or missing temperatures)."
+        );
+        assert_eq!(left_out(&Measure::default()), None);
+    }
 }

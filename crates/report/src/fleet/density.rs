@@ -75,4 +75,42 @@ mod tests {
         );
         assert!(density(&[], &panel).is_empty());
     }
+    #[test]
+    fn a_cell_is_as_large_as_its_share_of_the_span_and_as_dark_as_its_points_are_many() {
+        // Over 48 by 32: one point in the first cell of each axis, 16 in the last, 4 amid.
+        let mut points = vec![(0.0, 0.0)];
+        points.extend([(48.0, 32.0); 16]);
+        points.extend([(24.5, 16.5); 4]);
+        let panel = Panel::new("", PlotAxis::new(""), PlotAxis::new(""));
+        let shades = density(&points, &panel);
+        let names: Vec<&str> = shades.iter().map(|shade| &*shade.name).collect();
+        assert_eq!(names, ["1 log or more", "4 or more", "16 or more"]);
+        let corner = |left: f64, low: f64| ([left, left + 1.0], [low; 2], [low + 1.0; 2]);
+        let cells = |shade: &Series| -> Vec<_> {
+            let places = (0..shade.x.len()).step_by(3);
+            places
+                .map(|at| {
+                    assert!(shade.y[0][at + 2].is_nan() && shade.y[1][at + 2].is_nan());
+                    let pair = |of: &[f64]| [of[at], of[at + 1]];
+                    (pair(&shade.x), pair(&shade.y[0]), pair(&shade.y[1]))
+                })
+                .collect()
+        };
+        let (first, amid, last) = (corner(0.0, 0.0), corner(24.0, 16.0), corner(47.0, 31.0));
+        assert_eq!(cells(&shades[0]), [first, amid, last]);
+        assert_eq!(cells(&shades[1]), [amid, last]);
+        assert_eq!(cells(&shades[2]), [last]);
+    }
+
+    #[test]
+    fn cells_of_a_logarithmic_axis_are_of_one_factor() {
+        let top = 32f64.exp();
+        let panel = Panel::new("", PlotAxis::new(""), PlotAxis::logarithmic(""));
+        let shades = density(&[(0.0, 1.0), (48.0, top)], &panel);
+        let [low, high] = [&shades[0].y[0], &shades[0].y[1]];
+        for (low, high) in low.iter().zip(high).filter(|(low, _)| low.is_finite()) {
+            assert!((high / low - 1f64.exp()).abs() < 1e-9, "{low} {high}");
+        }
+        assert!((high[4] / top - 1.0).abs() < 1e-9 && (low[0] - 1.0).abs() < 1e-9);
+    }
 }

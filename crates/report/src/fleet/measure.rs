@@ -327,3 +327,6 @@ fn groups(measure: &Measure, what: &str, groups: &[Group]) -> Vec<Block> {
     let figure = Figure::of(&name, &caption, 1, [panel]);
     figure.into_iter().chain([Block::Table(rows)]).collect()
 }
+
+#[cfg(test)]
+mod tests;

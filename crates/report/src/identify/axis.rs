@@ -331,32 +331,4 @@ pub(crate) fn drift_table(name: &str, axis: &Axis) -> Table {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn correlations_are_bars_from_lag_one_with_the_bounds_of_white_noise() {
-        let values = [1.0, 0.5, -0.25, 0.125].map(Number);
-        let panel = correlation("of it", &values, 0.02);
-        let [band, bars] = &panel.series[..] else {
-            panic!("{}", panel.series.len());
-        };
-        assert_eq!(
-            (&band.x[..], &band.y[0][..]),
-            (&[0.0, 4.0][..], &[-0.02; 2][..])
-        );
-        assert_eq!(band.y[1], [0.02; 2]);
-        assert_eq!(bars.x, [1.0, 2.0, 3.0]);
-        assert_eq!(bars.y[0], [0.5, -0.25, 0.125]);
-        assert_eq!(panel.x.range, Some(0.0..4.0));
-        let range = panel.y.range.unwrap();
-        assert!((range.start + 0.2875).abs() < 1e-12 && (range.end - 0.575).abs() < 1e-12);
-        // At least the bounds, at most what a correlation can be.
-        let range = |values: &[f64], bound| {
-            let values: Vec<Number> = values.iter().copied().map(Number).collect();
-            correlation("", &values, bound).y.range.unwrap()
-        };
-        assert_eq!(range(&[1.0, 0.01, 0.0], 0.02), -0.04..0.04);
-        assert_eq!(range(&[1.0, 0.99, -0.99], 0.02), -1.0..1.0);
-    }
-}
+mod tests;

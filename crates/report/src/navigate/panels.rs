@@ -89,7 +89,7 @@ pub(super) fn component_panel(
 }
 
 /// How far an axis reaches: over all curves and the bounds, but for the settling at the start.
-fn limit(curves: &[(&str, Vec<(f64, f64)>)], bounds: &[(f64, f64)]) -> f64 {
+pub(super) fn limit(curves: &[(&str, Vec<(f64, f64)>)], bounds: &[(f64, f64)]) -> f64 {
     let largest = curves
         .iter()
         .flat_map(|(_, points)| settled(points))

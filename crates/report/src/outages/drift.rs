@@ -143,3 +143,6 @@ fn outage_by_outage(models: &[&Model<'_>]) -> Option<Block> {
     let caption = format!("Largest horizontal error of each outage, plotted at its start{ONE}.");
     Figure::of("outage-by-outage", &caption, 1, [panel])
 }
+
+#[cfg(test)]
+mod tests;

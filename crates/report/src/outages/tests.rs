@@ -243,3 +243,139 @@ fn a_drift_is_a_line_under_the_name_of_each_model_that_has_it() {
     assert_eq!(lines[0].drawn, crate::Series::thin("", 0, Vec::new()).drawn);
     assert_eq!(lines[1].drawn, crate::Series::line("", 0, Vec::new()).drawn);
 }
+
+#[test]
+fn the_least_is_compared_with_the_next_and_the_most() {
+    let errors = |rms: f64, largest: &[f64]| ModelErrors {
+        rms: Numbers::from([(HORIZONTAL.to_owned(), Number(rms))]),
+        per_outage: largest
+            .iter()
+            .map(|error| OutageErrors {
+                max: Numbers::from([(HORIZONTAL.to_owned(), Number(*error))]),
+                ..OutageErrors::default()
+            })
+            .collect(),
+        ..ModelErrors::default()
+    };
+    let said = |all: &[(&str, &ModelErrors)]| {
+        let models: Vec<Model<'_>> = all
+            .iter()
+            .map(|(name, errors)| Model {
+                name: (*name).into(),
+                key: "",
+                run: 0,
+                errors,
+                drift: Vec::new(),
+                colour: 0,
+                usable: true,
+            })
+            .collect();
+        findings(&models)
+    };
+    // Six of six, and one in which both are the same.
+    let best = errors(2.0, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+    let next = errors(3.0, &[1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.0]);
+    let most = errors(8.0, &[9.0; 7]);
+    assert_eq!(
+        said(&[("far", &most), ("a, b", &best), ("next", &next)]),
+        [
+            "Least horizontal drift: \"a, b\" with 2.00 m (RMS over the outages of the largest error of each).",
+            "Next is next with 3.00 m; \"a, b\" drifted less in 6 of 6 outages, more than expected by chance.",
+            "Most: far with 8.00 m, 4.00 times the least.",
+        ]
+    );
+    // Four of six are chance. Of two there is no most.
+    let close = errors(2.1, &[0.5, 1.5, 3.5, 4.5, 5.5, 6.5, 7.0]);
+    assert_eq!(
+        said(&[("a", &best), ("b", &close)])[1..],
+        [
+            "Next is b with 2.10 m; a drifted less in 4 of 6 outages, no more than expected by chance."
+        ]
+    );
+    // Within a hundredth they are equal.
+    let equal = errors(2.02, &[1.0; 7]);
+    assert_eq!(
+        said(&[("a", &best), ("b", &equal)]),
+        [
+            "Least horizontal drift: a and b, equal within 1 %, with 2.00 m (RMS over the outages of the largest error of each)."
+        ]
+    );
+    let none = errors(f64::NAN, &[]);
+    assert_eq!(
+        said(&[("a", &none)]),
+        ["No model has an error inside every outage."]
+    );
+    assert_eq!(said(&[("a", &none), ("b", &best)]).len(), 1);
+}
+
+#[test]
+fn what_was_done_names_the_drive_the_outages_and_the_reference() {
+    use undrift::results::{Cut, Start};
+    let cut = |start: f64, length: f64| Cut {
+        start_s: start.into(),
+        length_s: length.into(),
+    };
+    let mut run = result();
+    run.outages = vec![cut(300.0, 30.0), cut(400.0, 30.04)];
+    assert_eq!(
+        what_was_done("", &run),
+        "On the drive, GNSS was cut 2 times for 30 s. During the outages the solution, of what came before each instant only, was compared with the truth."
+    );
+    run.look_ahead = true;
+    let ahead = "the solution, which knew the errors of all fixes from the start, was compared";
+    assert!(what_was_done("", &run).contains(ahead));
+    run.drive.imu = Some("imu.csv".into());
+    run.drive.gnss = Some("gnss.csv".into());
+    run.drive.rate_hz = 100.0.into();
+    run.drive.model = Some("tuned".into());
+    run.reference = "gnss".into();
+    run.smooth = true;
+    run.outages.push(cut(500.0, 45.5));
+    assert_eq!(
+        what_was_done("a", &run),
+        "a: on imu.csv at 100 Hz with gnss.csv, GNSS was cut 3 times for 30 to 45.5 s. During the outages the smoothed solution was compared with the withheld fixes; the noise model is \"tuned\", run in 2 forms."
+    );
+    run.drive.simulated = Some("a car".into());
+    run.drive.model = Some("the one of the simulation".into());
+    run.drive.file = Some("drive.toml".into());
+    run.drive.start = Some(Start {
+        time_s: 0.0.into(),
+        utc: String::new(),
+        unix_s: 1e9.into(),
+        clock: "gnss".into(),
+    });
+    let text = what_was_done("", &run);
+    assert!(
+        text.starts_with("On a car, simulated (imu.csv at 100 Hz, gnss.csv), GNSS was cut"),
+        "{text}"
+    );
+    assert!(
+        text.ends_with("; the noise model is the one of the simulation, run in 2 forms. Start of the first: 2001-09-09 01:51:40.000 UTC (from the GNSS receiver)."),
+        "{text}"
+    );
+}
+
+#[test]
+fn warnings_name_the_model_that_they_are_of() {
+    let mut run = result();
+    run.failed.insert("ar".into(), "it diverged".into());
+    run.models.get_mut("arma").unwrap().warning = Some("the gyro is frozen".into());
+    run.warnings = vec!["IMU log: late".into()];
+    let section = &sections(&[(String::new(), &run)])[0];
+    let warned = crate::tests::sentences(section);
+    assert_eq!(
+        warned[2..5],
+        [
+            "Ar could not be run: it diverged.",
+            "Run as arma, the gyro is frozen.",
+            "IMU log: late.",
+        ]
+    );
+    let twice = [("x".to_owned(), &run), ("y".to_owned(), &run)];
+    let section = &sections(&twice)[0];
+    let warned = crate::tests::sentences(section);
+    assert!(
+        warned.contains(&"In y: run as arma, the gyro is frozen."),
+        "{warned:?}"
+    );
+}

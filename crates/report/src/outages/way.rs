@@ -189,4 +189,122 @@ mod tests {
         assert!(lines[0].x[2].is_nan() && lines[0].colour == model_colour("arma", 2));
         assert_ne!(lines[0].dash, lines[1].dash);
     }
+    /// A drive of a metre a second to the east along the equator from 1000 s on, cut from 1002 to 1004 s and from 1008 s on.
+    fn driven() -> Outages {
+        let metre = 1.0 / 6_378_137f64.to_radians();
+        let cut = |start: f64| Cut {
+            start_s: start.into(),
+            length_s: 2.0.into(),
+        };
+        let mut run = Outages {
+            outages: vec![cut(1002.0), cut(1008.0)],
+            ..Outages::default()
+        };
+        for second in 0..=10 {
+            let track = &mut run.series.track;
+            track.time_s.push((1000.0 + f64::from(second)).into());
+            track.lat_deg.push(0.0.into());
+            track.lon_deg.push((f64::from(second) * metre).into());
+        }
+        run
+    }
+
+    #[test]
+    fn the_way_is_marked_where_gnss_was_cut() {
+        let run = driven();
+        let panel = panel("a", &run, false);
+        let legend: Vec<&str> = panel.series.iter().map(|series| &*series.name).collect();
+        assert_eq!(legend, ["driven", "without GNSS", "", "start"]);
+        assert_eq!((panel.clock, panel.to_scale), (Some(1002.0), true));
+        for (at, expected) in [
+            (
+                0,
+                vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0],
+            ),
+            // Both ends of an outage.
+            (1, vec![2.0, 3.0, 4.0]),
+            (2, vec![8.0, 9.0, 10.0]),
+        ] {
+            let series = &panel.series[at];
+            assert_eq!(series.x.len(), expected.len());
+            for ((x, time), expected) in series.x.iter().zip(&series.times).zip(expected) {
+                assert!((x - expected).abs() < 1e-6, "{x} {expected}");
+                assert!((time - (expected - 2.0)).abs() < 1e-9, "{time}");
+            }
+        }
+        assert_eq!(
+            (&panel.series[3].x[..], &panel.series[3].y[0][..]),
+            (&[0.0][..], &[0.0][..])
+        );
+    }
+
+    #[test]
+    fn drives_with_one_way_and_the_same_outages_are_drawn_once() {
+        let run = driven();
+        let mut other = driven();
+        other.outages.pop();
+        let named = |name: &str| name.to_owned();
+        let runs = [(named("a"), &run), (named("b"), &run), (named("c"), &other)];
+        let section = way(&runs).unwrap();
+        assert_eq!(section.note, "3 outages");
+        let figure = crate::tests::figure_of([&section], "trajectory");
+        let titles: Vec<&str> = figure.panels.iter().map(|panel| &*panel.title).collect();
+        assert_eq!((titles, figure.columns), (vec!["a", "c"], 2));
+        assert!(!figure.caption.contains("each model's way"));
+        // A drive without a track has no way.
+        assert!(way(&[(named("a"), &Outages::default())]).is_none());
+        let mut with = driven();
+        with.series
+            .ways
+            .insert("arma".into(), with.series.track.clone());
+        with.order = vec!["arma".into()];
+        let rms = Numbers::from([("horizontal_m".to_owned(), 1.0.into())]);
+        let errors = ModelErrors {
+            rms,
+            ..ModelErrors::default()
+        };
+        with.models.insert("arma".into(), errors);
+        let section = models_way(&[(named(""), &with)]).unwrap();
+        let figure = crate::tests::figure_of([&section], "trajectory");
+        assert!(figure.caption.contains("each model's way"));
+        let arma = figure.panels[0]
+            .series
+            .iter()
+            .find(|series| series.name == "arma");
+        // Where the second outage begins, the line is broken.
+        let gaps = arma.unwrap().x.iter().filter(|x| x.is_nan()).count();
+        assert_eq!(gaps, 2);
+    }
+
+    #[test]
+    fn ways_are_one_line_within_a_twentieth_of_the_lesser_drift() {
+        let metre = 1.0 / 6_378_137f64.to_radians();
+        let lines = |apart: f64, drift: f64| {
+            let mut run = Outages {
+                order: vec!["white".into(), "arma".into()],
+                ..Outages::default()
+            };
+            for (name, east, drift) in [("white", 0.0, 100.0), ("arma", apart, drift)] {
+                let way = Track {
+                    time_s: vec![1.0.into()],
+                    lat_deg: vec![0.0.into()],
+                    lon_deg: vec![(east * metre).into()],
+                    ..Track::default()
+                };
+                run.series.ways.insert(name.into(), way);
+                let rms = Numbers::from([("horizontal_m".to_owned(), drift.into())]);
+                run.models.insert(
+                    name.into(),
+                    ModelErrors {
+                        rms,
+                        ..ModelErrors::default()
+                    },
+                );
+            }
+            let origin = Geodetic::from_degrees(0.0, 0.0, 0.0);
+            of_models(&run, |track| on_the_ground(track, Some(&origin)), &[]).len()
+        };
+        assert_eq!([lines(0.49, 10.0), lines(0.51, 10.0)], [1, 2]);
+        assert_eq!([lines(4.9, 200.0), lines(5.1, 200.0)], [1, 2]);
+    }
 }

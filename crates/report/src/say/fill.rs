@@ -1,6 +1,6 @@
 //! Results with their sentences.
 
-use super::{alignment, all, mounting, say};
+use super::{alignment, all, found, mounting, say};
 use undrift::{
     demo::{self, Demo},
     fleet::FleetOutcome,
@@ -13,7 +13,8 @@ use undrift::{
 pub fn navigated(report: &Report, kind: BiasModel, drive: results::Drive) -> results::Navigate {
     let mut result = report.result(kind, drive);
     result.warnings = all(&result.findings);
-    result.mounting = report.mounting.as_ref().map(mounting);
+    let ahead = report.mounting.as_ref().map(mounting);
+    result.mounting = found(&report.summary.mountings).or(ahead);
     let start = report.summary.alignment.as_ref();
     result.summary.alignment = start.map_or(String::new(), alignment);
     result

@@ -1,6 +1,6 @@
 //! Sentences of how a solution starts, or why it does not.
 
-use super::all;
+use super::{all, words::at};
 use std::error::Error;
 use undrift::{
     align::{Alignment, AttitudeSource, HeadingSource},
@@ -53,6 +53,39 @@ pub fn mounting(mounting: &Mounting) -> String {
         std.z,
         mounting.duration,
         if mounting.straight { "straight " } else { "" }
+    )
+}
+
+/// The last of the mountings found on the way, and since when the solution is in the vehicle's axes.
+pub fn found(mountings: &[(f64, Mounting)]) -> Option<String> {
+    let (since, _) = mountings.first()?;
+    let (_, last) = mountings.last()?;
+    let since = at(*since);
+    Some(format!(
+        "{}; the solution is in vehicle axes from {since} s on",
+        mounting(last)
+    ))
+}
+
+/// Why no mounting was found on the way.
+pub(super) fn no_mounting(driving: Option<f64>, wander: Option<f64>, std: Option<f64>) -> String {
+    let why = match (driving, wander, std) {
+        (Some(driving), ..) => {
+            format!(
+                "only {driving:.0} s of driving above 0.7 m/s with a known heading, 30 s are needed"
+            )
+        }
+        (_, Some(wander), _) => format!(
+            "the direction of motion varies by {:.0} deg in sensor axes",
+            wander.to_degrees()
+        ),
+        (_, _, std) => format!(
+            "its pitch and yaw were not known to better than {:.1} deg",
+            std.unwrap_or(f64::NAN).to_degrees()
+        ),
+    };
+    format!(
+        "the mounting was not found: {why}; the solution is in the sensor's axes, and no constraint of the vehicle was applied: set imu.mounting or imu.axes"
     )
 }
 

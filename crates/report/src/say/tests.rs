@@ -94,6 +94,22 @@ fn every_finding_has_its_sentence() {
             "IMU log: ends at 12.5 s, 300 s before the last fix: it may be cut short",
         ),
         (
+            Finding::NoMounting {
+                driving: Some(12.0),
+                wander: None,
+                std: None,
+            },
+            "the mounting was not found: only 12 s of driving above 0.7 m/s with a known heading, 30 s are needed; the solution is in the sensor's axes, and no constraint of the vehicle was applied: set imu.mounting or imu.axes",
+        ),
+        (
+            Finding::NoMounting {
+                driving: None,
+                wander: Some(0.35),
+                std: None,
+            },
+            "the mounting was not found: the direction of motion varies by 20 deg in sensor axes; the solution is in the sensor's axes, and no constraint of the vehicle was applied: set imu.mounting or imu.axes",
+        ),
+        (
             Finding::BadCovariance { fixes: 3 },
             "rejected 3 fixes whose covariance is not positive definite",
         ),
@@ -394,5 +410,520 @@ fn the_verdict_names_the_cause() {
     assert_eq!(
         verdict(&ended),
         "not usable: the solution diverged at 9 s and ends there"
+    );
+}
+
+#[test]
+fn a_ratio_of_gravity_or_turns_hints_at_the_unit() {
+    let gravity = |ratio: f64| say(&Finding::WrongGravity { ratio });
+    for (ratio, number, hint) in [
+        (0.09, "0.0900", "(the numbers look like g)"),
+        (
+            0.115,
+            "0.115",
+            "check imu.accel, imu.accel_unit and imu.data",
+        ),
+        (
+            0.0899,
+            "0.0899",
+            "check imu.accel, imu.accel_unit and imu.data",
+        ),
+        (8.5, "8.50", "(the numbers look like m/s^2)"),
+        (11.4, "11.4", "(the numbers look like m/s^2)"),
+        (100.0, "100", "(the numbers look like mg or cm/s^2)"),
+        (115.0, "115", "check imu.accel, imu.accel_unit and imu.data"),
+        (1e-7, "0", "check imu.accel, imu.accel_unit and imu.data"),
+        (
+            2e-6,
+            "2.00e-6",
+            "check imu.accel, imu.accel_unit and imu.data",
+        ),
+    ] {
+        let text = gravity(ratio);
+        let start = format!("the accelerometers measure {number} times gravity on average: check ");
+        assert!(text.starts_with(&start) && text.ends_with(hint), "{text}");
+    }
+    for (ratio, hint) in [
+        (-1.7, "the signs of imu.gyro and imu.axes"),
+        (-0.6, "imu.gyro_unit and imu.axes"),
+        (0.017, "imu.gyro_unit (the numbers look like deg/s)"),
+        (57.3, "imu.gyro_unit (the numbers look like rad/s)"),
+        (
+            0.001,
+            "imu.gyro_unit (the numbers are a thousand times too large)",
+        ),
+        (0.5, "imu.gyro_unit and imu.axes"),
+    ] {
+        let text = say(&Finding::WrongTurnRate { ratio });
+        assert!(
+            text.ends_with(&format!("the rate of the gyros: check {hint}")),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn a_body_that_gravity_does_not_pull_down_says_where_it_does() {
+    for (down, towards) in [
+        ([0.8, 0.0, 0.6], "tilted by 53° (gravity points forward"),
+        ([-0.8, 0.0, 0.6], "tilted by 53° (gravity points backward"),
+        ([0.1, 0.9, -0.2], "tilted by 102° (gravity points right"),
+        ([0.0, -0.6, 0.8], "tilted by 37° (gravity points down"),
+    ] {
+        let text = say(&Finding::NotDown { down });
+        assert!(text.contains(towards), "{text}");
+    }
+}
+
+#[test]
+fn a_delay_has_its_direction_and_the_leap_seconds() {
+    assert_eq!(
+        say(&Finding::Late { delay: 0.25 }),
+        "GNSS is stamped 0.25 s too early for the turns that the gyros measure: add 0.25 s to gnss.time_offset"
+    );
+    for (delay, mixed) in [(18.4, true), (-17.6, true), (18.6, false), (17.4, false)] {
+        let text = say(&Finding::Late { delay });
+        assert_eq!(
+            text.ends_with("(GPS time and UTC are mixed)"),
+            mixed,
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn axes_are_named_by_what_speeds_up_and_what_is_pushed() {
+    let wrong = |forward, right, axes: Option<&str>| {
+        say(&Finding::WrongAxes {
+            forward,
+            right,
+            axes: axes.map(String::from),
+        })
+    };
+    for (forward, right, faces) in [
+        (Some(-1), None, "backwards (yaw 180°)"),
+        (Some(2), Some(-1), "to the left (yaw -90°)"),
+        (Some(2), None, "to the left (yaw -90°)"),
+        (Some(-2), Some(1), "to the right (yaw 90°)"),
+        (Some(-2), None, "to the right (yaw 90°)"),
+    ] {
+        assert_eq!(
+            wrong(forward, right, None),
+            format!(
+                "GNSS shows that the IMU faces {faces}: rotate imu.axes by that angle, or set imu.mounting = \"auto\""
+            )
+        );
+    }
+    let columns = ": check the order and signs of imu.accel";
+    for (forward, right, text) in [
+        (
+            Some(2),
+            Some(1),
+            "the accelerometer's forward and right axes seem exchanged (GNSS accelerates forward, the IMU to the right)",
+        ),
+        (
+            Some(-2),
+            Some(-1),
+            "the accelerometer's forward and right axes seem exchanged (GNSS accelerates forward, the IMU to the left)",
+        ),
+        (
+            Some(-1),
+            Some(2),
+            "the accelerometer's forward axis seems to have the wrong sign (GNSS accelerates forward, the IMU backward)",
+        ),
+    ] {
+        assert_eq!(wrong(forward, right, None), format!("{text}{columns}"));
+    }
+    // What no such rotation explains.
+    assert_eq!(
+        wrong(None, Some(1), None),
+        "the IMU's axes are not the vehicle's (in turns GNSS is pushed to the right, the IMU forward): check imu.axes and the order and signs of imu.accel"
+    );
+}
+
+#[test]
+fn times_have_at_most_milliseconds_and_counts_their_plural() {
+    use super::words::{at, many};
+    assert_eq!([at(12.0), at(12.5), at(12.3456)], ["12", "12.5", "12.346"]);
+    assert_eq!([at(0.0), at(100.0)], ["0", "100"]);
+    assert_eq!(
+        [many(1, "fix"), many(2, "fix"), many(0, "gap")],
+        ["1 fix", "2 fixes", "0 gaps"]
+    );
+}
+
+#[test]
+fn rejected_fixes_grow_or_fall_and_may_be_larger_amid() {
+    let text = say(&Finding::Rejected(Contradiction {
+        part: Part::Velocity,
+        fixes: 3,
+        first: 5.0,
+        last: 2.0,
+        growth: -0.75,
+        largest: 5.3,
+        gave_way: false,
+        ..jump()
+    }));
+    assert_eq!(
+        text,
+        "rejected 3 velocities, 243311-243315 s (error fell from 5.0 to 2.0 m/s, at 0.750 m/s², at most 5.3 m/s)"
+    );
+    let text = say(&Finding::Rejected(Contradiction {
+        first: 12_345.0,
+        last: 17.0,
+        largest: 12_900.0,
+        ..jump()
+    }));
+    assert!(
+        text.contains("error fell from 12\u{202f}300 to 17 m") && !text.contains("at most"),
+        "{text}"
+    );
+}
+
+#[test]
+fn further_findings_have_their_sentences() {
+    let cases = [
+        (
+            Finding::NotCompared {
+                why: NoError::TooSparse,
+                truth: [0.0, 50.0],
+                started: None,
+                ended: 9.0,
+            },
+            "no errors against the truth: the truth has no two samples within 2 s of each other during the solution (truth 0-50 s, no solution); check the time columns, or set truth.time_offset",
+        ),
+        (
+            Finding::LongGaps {
+                gaps: 1,
+                first: 20.0,
+                longest: 4.5,
+            },
+            "IMU log: no samples for 4.5 s from 20 s; do not trust the solution there, or leave it out with [span]",
+        ),
+        (
+            Finding::Restart {
+                time: 80.0,
+                why: RestartCause::GaveWayOften,
+                resumed: None,
+            },
+            "discarded the solution at 80 s: it repeatedly rejected fixes and then accepted them; could not be re-initialised",
+        ),
+        (
+            Finding::RepeatedFixes {
+                fixes: 4,
+                interval: 0.2,
+            },
+            "skipped 4 fixes that repeat the previous one: the receiver measures every 0.200 s",
+        ),
+        (
+            Finding::FixJitter { std: 0.012 },
+            "time stamps of the fixes jitter by 12 ms; the along-track covariance of the positions was increased accordingly",
+        ),
+        (
+            Finding::ModestVelocity { factor: 0.5 },
+            "velocities match the changes of position to 0.50 of their stated standard deviations, which were scaled accordingly; the lasting part of their error is estimated",
+        ),
+        (
+            Finding::VelocityBias {
+                bias: [0.1, -0.2, 0.3],
+            },
+            "velocities differ from the changes of position by a constant 0.10, -0.20, 0.30 m/s north, east, down: one of them is wrong; gnss.use = \"position\" ignores the velocities",
+        ),
+        (
+            Finding::FarParameter {
+                parameter: "TimeOffset".into(),
+                value: 0.25,
+                sigmas: 6.0,
+            },
+            "time offset of the positions: the estimate of 250 ms is 6 prior standard deviations from zero; check the setting that it corrects",
+        ),
+        (
+            Finding::OptimisticDrift {
+                model: "arma".into(),
+                inside: 0.8,
+            },
+            "only 80 % of the position errors in the outages lie within 3σ as predicted, even with model arma: the IMU's noise model is too optimistic for this vehicle (run `undrift tune`), or the lever arm, the axes or the mounting are wrong",
+        ),
+        (
+            Finding::OptimisticModel { factor: 2.5 },
+            "innovations are 2.5 times as large as predicted although the fixes are consistent: the IMU's noise model is too optimistic for this vehicle (run `undrift tune`), or the lever arm or the axes are wrong",
+        ),
+        (
+            Finding::CorrelatedInnovations {
+                part: Part::Velocity,
+                correlation: 0.75,
+            },
+            "velocity innovations are correlated from fix to fix (autocorrelation 0.75), so attitude and sensor errors are larger than predicted: the IMU's noise model is too optimistic for this vehicle (run `undrift tune`), or the lever arm, the axes or the times are wrong",
+        ),
+        (
+            Finding::SetBack {
+                log: Log::Imu,
+                line: 7,
+                step: 0.5,
+            },
+            "IMU log: the clock steps back by 0.500 s at row 7, so all later rows are stamped early: add 0.500 s to their times",
+        ),
+        (
+            Finding::HeadingOff {
+                start: 10.0,
+                end: 30.5,
+                angle: 0.1,
+                more: 0,
+            },
+            "the heading disagrees with the GNSS course by up to 5.7 deg, 10-30.5 s: the bias or the scale of the vertical gyro changed, or the IMU was moved; the heading's standard deviation accounts for it",
+        ),
+        (
+            Finding::Constant {
+                axis: 3,
+                value: 0.0,
+                samples: 900,
+                vertical: true,
+            },
+            "accelerometer x is constant (0) in all 900 samples: check imu.accel; if the column is right, the sensor is faulty or too coarse",
+        ),
+    ];
+    for (finding, sentence) in cases {
+        assert_eq!(say(&finding), sentence);
+    }
+    let corrected = |without_from, beyond| {
+        say(&Finding::Temperature {
+            corrected: 90,
+            without: 0,
+            without_from,
+            beyond,
+            seen_c: Some([20.0, 30.0]),
+        })
+    };
+    assert_eq!(
+        corrected(None, 0),
+        "corrected for temperature (20.0 to 30.0 °C)"
+    );
+    assert!(corrected(None, 9).contains("; 10 % of it is extrapolated"));
+    assert!(corrected(Some(1.0), 0).contains("but not 0.00 % of the samples"));
+}
+
+#[test]
+fn a_stated_accuracy_is_mended_by_a_factor() {
+    let said = |factor, adapted, correlated| {
+        say(&Finding::WrongAccuracy {
+            part: Part::Velocity,
+            factor,
+            adapted,
+            correlated,
+        })
+    };
+    assert_eq!(
+        said(0.25, false, true),
+        "stated velocity standard deviations are about 4.0 times too large for the innovations: multiply gnss.velocity_std_factor by 0.25, or set gnss.adapt = true"
+    );
+    let start =
+        "stated velocity standard deviations are about 3.0 times too small for the innovations";
+    let mend = ": multiply gnss.velocity_std_factor by 3.00, or set gnss.adapt = true";
+    assert_eq!(said(3.0, false, false), format!("{start}{mend}"));
+    assert_eq!(said(3.0, true, true), format!("{start}; they were adapted"));
+}
+
+#[test]
+fn every_mend_of_the_fixes_says_what_is_wrong() {
+    for (mend, words) in [
+        (
+            FixMend::VelocityEastNorth,
+            "is east, north, not north, east",
+        ),
+        (
+            FixMend::PositionSwapped,
+            "latitude and longitude are exchanged",
+        ),
+        (
+            FixMend::EastReversed,
+            "velocity east (or the longitude) has the wrong sign",
+        ),
+        (
+            FixMend::NorthReversed,
+            "velocity north (or the latitude) has the wrong sign",
+        ),
+        (
+            FixMend::VelocityReversed,
+            "the GNSS velocity has the wrong signs",
+        ),
+        (FixMend::KilometresPerHour, "is in km/h, not m/s"),
+        (FixMend::Knots, "is in knots, not m/s"),
+        (FixMend::FeetPerSecond, "is in ft/s, not m/s"),
+        (FixMend::CentimetresPerSecond, "is in cm/s, not m/s"),
+        (FixMend::MillimetresPerSecond, "is in mm/s, not m/s"),
+        (FixMend::PositionInRadians, "are in rad, not deg"),
+    ] {
+        let text = say(&Finding::WrongVelocity { mend: Some(mend) });
+        assert!(text.contains(words), "{text}");
+    }
+    let unknown = say(&Finding::WrongVelocity { mend: None });
+    assert!(
+        unknown.starts_with("GNSS positions and velocities disagree"),
+        "{unknown}"
+    );
+    for (axis, name) in [(0, "north"), (1, "east")] {
+        let text = say(&Finding::WrongSign { axis });
+        assert!(
+            text.starts_with(&format!("the velocity {name} appears")),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn a_start_says_where_the_attitude_comes_from() {
+    use undrift::{
+        align::{Alignment, AttitudeSource, HeadingSource},
+        mounting::Mounting,
+        nav::{Vector3, attitude::from_rpy},
+    };
+    let of = |source| {
+        let angle = 1f64.to_radians();
+        alignment(&Alignment {
+            source,
+            level_std: angle,
+            heading_std: 2.0 * angle,
+            gyro_bias_std: 0.5 * angle,
+        })
+    };
+    let bounds = "; level ±1.00 deg, heading ±2.0 deg, gyro bias ±0.500 deg/s";
+    let rest = |heading| {
+        of(AttitudeSource::Rest {
+            duration: 12.5,
+            heading,
+        })
+    };
+    let motion = |bias_at_rest| {
+        of(AttitudeSource::Motion {
+            duration: 20.0,
+            bias_at_rest,
+        })
+    };
+    assert_eq!(of(AttitudeSource::Given), "attitude as specified");
+    assert_eq!(
+        rest(HeadingSource::Given),
+        format!("levelled during 12.5 s of rest, heading as specified{bounds}")
+    );
+    assert_eq!(
+        rest(HeadingSource::Course),
+        format!("levelled during 12.5 s of rest, heading from the GNSS course{bounds}")
+    );
+    assert_eq!(
+        motion(false),
+        format!("attitude from 20 s of motion{bounds}")
+    );
+    assert_eq!(
+        motion(true),
+        format!("attitude from 20 s of motion, gyro bias from rest{bounds}")
+    );
+    let degrees = |x: f64, y: f64, z: f64| Vector3::new(x, y, z).map(f64::to_radians);
+    let rpy = degrees(1.0, -2.0, 90.0);
+    let sits = |straight| {
+        mounting(&Mounting {
+            q_vb: from_rpy(&rpy),
+            std: degrees(0.1, 0.2, 0.3),
+            duration: 300.0,
+            straight,
+        })
+    };
+    let angles = "roll 1.00, pitch -2.00, yaw 90.00 deg; ±0.10 about forward, ±0.20 about right, ±0.30 deg about down; from 300 s of ";
+    assert_eq!(sits(true), format!("{angles}straight driving"));
+    assert_eq!(sits(false), format!("{angles}driving"));
+    assert_eq!(estimated("it"), "estimated mounting: it");
+}
+
+#[test]
+fn a_recording_that_is_refused_says_what_to_do() {
+    use undrift::{
+        identify::{Likely, NotStatic},
+        record::Record,
+    };
+    let record = |guessed: &[(&'static str, &str)]| Record {
+        guessed: guessed
+            .iter()
+            .map(|(option, value)| (*option, (*value).into()))
+            .collect(),
+        ..Record::default()
+    };
+    assert_eq!(guessed(&record(&[])), None);
+    let both = record(&[("--units", "deg/s,g"), ("--columns", "1,2")]);
+    assert_eq!(
+        guessed(&both).unwrap(),
+        "guessed from the values: --units \"deg/s,g\" --columns \"1,2\""
+    );
+    let turning = || NotStatic::Turning {
+        axis: "gyro_x",
+        rate: 1.0,
+    };
+    assert!(refused(&both, &turning()).starts_with("the column names do not show which"));
+    let force = |likely, gyro: &str| NotStatic::Force {
+        force: 1.0,
+        likely,
+        gyro_unit: gyro.into(),
+    };
+    let counts = |accel: &str| NotStatic::Counts {
+        axis: "gyro_x",
+        unit: "rad/s".into(),
+        accel_unit: accel.into(),
+        range: [0.0, 9.0],
+    };
+    let moving = |rest| NotStatic::Moving {
+        moving_s: 50.0,
+        length_s: 100.0,
+        rest,
+    };
+    for (problem, mend) in [
+        (turning(), "it turns, or the unit of the gyros is wrong"),
+        (
+            force(Likely::Unit("g"), ""),
+            "; the unit is likely g, or use",
+        ),
+        (
+            force(Likely::Unit("g"), "deg/s"),
+            "the unit is likely g: --units \"deg/s,g\" (accel_unit = \"g\"",
+        ),
+        (force(Likely::GravityRemoved, ""), "gravity was removed"),
+        (force(Likely::Increments, ""), "velocity increments"),
+        (force(Likely::Unknown, ""), "correct the unit"),
+        (counts(""), "--units \"LSB/131 deg/s,LSB/16384 g\""),
+        (counts("g"), "--units \"LSB/131 deg/s,g\""),
+        (
+            moving(Some((1.0, 2.5))),
+            "use its longest rest, --span 1,2.5",
+        ),
+        (moving(None), "it has no rest that is long enough"),
+    ] {
+        let text = refused(&record(&[("--units", "deg/s,g")]), &problem);
+        assert!(
+            text.contains(mend) && text.ends_with("use --force to identify it anyway"),
+            "{text}"
+        );
+    }
+}
+
+#[test]
+fn what_holds_out_a_share_is_less_than_all() {
+    for share in [Some(0.0), Some(0.9), None] {
+        assert_eq!(hold_out("--hold-out", share), None);
+    }
+    for share in [-0.1, 0.91, f64::NAN] {
+        let text = hold_out("--hold-out", Some(share)).unwrap();
+        assert_eq!(
+            text,
+            format!("--hold-out {share}: must be 0 to 0.9, a share of each drive")
+        );
+    }
+}
+
+#[test]
+fn an_end_has_the_cause_that_is_not_the_end_itself() {
+    let end = Finding::Diverged { time: 9.0 };
+    assert_eq!(ended(9.0, &[]), say(&end));
+    assert_eq!(ended(9.0, std::slice::from_ref(&end)), say(&end));
+    let found = undrift::findings::ranked(vec![end.clone(), Finding::WrongGravity { ratio: 0.1 }]);
+    let text = ended(9.0, &found);
+    assert!(
+        text.starts_with("the solution diverged at 9 s and ends there: the accelerometers measure"),
+        "{text}"
     );
 }

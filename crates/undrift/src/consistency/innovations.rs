@@ -167,3 +167,48 @@ pub fn average_bounds(freedom: usize, count: usize) -> (f64, f64) {
         (law.inverse_cdf(0.025) / n, law.inverse_cdf(0.975) / n)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sums of two runs are those of both, but for what is correlated over the end of the first.
+    #[test]
+    fn merged_statistics_are_those_of_all_updates() {
+        let runs = [
+            [[3.0, 0.1], [0.2, -0.5], [1.0, 2.5]],
+            [[-2.0, 2.0], [0.3, 0.4], [0.1, 3.5]],
+        ];
+        let of = |run: &[[f64; 2]; 3], start: f64| {
+            let mut statistics = InnovationStatistics::new();
+            for (k, values) in run.iter().enumerate() {
+                statistics.add(start + k as f64, values);
+            }
+            statistics
+        };
+        let mut both = of(&runs[0], 10.0);
+        both.merge(&of(&runs[1], 100.0));
+        let squares: f64 = runs.concat().concat().iter().map(|v| v * v).sum();
+        assert_eq!(
+            (both.updates(), both.freedom(), both.components()),
+            (6, 12, 2)
+        );
+        assert!((both.nis() - squares).abs() < 1e-12);
+        assert!((both.per_freedom().unwrap() - squares / 12.0).abs() < 1e-12);
+        // χ² of two degrees of freedom is above 5.99 in four: 9.0, 7.2, 8.0, 12.3.
+        assert_eq!(both.share_above_95(), Some(4.0 / 6.0));
+        assert_eq!(both.span(), Some((10.0, 102.0)));
+        // Lag one of the first component: two products of each run.
+        let products = 3.0 * 0.2 + 0.2 * 1.0 - 2.0 * 0.3 + 0.3 * 0.1;
+        let power = 9.0 + 0.04 + 1.0 + 4.0 + 0.09 + 0.01;
+        let expected = products / power;
+        assert!((both.autocorrelation(0, 1).unwrap() - expected).abs() < 1e-12);
+        // Nothing changes with a run without updates.
+        let mut same = both.clone();
+        same.merge(&InnovationStatistics::new());
+        assert_eq!(
+            (same.updates(), same.span(), same.share_above_95()),
+            (6, both.span(), Some(4.0 / 6.0))
+        );
+    }
+}

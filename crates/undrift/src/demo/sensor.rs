@@ -311,4 +311,25 @@ mod tests {
             .to_string();
         assert!(one.contains("1 axes, where gyro_x to accel_z"), "{one}");
     }
+    #[test]
+    fn each_drive_and_the_recording_have_a_seed_of_their_own() {
+        let of = |seed: u64, drives: usize| {
+            super::seeds(&Experiment {
+                seed,
+                drives,
+                source: Source::Simulated,
+                paper: false,
+            })
+        };
+        let (record, drives) = of(7, 5);
+        let mut all = [vec![record], drives.clone()].concat();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!((drives.len(), all.len()), (5, 6));
+        // The same again, the first ones of more drives, and others of another seed.
+        assert_eq!(of(7, 5), (record, drives.clone()));
+        assert_eq!(of(7, 8).1[..5], drives);
+        let (other, others) = of(8, 5);
+        assert!(other != record && others.iter().all(|seed| !all.contains(seed)));
+    }
 }

@@ -163,7 +163,7 @@ fn already(text: &str, start: usize) -> String {
         (false, Some((_, at))) => at,
         _ => 0,
     };
-    let before = lines().find(|(line, at)| *at > from && stands(line) == what);
+    let before = lines().skip(from).find(|(line, _)| stands(line) == what);
     match before {
         Some((_, at)) => format!("{what} is already defined at line {at}; merge the two"),
         None => format!("{what} is defined twice; merge the two"),

@@ -3,6 +3,7 @@
 use super::{Finding, Log};
 use crate::{
     fixes::FixStudy,
+    mounting::MountingError,
     outages::ModelErrors,
     replay::{Aid, Implausible, Innovations, Part, SampleFault, Summary},
     settings::fix_errors::{Correlated, FixErrors},
@@ -47,6 +48,19 @@ pub fn of_health(summary: &Summary) -> Vec<Finding> {
             longest,
         });
     }
+    found.extend(summary.no_mounting.map(|why| {
+        let (mut driving, mut wander, mut std) = (None, None, None);
+        match why {
+            MountingError::TooLittle { found } => driving = Some(found),
+            MountingError::Wanders { wander: of } => wander = Some(of),
+            MountingError::Unsure { std: of } => std = Some(of),
+        }
+        Finding::NoMounting {
+            driving,
+            wander,
+            std,
+        }
+    }));
     let (start, length) = summary.longest_without_gnss;
     if length > WITHOUT_GNSS {
         found.push(Finding::WithoutGnss { start, length });
@@ -675,5 +689,61 @@ mod tests {
         // Of runs four to seven, the solution was reset to the fixes after five and seven.
         assert_eq!(more(4, 0), Some((1, 0)));
         assert_eq!(more(7, 10), Some((14, 2)));
+    }
+    /// Two updates whose whitened innovations are 1 and x have the autocorrelation 2x/(1 + x²): a half at 2 − √3.
+    fn correlated(x: f64) -> Summary {
+        let mut summary = Summary::default();
+        for value in [1.0, x] {
+            summary.innovations[Aid::Velocity].add(undrift_nav::filter::Update {
+                nis: value * value,
+                dof: 1,
+                whitened: [value, 0.0, 0.0],
+                score: 0.0,
+                information: 1.0,
+                outcome: undrift_nav::filter::Outcome::Used,
+            });
+        }
+        summary
+    }
+
+    #[test]
+    fn innovations_are_correlated_from_a_half_on() {
+        let half = 2.0 - 3f64.sqrt();
+        for (x, expected) in [
+            (0.99 * half, false),
+            (1.01 * half, true),
+            (-1.01 * half, false),
+        ] {
+            let found = of_accuracy(Part::Position, 2.0, &correlated(x), false);
+            let Finding::WrongAccuracy {
+                part,
+                factor,
+                adapted,
+                correlated,
+            } = found
+            else {
+                panic!("{found:?}");
+            };
+            assert_eq!(
+                (part, factor, adapted, correlated),
+                (Part::Position, 2.0, false, expected),
+                "{x}"
+            );
+        }
+        let mut adapted = correlated(0.0);
+        adapted.adapted = [None, Some(1.0)];
+        assert!(matches!(
+            of_accuracy(Part::Velocity, 0.5, &adapted, true),
+            Finding::WrongAccuracy {
+                adapted: true,
+                correlated: false,
+                ..
+            }
+        ));
+        // Of fixes that are as good as they state the model is to blame, if they seem worse.
+        assert_eq!(
+            of_accuracy(Part::Velocity, 1.5, &adapted, true),
+            Finding::OptimisticModel { factor: 1.5 }
+        );
     }
 }

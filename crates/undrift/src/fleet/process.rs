@@ -201,10 +201,11 @@ fn outages(
     outcome: &mut FleetOutcome,
 ) -> Result<(), Failure> {
     let drive = load(job, outcome)?;
-    let logs = Logs::load(&drive)?;
+    let hindsight = Hindsight::asked(false, smooth);
+    let logs = Logs::load(&drive, hindsight)?;
     let schedule = plan.schedule().ok_or(ScheduleError::Zero)?;
     let cuts = logs.plan(&schedule, plan.length_s)?;
-    let runs = logs.run(kinds, &cuts, Hindsight::asked(false, smooth), &|_| {})?;
+    let runs = logs.run(kinds, &cuts, hindsight, &|_| {})?;
     outcome.findings = logs.findings(&runs);
     for (name, run) in &runs {
         let found = match run {

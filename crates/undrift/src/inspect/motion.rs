@@ -4,7 +4,7 @@ use super::{Content, Inspection, Known, Line, Note, Part, quoted, sensor::GUESS}
 use crate::{
     drive::{AXLE_STD, Drive, Logs},
     engine::derived::with_velocities,
-    mounting::{FLOOR_TURNING, MountingError, by_force, turn_ratio},
+    mounting::{EstimateError, FLOOR_TURNING, MountingError, by_force, turn_ratio},
     navigate::{NavigateError, Wanted, navigate, resolve_mounting},
     vehicle::Profile,
 };
@@ -86,11 +86,15 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
                 std_deg: degrees(mounting.std),
                 duration_s: mounting.duration,
             };
-            sits(&mut file.parts[imu.1], "auto", known);
+            // A hundredth of a degree is far below what is known of it.
+            let value = angles(&mounting.rpy(), 2);
+            sits(&mut file.parts[imu.1], &value, known);
             let wheels = true;
             Motion { wheels, heading }
         }
-        Err(NavigateError::Mounting(MountingError::Wanders { .. })) => {
+        Err(NavigateError::Mounting(EstimateError::Mounting(MountingError::Wanders {
+            ..
+        }))) => {
             file.found.push(Note::NoWheels);
             let wheels = false;
             Motion { wheels, heading }
@@ -99,10 +103,7 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
             let by_force = records(&drive).and_then(|(imu, fixes)| by_force(&imu, &fixes));
             if let Some((rpy, std)) = by_force {
                 let (rpy, std) = refined(drive, &rpy, std).unwrap_or((rpy, std));
-                let [roll, pitch, yaw] = rpy
-                    .map(|angle| (10.0 * angle.to_degrees()).round() / 10.0 + 0.0)
-                    .into();
-                let value = format!("{roll:.1}, {pitch:.1}, {yaw:.1} deg");
+                let value = angles(&rpy, 1);
                 let std_deg = std.to_degrees();
                 sits(&mut file.parts[imu.1], &value, Known::Forces { std_deg });
             } else {
@@ -114,6 +115,15 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
             }
         }
     }
+}
+
+/// Roll, pitch and yaw \[rad\] as a drive file has them, in degrees of so many digits.
+fn angles(rpy: &Vector3, digits: usize) -> String {
+    let unit = 10f64.powi(digits as i32);
+    // Without the sign of a zero.
+    let degrees = rpy.map(|angle| (unit * angle.to_degrees()).round() / unit + 0.0);
+    let [roll, pitch, yaw] = degrees.into();
+    format!("{roll:.digits$}, {pitch:.digits$}, {yaw:.digits$} deg")
 }
 
 /// Keys that say how the IMU sits.

@@ -199,3 +199,20 @@ fn an_error_says_in_which_run() {
     let text = error.at_run(65).to_string();
     assert!(text.starts_with("arma, run 65: "), "{text}");
 }
+
+#[test]
+fn measurements_without_an_update_are_not_reported() {
+    let mut sums = report::RunSums::new(0, 0);
+    let none = sums.report("a".into(), &[], &[], 0.0);
+    assert!(none.nis.is_empty() && none.nees.is_empty());
+    let mut outcome = RunOutcome::default();
+    outcome.innovations[1].add(1.0, &[0.5, -1.0, 2.0]);
+    sums.add(&outcome);
+    let velocity = sums.report("a".into(), &[], &[], 0.0);
+    let [kind] = &velocity.nis[..] else {
+        panic!("{:?}", velocity.nis);
+    };
+    assert_eq!((&*kind.name, kind.updates), ("velocity", 1));
+    // (0.25 + 1 + 4) / 3
+    assert!((kind.nis_per_freedom.0 - 1.75).abs() < 1e-12);
+}

@@ -4,7 +4,7 @@ use super::{NavigateError, Report};
 use crate::{
     findings::{self, Finding, Log, NoError},
     fixes::LONGEST_CORRELATION,
-    mounting::MountingError,
+    mounting::EstimateError,
     replay::{Part, ReplayError},
 };
 
@@ -107,7 +107,7 @@ impl NavigateError {
     /// What was found out about the logs before it ended.
     pub fn findings(&self) -> Vec<Finding> {
         match self {
-            Self::Replay(error) | Self::Mounting(MountingError::Replay(error)) => error.findings(),
+            Self::Replay(error) | Self::Mounting(EstimateError::Replay(error)) => error.findings(),
             _ => Vec::new(),
         }
     }
@@ -122,5 +122,70 @@ impl ReplayError {
         let logs: Vec<_> = ended.skipped.iter().map(|(log, s)| (*log, s)).collect();
         let implausible = ended.why.implausible.iter().map(|what| (*what).into());
         implausible.chain(findings::of_skipped(&logs)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::navigate::Hindsight;
+    use crate::replay::{Implausible, Summary};
+    use crate::settings::fix_errors::{Correlated, FixErrors};
+    use undrift_nav::Matrix3;
+
+    fn report(std_factors: [Option<f64>; 2]) -> Report {
+        Report {
+            std_factors,
+            summary: Summary::default(),
+            hindsight: Hindsight::Causal,
+            study: None,
+            fix_errors: FixErrors::default(),
+            mounting: None,
+            rotation: Matrix3::identity(),
+            rmse: None,
+            consistency: Default::default(),
+            truth_read: None,
+            imu_skipped: Default::default(),
+            gnss_skipped: Default::default(),
+            scalars: Vec::new(),
+            truth_skipped: Default::default(),
+            thermal: None,
+            gaps: Default::default(),
+            held: Vec::new(),
+            recording: None,
+            rows: Vec::new(),
+        }
+    }
+
+    /// The factors that are found, with their parts.
+    fn accuracies(report: &Report) -> Vec<(Part, f64)> {
+        let found = report.findings().into_iter();
+        found
+            .filter_map(|of| match of {
+                Finding::WrongAccuracy { part, factor, .. } => Some((part, factor)),
+                _ => None,
+            })
+            .collect()
+    }
+
+    #[test]
+    fn what_lasts_of_an_error_is_no_accuracy_that_is_too_modest() {
+        let both = [(Part::Position, 2.0), (Part::Velocity, 0.5)];
+        let mut found = report([Some(2.0), Some(0.5)]);
+        assert_eq!(accuracies(&found), both);
+        // The innovations have only what does not last: they are small.
+        let lasting = |time: f64| Some(Correlated { share: 0.5, time });
+        let longest = LONGEST_CORRELATION;
+        found.fix_errors.velocity_correlated = lasting(0.9 * longest);
+        assert_eq!(accuracies(&found), both[..1]);
+        // Of the position they are too large all the same.
+        found.fix_errors.correlated = lasting(0.9 * longest);
+        assert_eq!(accuracies(&found), both[..1]);
+        // A time at the end of what the study looks at was not seen.
+        found.fix_errors.velocity_correlated = lasting(longest);
+        assert_eq!(accuracies(&found), both);
+        found.summary.implausible = vec![Implausible::Gravity(0.1)];
+        assert!(accuracies(&found).is_empty());
+        assert!(accuracies(&report([None, None])).is_empty());
     }
 }

@@ -5,7 +5,8 @@ use crate::{
     consistency::{Consistency, ErrorState},
     drive::Drive,
     estimator::{Adjoint, Estimator},
-    reference::{COMPONENTS, Errors, TruthCursor},
+    mounting::Mounting,
+    reference::{COMPONENTS, Errors, HORIZONTAL, TruthCursor},
     replay::{Observer, ReplayError},
     smooth::{History, Path},
 };
@@ -76,8 +77,11 @@ pub struct Wanted {
 pub(super) struct Recorder {
     outputs: Outputs,
     truth: Option<TruthCursor<Readable>>,
+    /// Whether the axes are the vehicle's, as those of the truth.
+    pub(super) mounted: bool,
+    /// Sums of the squares of the errors, and their numbers.
     squares: [f64; COMPONENTS.len()],
-    compared: u64,
+    compared: [u64; COMPONENTS.len()],
     /// While the filter runs for a smoother.
     history: Option<History>,
     /// Of the filter's errors against its covariance, and when next \[s\].
@@ -110,8 +114,9 @@ impl Recorder {
                     read: None,
                 })
             }),
+            mounted: true,
             squares: [0.0; COMPONENTS.len()],
-            compared: 0,
+            compared: [0; COMPONENTS.len()],
             history: (wanted.hindsight == Hindsight::Smooth)
                 .then(History::new)
                 .transpose()?,
@@ -157,9 +162,10 @@ impl Recorder {
         }
         // Last: with an error there is no file.
         self.outputs.finish()?;
-        let n = self.compared;
+        let n = self.compared[HORIZONTAL];
+        let rms = |i: usize| (self.squares[i] / self.compared[i] as f64).sqrt();
         Ok(Seen {
-            rmse: (n > 0).then(|| (Errors(self.squares.map(|s| (s / n as f64).sqrt())), n)),
+            rmse: (n > 0).then(|| (Errors(std::array::from_fn(rms)), n)),
             consistency: self.consistency,
             recording: self.recording,
             rows: self.rows.unwrap_or_default(),
@@ -175,13 +181,15 @@ impl Recorder {
         e: [f64; AXES],
         error_std: [f64; AXES],
     ) -> Result<Option<TruthSample>, ReplayError> {
-        let truth = self.truth.as_mut().and_then(|t| t.at(nav.time));
-        if let Some(truth) = &truth {
+        let mut truth = self.truth.as_mut().and_then(|t| t.at(nav.time));
+        if let Some(truth) = &mut truth {
+            truth.rpy = truth.rpy.filter(|_| self.mounted);
             let errors = Errors::against_truth(nav, truth);
-            for (sum, e) in self.squares.iter_mut().zip(errors.0) {
-                *sum += e * e;
+            let known = errors.0.iter().enumerate().filter(|(_, e)| e.is_finite());
+            for (i, e) in known {
+                self.squares[i] += e * e;
+                self.compared[i] += 1;
             }
-            self.compared += 1;
             if let Some(recording) = &mut self.recording {
                 recording.errors(nav.time, &errors);
             }
@@ -229,6 +237,10 @@ impl Observer for Recorder {
 
     fn used(&mut self, time: f64) {
         self.outputs.fix(time);
+    }
+
+    fn mounted(&mut self, _mounting: &Mounting) {
+        self.mounted = true;
     }
 
     fn node(&mut self, filter: &dyn Estimator, since: Option<&Adjoint>) -> Result<(), ReplayError> {
@@ -316,7 +328,7 @@ mod tests {
         };
         let mut seen = recorder();
         seen.squares[0] = 9.0 + 16.0;
-        seen.compared = 2;
+        seen.compared = [2; COMPONENTS.len()];
         let (rmse, compared) = seen.finish().unwrap().rmse.unwrap();
         assert_eq!((rmse.0[0], rmse.0[1], compared), (12.5f64.sqrt(), 0.0, 2));
         let mut alone = recorder();

@@ -12,7 +12,7 @@ use crate::{
     fixes::{self, FixStudy},
     mounting::Mounting,
     navigate::{
-        Hindsight, NavigateError, look_ahead, resolve_mounting, scalars, scalars_read, settings,
+        Hindsight, NavigateError, look_ahead, resolve_ahead, scalars, scalars_read, settings,
     },
     replay::{Measurement, Outage, ReplayError, merge},
     results::{self, Outages},
@@ -30,9 +30,9 @@ const NODE_SPAN: f64 = 0.2;
 
 /// A drive and all that its logs hold. Every model is run on the same.
 pub struct Logs {
-    /// The drive, in the vehicle's axes.
+    /// The drive, in the vehicle's axes; in the sensor's where the mounting is to be found on the way.
     pub drive: Drive,
-    /// The mounting, where the drive asks for an estimate.
+    /// The mounting, where the drive asks for an estimate and it was looked for ahead.
     pub mounting: Option<Mounting>,
     /// Inertial samples.
     pub imu: Vec<ImuSample>,
@@ -50,12 +50,12 @@ pub struct Logs {
 }
 
 impl Logs {
-    /// Reads the logs of a drive.
+    /// Reads the logs of a drive, for runs that know so much of them.
     ///
     /// # Errors
     /// A log that cannot be read; a mounting that cannot be estimated.
-    pub fn load(drive: &Drive) -> Result<Self, NavigateError> {
-        let (drive, mounting) = resolve_mounting(drive)?;
+    pub fn load(drive: &Drive, hindsight: Hindsight) -> Result<Self, NavigateError> {
+        let (drive, mounting) = resolve_ahead(drive, hindsight)?;
         let mut imu_reader = drive.open_imu()?;
         let imu = imu_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
         let mut gnss_reader = drive.open_gnss()?;
@@ -168,11 +168,19 @@ impl Logs {
                 found.extend(findings::of_fixes(study, &study.errors));
             }
             found.extend(findings::of_health(s));
+            // One model that loses its way finds no mounting; another does.
+            let finds = |(_, run): &ModelOutcome| {
+                (run.as_ref()).is_ok_and(|run| run.summary.no_mounting.is_none())
+            };
+            if results.iter().any(finds) {
+                found.retain(|of| !matches!(of, Finding::NoMounting { .. }));
+            }
             found.extend(findings::of_temperature(self.thermal));
             // Among several, what one model disagrees with says nothing of the log.
             if runs.next().is_none() {
-                let rotation = &self.drive.imu.1.rotation;
-                found.extend(findings::with_axes(findings::of_disagreement(s), rotation));
+                let mounted = s.mountings.last().map(|(_, mounting)| mounting.matrix());
+                let rotation = mounted.unwrap_or(self.drive.imu.1.rotation);
+                found.extend(findings::with_axes(findings::of_disagreement(s), &rotation));
             }
             for (log, skipped, gaps) in &self.scalars {
                 let used = &s.innovations[log.aid()];

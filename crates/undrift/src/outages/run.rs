@@ -4,11 +4,13 @@ use super::errors::{ModelErrors, ModelOutcome, ModelRun, OutageErrors};
 use crate::{
     estimator::{Adjoint, Estimator, STAMP_ROUNDING},
     findings::Finding,
+    mounting::Mounting,
     reference::{self, Coverage, Errors, HORIZONTAL, Predicted, TruthCursor},
     replay::{Measurement, Observer, ReplayError, Settings, Summary, replay},
     smooth::{self, History},
 };
 use undrift_nav::{
+    Vector3,
     mechanisation::NavState,
     sample::{GnssFix, ImuSample, TruthSample},
 };
@@ -78,6 +80,9 @@ fn run_model(
 /// Collects the errors inside the outages.
 struct OutageWatch<'a> {
     settings: &'a Settings,
+    /// IMU → antenna in the axes of the filter \[m\], and whether those are the vehicle's.
+    lever_arm: Vector3,
+    mounted: bool,
     truth: Option<TruthCursor<std::iter::Copied<std::slice::Iter<'a, TruthSample>>>>,
     present: usize,
     outages: Vec<OutageErrors>,
@@ -106,8 +111,15 @@ impl<'a> OutageWatch<'a> {
                 way: Vec::new(),
             })
             .collect();
+        let mounted = !settings.find_mounting;
         Self {
             settings,
+            lever_arm: if mounted {
+                settings.lever_arm
+            } else {
+                Vector3::zeros()
+            },
+            mounted,
             truth: (!truth.is_empty()).then(|| TruthCursor::new(truth.iter().copied())),
             present: 0,
             outages,
@@ -220,6 +232,10 @@ impl Observer for OutageWatch<'_> {
             && let Some(outage) = self.outage_at(time)
             && let Some(truth) = self.truth.as_mut().and_then(|t| t.at(time))
         {
+            let truth = match self.mounted {
+                true => truth,
+                false => TruthSample { rpy: None, ..truth },
+            };
             let errors = Errors::against_truth(filter.nav(), &truth);
             self.note(outage, filter.nav(), errors, &Predicted::of(filter));
         }
@@ -233,10 +249,15 @@ impl Observer for OutageWatch<'_> {
             && self.withheld.is_some()
             && let Some(outage) = self.outage_at(fix.time)
         {
-            let errors = Errors::against_fix(filter, fix, &self.settings.lever_arm);
+            let errors = Errors::against_fix(filter, fix, &self.lever_arm);
             let predicted = Predicted::of(filter).against_fix(fix);
             self.note(outage, filter.nav(), errors, &predicted);
         }
+    }
+
+    fn mounted(&mut self, _mounting: &Mounting) {
+        self.lever_arm = self.settings.lever_arm;
+        self.mounted = true;
     }
 
     fn node(&mut self, filter: &dyn Estimator, since: Option<&Adjoint>) -> Result<(), ReplayError> {

@@ -11,6 +11,8 @@ use undrift_io::skipped::Skipped;
 pub struct NotAligned {
     /// What the navigator knows of it.
     pub why: engine::NotAligned,
+    /// Whether the mounting was to be found on the way.
+    pub finds_mounting: bool,
     /// What was skipped in each log.
     pub skipped: Vec<(Log, Skipped)>,
 }
@@ -33,6 +35,7 @@ impl NotAligned {
                 Reason::ByVelocity(failure)
             }
             (failure, _) if slow => Reason::Slow(failure),
+            (failure, _) if self.finds_mounting => Reason::InSensorAxes(failure),
             (failure, _) => Reason::Failure(failure),
         }
     }
@@ -43,6 +46,10 @@ impl NotAligned {
 enum Reason {
     #[error("the log could not be aligned: {0}")]
     Failure(AlignmentFailure),
+    #[error(
+        "the log could not be aligned: {0}; nor is it known how the IMU sits: set imu.mounting or imu.axes"
+    )]
+    InSensorAxes(AlignmentFailure),
     #[error("{0}")]
     Slow(AlignmentFailure),
     #[error("the log could not be aligned: by the GNSS velocity {0}")]

@@ -1,7 +1,11 @@
 //! Values that are fields of the result which holds them, one for each of a set of keys.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser::SerializeMap};
-use std::{fmt, marker::PhantomData, ops::Index};
+use std::{
+    fmt,
+    marker::PhantomData,
+    ops::{Index, IndexMut},
+};
 
 /// What values may be kept by, each a field of a result.
 pub trait Key: Copy + PartialEq + 'static {
@@ -47,6 +51,13 @@ impl<K: Key, V> Index<K> for Keyed<K, V> {
     fn index(&self, key: K) -> &V {
         let at = K::ALL.iter().position(|other| *other == key);
         &self.values[at.unwrap_or_default()]
+    }
+}
+
+impl<K: Key, V> IndexMut<K> for Keyed<K, V> {
+    fn index_mut(&mut self, key: K) -> &mut V {
+        let at = K::ALL.iter().position(|other| *other == key);
+        &mut self.values[at.unwrap_or_default()]
     }
 }
 

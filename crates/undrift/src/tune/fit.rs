@@ -495,4 +495,60 @@ mod tests {
         };
         assert!(under(&settings, &odd, &start).is_err());
     }
+    /// As few spans as are at most 45 s long.
+    #[test]
+    fn blocks_are_spans_of_one_length_that_add_up_to_the_drive() {
+        use crate::simulate::{GnssNoise, Trajectory, simulate};
+        let interval = 0.02;
+        let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
+        let start = Start::of_model(&model, interval).unwrap();
+        let plain = || Settings {
+            parameters: undrift_nav::parameters::Parameters::none(),
+            ..Settings::new([ShapingFilter::white(0.0, interval).unwrap(); AXES])
+        };
+        let prior = Prior::new(&start, &[&plain()]);
+        let noise = Noise::new(&prior.centre);
+        let settings = under(&plain(), &noise, &start).unwrap();
+        let receiver = GnssNoise {
+            rate_hz: 1.0,
+            start: 0.2,
+            ..GnssNoise::default()
+        };
+        let car = Trajectory::car(240.0, 3);
+        let log = simulate(&car, 50.0, Some(&settings.sensors), &receiver, 3).unwrap();
+        let fixes: Vec<Measurement> = log.gnss.iter().copied().map(Measurement::Gnss).collect();
+        let logs = [FitLog {
+            imu: &log.imu,
+            aiding: &fixes,
+            settings: plain(),
+            until: f64::INFINITY,
+        }];
+        let linear = Linear::<24>::new(&logs, noise, &start).unwrap();
+        let z = prior.centre;
+        let blocks = linear.by_block(&z);
+        let (first, last) = linear.drives[0].span().unwrap();
+        let count = blocks.len() as f64;
+        assert!((last - first) / count <= 45.0 && (last - first) / (count - 1.0) > 45.0);
+        let whole = linear.score(&z).gradient;
+        for i in 0..COUNT {
+            let sum: f64 = blocks.iter().map(|block| block[i]).sum();
+            assert!(
+                (sum - whole[i]).abs() < 1e-6 * (1.0 + whole[i].abs()),
+                "{i}: {sum} {}",
+                whole[i]
+            );
+        }
+        for block in &blocks {
+            assert!(block.iter().any(|slope| slope.abs() > 1e-3), "{block:?}");
+        }
+        // Two drives have the blocks of both.
+        let logs = [&log, &log].map(|log| FitLog {
+            imu: &log.imu,
+            aiding: &fixes,
+            settings: plain(),
+            until: f64::INFINITY,
+        });
+        let twice = Linear::<24>::new(&logs, noise, &start).unwrap();
+        assert_eq!(twice.by_block(&z).len(), 2 * blocks.len());
+    }
 }

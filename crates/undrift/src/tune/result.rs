@@ -119,3 +119,92 @@ impl Tuned {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{fit::Fit, noise::Noise, prior::Prior, start::Start};
+    use super::*;
+    use crate::settings::Settings;
+    use undrift_nav::{covariance::AXES as COUNT_OF_AXES, shaping::ShapingFilter};
+
+    /// Twice the centre of the prior, to a twentieth.
+    fn tuned(follows: bool) -> Tuned {
+        let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
+        let start = Start::of_model(&model, 0.01).unwrap();
+        let settings = Settings::new([ShapingFilter::white(0.0, 0.01).unwrap(); COUNT_OF_AXES]);
+        let prior = Prior::new(&start, &[&settings]);
+        let twice = std::array::from_fn(|i| prior.centre[i] + 2f64.ln());
+        Tuned {
+            start,
+            prior,
+            fit: Fit {
+                noise: Noise::new(&twice),
+                std: [0.05; COUNT],
+                windows: 120,
+                evaluations: 45,
+                converged: true,
+            },
+            follows,
+            unseen: 0.3,
+            held_out: true,
+            judged: Vec::new(),
+            following: None,
+            aligns: Vec::new(),
+            stopped: false,
+        }
+    }
+
+    #[test]
+    fn parameters_have_their_intervals_of_ninety_five_percent() {
+        let tuned = tuned(false);
+        let result = tuned.result([]);
+        let used: Vec<usize> = (0..COUNT).filter(|i| tuned.prior.used[*i]).collect();
+        assert_eq!(result.parameters.len(), used.len());
+        let near = |a: Number, b: f64| assert!((a.0 / b - 1.0).abs() < 1e-9, "{a:?} {b}");
+        for (found, i) in result.parameters.iter().zip(used) {
+            let (name, unit) = named(i, false);
+            assert_eq!((&found.name, &*found.unit), (&name, unit));
+            let centre = tuned.prior.centre[i].exp();
+            near(found.prior, centre);
+            near(
+                found.prior_low,
+                centre / (1.96 * tuned.prior.below[i]).exp(),
+            );
+            near(
+                found.prior_high,
+                centre * (1.96 * tuned.prior.above[i]).exp(),
+            );
+            near(found.value, 2.0 * centre);
+            near(found.low, 2.0 * centre / 0.098f64.exp());
+            near(found.high, 2.0 * centre * 0.098f64.exp());
+            assert!(found.determined);
+        }
+        for axis in 0..AXES.len() {
+            near(result.parameters[axis].start, tuned.start.white[axis]);
+        }
+        assert_eq!(
+            (result.windows, result.evaluations, result.converged),
+            (120, 45, true)
+        );
+        assert_eq!(
+            (result.unseen, result.held_out, result.stopped),
+            (Number(0.3), true, false)
+        );
+    }
+
+    #[test]
+    fn factors_on_the_vibration_begin_at_one() {
+        let result = tuned(true).result([]);
+        for (found, axis) in result.parameters.iter().zip(AXES) {
+            assert_eq!(found.name, format!("imu.vibration_factors.{axis}"));
+            assert_eq!((&*found.unit, found.start), ("", Number(1.0)));
+        }
+        let constant = tuned(false).result([]);
+        let units: Vec<(&str, &str)> = constant.parameters[..6]
+            .iter()
+            .map(|of| (&*of.name, &*of.unit))
+            .collect();
+        assert_eq!(units[2], ("gyro_z.white_noise", "rad/s/√Hz"));
+        assert_eq!(units[3], ("accel_x.white_noise", "m/s²/√Hz"));
+    }
+}

@@ -251,3 +251,38 @@ fn steps_repeats_latency_and_a_wrong_velocity_are_found() {
     let bias = studied(&biased, 12).errors.velocity_bias;
     assert!((bias - Vector3::x() * 0.5).norm() < 0.03, "{bias}");
 }
+
+#[test]
+fn velocities_count_as_better_than_they_state_only_after_a_minute_of_motion() {
+    // Positions whose error lasts, velocities a hundred times as good as they state.
+    let errors = Errors {
+        white: 0.0,
+        correlated: (1.5, 60.0),
+        stated: 1.5,
+        seconds: 100.0,
+        ..CLEAN
+    };
+    let factor = |moves_until: f64| {
+        let mut shown = fixes(&errors, 1);
+        for fix in &mut shown {
+            let stands = fix.time > moves_until;
+            let (place, speed) = motion(fix.time);
+            let (stop, _) = motion(moves_until);
+            if let Some((Position::Baseline { ned, .. }, _)) = &mut fix.position
+                && stands
+            {
+                *ned += stop - place;
+            }
+            if let Some((velocity, covariance)) = &mut fix.velocity {
+                *velocity -= if stands { speed } else { Vector3::zeros() };
+                *covariance = Matrix3::identity() * 9.0;
+            }
+        }
+        study(shown).unwrap().errors.velocity_factor
+    };
+    for (moves_until, better) in [(0.0, false), (55.0, false), (65.0, true), (100.0, true)] {
+        let found = factor(moves_until);
+        assert_eq!(found < 0.5, better, "{moves_until} {found}");
+        assert!(better || found == 1.0);
+    }
+}

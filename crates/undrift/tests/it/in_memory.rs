@@ -95,7 +95,7 @@ fn a_simulated_drive() {
     same_navigation(&files, &memory, BiasModel::GaussMarkov, true);
 
     let cut = |drive: &Drive| {
-        let logs = Logs::load(drive).unwrap();
+        let logs = Logs::load(drive, Hindsight::Causal).unwrap();
         let start = 120.0;
         let cuts = logs.plan(&Schedule::Count { start, count: 3 }, 10.0);
         let run = logs.run(

@@ -94,7 +94,7 @@ fn with(drive: &Drive, effect: Temperature) -> Drive {
 
 /// Of 15 outages of 30 s the median horizontal error, NEES of position, velocity, attitude at the end, and the share of position errors inside 3 σ.
 fn drift(drive: &Drive) -> (f64, [f64; 3], f64, Vec<Finding>) {
-    let logs = Logs::load(drive).unwrap();
+    let logs = Logs::load(drive, navigate::Hindsight::Causal).unwrap();
     let plan = Schedule::Count {
         start: 200.0,
         count: 15,

@@ -1,9 +1,7 @@
 //! The sensor turned in every way that takes axes to axes.
 
 use super::{
-    drives::{
-        Found, How, Shared, WITHIN_DEG, angle_deg, compared, drift, inspect, refusal, scratch,
-    },
+    drives::{Found, How, Shared, WITHIN_DEG, angle_deg, compared, doubt, drift, inspect, scratch},
     log::Log,
     tables::degrees_and_g,
 };
@@ -77,7 +75,7 @@ fn car(name: &'static str, each: usize) {
 }
 
 /// No motion shows the forward axis of what flies. Where gravity is along z that is shown and x taken as forward; else
-/// the drive is refused until the axes are given.
+/// the drive is refused or doubted until the axes are given.
 fn aircraft(name: &'static str) {
     let Some(shared) = Shared::find(name) else {
         return;
@@ -94,10 +92,10 @@ fn aircraft(name: &'static str) {
             let off = (found.mounting * down).angle(&Vector3::z()).to_degrees();
             assert!(off < WITHIN_DEG, "{name}, turn {k}: down {off:.1} deg off");
         } else {
-            let refusal = refusal(&["outages", drive.to_str().unwrap(), "--count", "5"]);
+            let doubt = doubt(&["outages", drive.to_str().unwrap(), "--count", "5"]);
             assert!(
-                refusal.contains("set imu.mounting or imu.axes"),
-                "{name}, turn {k}: {refusal}"
+                doubt.contains("set imu.mounting or imu.axes"),
+                "{name}, turn {k}: {doubt}"
             );
         }
     });

@@ -97,8 +97,10 @@ fn what_is_stated_holds_from_the_start_and_fixes_that_are_withheld_show_nothing(
     }]
     .into();
     let (withheld, navigator) = changes(&drive);
+    assert!(withheld.is_empty());
     let summary = navigator.end(core::iter::empty(), &mut ()).unwrap();
-    assert!(withheld.is_empty() && summary.study.is_none());
+    // Those of the first half minute, and none that was withheld.
+    assert!(summary.study.is_some() && summary.withheld > 500);
 }
 
 #[test]
@@ -108,24 +110,4 @@ fn the_states_of_a_smoother_stay_the_same() {
     let (changes, navigator) = changes(&drive);
     assert!(changes.is_empty());
     assert_eq!(navigator.filter().unwrap().parameters().states(), 0);
-}
-
-#[test]
-fn a_vehicle_that_stands_shows_no_velocity_to_be_better_than_stated() {
-    // Velocities of a tenth of the noise that they state.
-    let quiet = |motion: &Trajectory| {
-        let mut drive = Scenario::new(motion, &receiver(), 6);
-        drive.settings.from_fixes = Some(FromFixes::default());
-        for fix in &mut drive.log.gnss {
-            if let Some((_, covariance)) = &mut fix.velocity {
-                *covariance *= 100.0;
-            }
-        }
-        let (_, navigator) = changes(&drive);
-        let summary = navigator.end(core::iter::empty(), &mut ()).unwrap();
-        summary.study.unwrap().errors.velocity_factor
-    };
-    assert_eq!(quiet(&Trajectory::rest(100.0)), 1.0);
-    let driving = quiet(&Trajectory::car(100.0, 2));
-    assert!(driving < 0.5, "{driving}");
 }

@@ -392,3 +392,37 @@ fn quantiles_and_probabilities_of_t_are_those_of_tables() {
     assert!((contrast.half_width() - 0.5 * 2.776).abs() < 5e-4);
     assert_eq!(contrast.probability(), two_sided(4.0, 4.0));
 }
+
+/// Against dense matrices: a column for the log beside the fixed effects, under the fitted variances.
+#[test]
+fn logs_of_several_units_are_compared_as_with_a_column_of_their_own() {
+    for case in &golden()[..1] {
+        let nested = nested(case);
+        let fit = nested.fit(None).unwrap();
+        let rows = case.y.len();
+        let alike = |of: &[usize]| DMatrix::from_fn(rows, rows, |i, j| f64::from(of[i] == of[j]));
+        let eye = DMatrix::<f64>::identity(rows, rows);
+        let v = eye + fit.ratios[0] * alike(&case.log) + fit.ratios[1] * alike(&case.unit);
+        let inverse = v.try_inverse().unwrap();
+        let x = DMatrix::from_fn(rows, case.x[0].len(), |i, j| case.x[i][j]);
+        let y = DMatrix::from_fn(rows, 1, |i, _| case.y[i]);
+        let gram = (x.transpose() * &inverse * &x).try_inverse().unwrap();
+        let project = &inverse - &inverse * &x * gram * x.transpose() * &inverse;
+        let shifts = nested.log_shifts(&fit);
+        let mut compared = 0;
+        for (log, shift) in shifts.iter().enumerate() {
+            let z = DMatrix::from_fn(rows, 1, |i, _| f64::from(case.log[i] == log));
+            let information = (z.transpose() * &project * &z)[(0, 0)];
+            let own = (z.transpose() * &inverse * &z)[(0, 0)];
+            assert_eq!(shift.is_some(), information > 1e-9 * own, "{log}");
+            let Some(shift) = shift else {
+                continue;
+            };
+            compared += 1;
+            let score = (z.transpose() * &project * &y)[(0, 0)];
+            close(shift.estimate, score / information, 1e-7);
+            close(shift.spread, (fit.variance / information).sqrt(), 1e-7);
+        }
+        assert!(compared > 20, "{compared}");
+    }
+}

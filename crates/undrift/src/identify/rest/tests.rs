@@ -219,3 +219,29 @@ fn whole_numbers_called_degrees_are_counts() {
     counts.units = Some(("LSB/131 deg/s".into(), "m/s^2".into()));
     assert_eq!(problem(&counts), "");
 }
+
+/// Gravity is the median of samples from the whole record: how it begins does not matter.
+#[test]
+fn a_first_sample_of_another_size_is_no_wrong_unit() {
+    for first in [0.0, f64::NAN, 1e3] {
+        let mut record = record(|_, _| 0.0);
+        for axis in 3..6 {
+            record.samples[axis][0] = first;
+        }
+        assert_eq!(problem(&record), "", "{first}");
+    }
+    // A tenth of the samples, wherever they are.
+    let part = |from: f64| {
+        record(move |axis, time| {
+            if axis == 5 && (from..from + 60.0).contains(&time) {
+                9.0
+            } else {
+                0.0
+            }
+        })
+    };
+    for from in [0.0, 300.0, 540.0] {
+        let force = problem(&part(from));
+        assert!(!force.contains("specific force"), "{force}");
+    }
+}

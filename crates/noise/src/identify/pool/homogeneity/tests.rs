@@ -112,3 +112,101 @@ fn a_record_with_the_outliers_of_all_differs() {
     assert_eq!(of([3, 4, 3, 4]), []);
     assert_eq!(of([0, 0, 0, 0]), []);
 }
+
+/// White noise has one factor: its own test is that of the record, and twice the logarithm of the likelihood ratio is
+/// Σ n ln(v/vᵢ).
+#[test]
+fn of_white_noise_the_factor_is_all_that_differs() {
+    let draw = |sigma: f64, samples: usize, seed: u64| {
+        let white = CompositeTerms {
+            white: sigma * T.sqrt(),
+            ..CompositeTerms::default()
+        };
+        let mut record = vec![0.0; samples];
+        NoiseGenerator::new(&white.to_shaping(T).unwrap(), seed).fill(&mut record);
+        record
+    };
+    let (a, b) = (draw(1.0, 2000, 1), draw(1.05, 3000, 2));
+    let variance = |record: &[f64]| {
+        let mean = record.iter().sum::<f64>() / record.len() as f64;
+        let squares = record.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
+        squares / (record.len() - 1) as f64
+    };
+    let (va, vb) = (variance(&a), variance(&b));
+    let joint = (1999.0 * va + 2999.0 * vb) / 4998.0;
+    let ratio = 1999.0 * (joint / va).ln() + 2999.0 * (joint / vb).ln();
+    let terms = CompositeTerms {
+        white: T.sqrt(),
+        ..CompositeTerms::default()
+    };
+    let mut shares = [2000, 3000].map(|samples| Share {
+        samples,
+        ..Share::default()
+    });
+    let found = Records::new(&[&a, &b], 1, T, terms).compare(&mut shares, LEVEL);
+    let expected = ratio / found.inflation;
+    assert!(
+        (found.likelihood_ratio / expected - 1.0).abs() < 1e-3,
+        "{} {expected}",
+        found.likelihood_ratio
+    );
+    assert_eq!(found.degrees_of_freedom, 1.0);
+    let factor = (vb / va).sqrt();
+    for (share, factor) in shares.iter().zip([1.0 / factor, factor]) {
+        assert!(
+            (share.white.factor / factor - 1.0).abs() < 1e-3,
+            "{:?}",
+            share.white
+        );
+        let p = upper(1.0, expected);
+        assert!((1e-4..0.5).contains(&p), "{p}");
+        for found in [share.p_value, share.white.p_value] {
+            assert!((found / p - 1.0).abs() < 0.01, "{found} {p}");
+        }
+        assert!(share.slow.is_none());
+    }
+}
+
+#[test]
+fn slow_terms_have_the_second_factor_and_all_others_the_first() {
+    let process = |sigma: f64, tau_s: f64| GaussMarkov { sigma, tau_s };
+    let terms = CompositeTerms {
+        white: 1.0,
+        quantisation: 2.0,
+        random_walk: 3.0,
+        flicker: 4.0,
+        gauss_markov: [process(5.0, 0.99), process(6.0, 1.0)],
+    };
+    let records = Records::new(&[], 1, T, terms);
+    assert_eq!(records.factors, 2);
+    let close = |found: CompositeTerms, expected: [f64; 6]| {
+        let [first, second] = found.gauss_markov;
+        let all = [
+            found.white,
+            found.quantisation,
+            found.random_walk,
+            found.flicker,
+            first.sigma,
+            second.sigma,
+        ];
+        for (found, expected) in all.into_iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-12, "{all:?}");
+        }
+        assert_eq!([first.tau_s, second.tau_s], [0.99, 1.0]);
+    };
+    close(
+        records.scaled(&[2f64.ln(), 3f64.ln()]),
+        [2.0, 4.0, 9.0, 12.0, 10.0, 18.0],
+    );
+    // Without a second one the slow terms are as they are.
+    close(
+        records.scaled(&[2f64.ln()]),
+        [2.0, 4.0, 3.0, 4.0, 10.0, 6.0],
+    );
+    let fast = CompositeTerms {
+        white: 1.0,
+        gauss_markov: [process(5.0, 0.99), process(0.0, 9.0)],
+        ..CompositeTerms::default()
+    };
+    assert_eq!(Records::new(&[], 1, T, fast).factors, 1);
+}

@@ -1,0 +1,87 @@
+//! Body axes that turn from the sensor's to the vehicle's while the navigator runs.
+
+use super::Run;
+use crate::{course::CourseWatch, mounting::Turned, observer::Observer, settings::Settings};
+use alloc::sync::Arc;
+use nalgebra::DVector;
+use undrift_nav::{Vector3, attitude::to_rpy, earth::wrap_pi, parameters::Parameter};
+
+impl Run {
+    /// Whether body axes are the vehicle's, as far as the settings promise.
+    pub(super) fn has_vehicle_axes(&self) -> bool {
+        self.search.as_ref().is_none_or(|search| search.has_found())
+    }
+
+    /// Looks for the mounting at the end of a sample; where it is found, all that is in body axes turns.
+    pub(super) fn look_for_mounting(&mut self, observer: &mut dyn Observer) {
+        let (Some(search), Some(solution)) = (&mut self.search, &self.solution) else {
+            return;
+        };
+        let time = solution.filter.nav().time;
+        let Some(turned) = search.sample(&*solution.filter, &self.settings.lever_arm) else {
+            return;
+        };
+        if turned.first {
+            search.apply(Arc::make_mut(&mut self.settings));
+        }
+        self.turn(&turned);
+        self.summary.mountings.push((time, turned.mounting));
+        observer.mounted(&turned.mounting);
+    }
+
+    fn turn(&mut self, turned: &Turned) {
+        let c = turned.turn.to_rotation_matrix().into_inner();
+        if let Some(previous) = &mut self.log.previous {
+            previous.dtheta = c * previous.dtheta;
+            previous.dvel = c * previous.dvel;
+        }
+        self.plausible.turn(&c, &self.settings);
+        self.vehicle.turn(&c);
+        if let Some(vibration) = &mut self.vibration {
+            vibration.turn(&c);
+        }
+        if let Some(solution) = &mut self.solution {
+            let filter = &mut *solution.filter;
+            let heading = to_rpy(&filter.nav().q_nb).z;
+            filter.turn(&turned.turn);
+            match turned.first {
+                true => self.course = CourseWatch::new(),
+                false => {
+                    let now = to_rpy(&filter.nav().q_nb).z;
+                    self.course.turn(wrap_pi(now - heading));
+                }
+            }
+            if let Some(vibration) = &self.vibration {
+                filter.set_white_noise(&vibration.variances());
+            }
+            if let Some(prior) = filter.parameters().prior(Parameter::Mounting) {
+                let std = turned.mounting.std.yz().max().max(prior.std);
+                filter.renew(Parameter::Mounting, std);
+            }
+            if turned.first {
+                from_antenna(filter, &self.settings);
+            }
+        }
+        if self.solution.is_none() || self.alignment.again {
+            self.alignment.aligner = self.second_aligner();
+        }
+    }
+}
+
+/// A solution that was the antenna's becomes the sensor's.
+fn from_antenna(filter: &mut dyn crate::estimator::Estimator, settings: &Settings) {
+    let lever = settings.lever_arm;
+    if lever == Vector3::zeros() {
+        return;
+    }
+    if let Some(prior) = filter.parameters().prior(Parameter::LeverArm) {
+        filter.renew(Parameter::LeverArm, prior.std);
+    }
+    let nav = *filter.nav();
+    let mut error = DVector::zeros(filter.states());
+    let away = nav.q_nb * lever;
+    let faster = filter.antenna_velocity(&lever) - nav.v_n;
+    error.rows_mut(0, 3).copy_from(&away);
+    error.rows_mut(3, 3).copy_from(&faster);
+    filter.take_out(error.as_slice());
+}
