@@ -12,8 +12,6 @@ use undrift_nav::{Vector3, sample::Scalar};
 /// Streams of one seed, behind the receiver's.
 const ODOMETER_STREAM: usize = GNSS_STREAM + 1;
 const BAROMETER_STREAM: usize = GNSS_STREAM + 2;
-/// The last stream of all.
-pub(super) const LAST_STREAM: usize = BAROMETER_STREAM;
 
 /// A wheel that measures its speed along the body's forward axis.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! Sensor errors drawn from shaping filters.
 
-use super::{SimulationError, scalars::LAST_STREAM};
+use super::SimulationError;
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift_nav::{
@@ -11,6 +11,8 @@ use undrift_noise::synthesis::NoiseGenerator;
 
 /// Streams of one seed: six sensor axes, then this, then those of the sensors of one number.
 pub(super) const GNSS_STREAM: usize = 6;
+/// What is beyond has the seed of this one.
+const LAST_STREAM: usize = 63;
 
 /// Seed of a stream: the `stream`-th draw (from 0) of xoshiro256++ seeded by `seed`. Streams 0–2 are
 /// the gyros about x, y, z, 3–5 the accelerometers along x, y, z, 6 is the GNSS receiver, the next ones
