@@ -215,4 +215,102 @@ mod tests {
         let from_batches = (128.0 / 56.0f64).sqrt() / (2.0 * 3f64.sqrt());
         assert!((pooled.standard_error - from_batches).abs() < 1e-12);
     }
+
+    #[test]
+    fn a_standard_error_is_that_of_the_batches_or_of_as_many_windows() {
+        // Mean squares 1, 2, 3: the error of their mean is √(2/(3·2)); of the root half of that over it.
+        let found = standard_error(2.0, 1000.0, &[1.0, 2.0, 3.0]);
+        assert!((found - (1.0 / 3.0f64).sqrt() / 4.0).abs() < 1e-12);
+        assert_eq!(standard_error(3.0, 18.0, &[9.0, 9.0]), 0.5);
+        assert_eq!(standard_error(3.0, 0.2, &[9.0]), 3.0 / 2f64.sqrt());
+        assert_eq!(standard_error(0.0, 4.0, &[0.0, 1.0]), 0.0);
+    }
+
+    #[test]
+    fn walks_and_constants_of_their_own_start_as_uncertain_as_the_first_part() {
+        let walk = crate::composite::CompositeTerms {
+            white: 0.1,
+            random_walk: 0.2,
+            gauss_markov: [
+                crate::composite::GaussMarkov {
+                    sigma: 0.3,
+                    tau_s: 5.0,
+                },
+                Default::default(),
+            ],
+            ..Default::default()
+        };
+        let mut filter = walk.to_shaping(0.5).unwrap();
+        let is_walk = |i: usize| filter.f[i][i] == 1.0;
+        let at = (0..filter.order).find(|i| is_walk(*i)).unwrap();
+        assert_eq!((0..filter.order).filter(|i| is_walk(*i)).count(), 1);
+        filter.h[at] = 2.0;
+        let started = free_start(&filter, 12.0);
+        for i in 0..filter.order {
+            for j in 0..filter.order {
+                // The state is half of what it adds to a sample.
+                let more = if i == at && j == at { 3.0 } else { 0.0 };
+                assert_eq!(started.p0[i][j], filter.p0[i][j] + more);
+            }
+        }
+        // One that drives another, or is not seen, is none of its own.
+        let other = (at + 1) % filter.order;
+        let mut driving = filter;
+        driving.f[other][at] = 0.1;
+        assert_eq!(free_start(&driving, 12.0).p0, filter.p0);
+        let mut driven = filter;
+        driven.f[at][other] = 0.1;
+        assert_eq!(free_start(&driven, 12.0).p0, filter.p0);
+        filter.h[at] = 0.0;
+        assert_eq!(free_start(&filter, 12.0).p0, filter.p0);
+    }
+
+    #[test]
+    fn without_a_state_the_score_is_the_integral_about_the_first_parts_mean() {
+        let white = crate::composite::CompositeTerms {
+            white: 0.1,
+            ..Default::default()
+        };
+        let filter = white.to_shaping(0.5).unwrap();
+        let mut record: Vec<f64> = (0..40).map(|k| f64::from(k * k * 37 % 17)).collect();
+        let mean = record[..20].iter().sum::<f64>() / 20.0;
+        let found = &score(&record, 20, &filter, &[2.0]).unwrap()[0];
+        let error = |origin: usize| {
+            let sum: f64 = record[20 + origin..24 + origin]
+                .iter()
+                .map(|y| y - mean)
+                .sum();
+            (0.5 * sum).powi(2)
+        };
+        // Origins 0 to 16, in two batches of eight samples at least.
+        let mean_of =
+            |of: std::ops::Range<usize>| of.clone().map(error).sum::<f64>() / of.len() as f64;
+        assert_eq!(
+            (found.horizon_s, found.origins, found.windows),
+            (2.0, 17, 17.0 / 4.0)
+        );
+        assert!((found.rms - mean_of(0..17).sqrt()).abs() < 1e-12);
+        assert_eq!(found.batches.len(), 2);
+        for (batch, exact) in found.batches.iter().zip([mean_of(0..9), mean_of(9..17)]) {
+            assert!((batch - exact).abs() < 1e-9);
+        }
+        // Four samples of N²/T, times T.
+        assert!((found.predicted_rms - 0.5 * (4.0 * 0.01 / 0.5f64).sqrt()).abs() < 1e-12);
+        // A window may miss a hundredth of its samples: none of four.
+        record[30] = f64::NAN;
+        assert_eq!(score(&record, 20, &filter, &[2.0]).unwrap()[0].origins, 13);
+        let long = score(&record, 20, &filter, &[5.0]).unwrap();
+        assert_eq!(long[0].horizon_s, 5.0);
+        let too_long = Err(DriftError::TooShort {
+            seconds: 10.0,
+            horizon_s: 5.5,
+        });
+        assert_eq!(score(&record, 20, &filter, &[5.5]), too_long);
+        for bad in [&[][..], &[0.2], &[f64::NAN], &[1e13]] {
+            assert_eq!(
+                score(&record, 20, &filter, bad),
+                Err(DriftError::BadHorizon)
+            );
+        }
+    }
 }

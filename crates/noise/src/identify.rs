@@ -392,3 +392,40 @@ fn recommended(candidates: &[Candidate]) -> Option<(usize, String)> {
     let (index, _) = own.clone().nth(found.index)?;
     Some((index, found.reason))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn horizons_fit_four_times_into_half_of_the_record_and_hold_a_sample() {
+        let of = |samples, rate| horizons(samples, rate).ok();
+        assert_eq!(of(8, 1.0), None);
+        assert_eq!(of(10, 1.0), Some(vec![1.0]));
+        assert_eq!(of(80, 1.0), Some(vec![1.0]));
+        assert_eq!(of(82, 1.0), Some(vec![1.0, 10.0]));
+        assert_eq!(of(48_200, 100.0), Some(vec![1.0, 10.0, 60.0]));
+        assert_eq!(of(260_000, 100.0), Some(vec![1.0, 10.0, 60.0, 300.0]));
+        // At 0.5 Hz one second has no sample.
+        assert_eq!(of(50, 0.5), Some(vec![10.0]));
+        let brief = |samples, rate| match horizons(samples, rate) {
+            Err(IdentifyError::TooBrief { seconds, needed }) => (seconds, needed),
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(brief(700, 100.0), (7.0, 10.0));
+        assert_eq!(brief(10, 0.5), (20.0, 20.0));
+    }
+
+    #[test]
+    fn a_turn_on_is_the_mean_beyond_gravity_where_the_axis_stands_upright() {
+        let g = STANDARD_GRAVITY;
+        assert_eq!(turn_on_of(-0.02, false), 0.02);
+        assert_eq!(turn_on_of(12.0, false), 12.0);
+        for sign in [1.0, -1.0] {
+            assert!((turn_on_of(sign * (g + 0.1), true) - 0.1).abs() < 1e-12);
+            assert!((turn_on_of(sign * (g - 0.1), true) - 0.1).abs() < 1e-12);
+            assert_eq!(turn_on_of(sign * 0.49 * g, true), 0.49 * g);
+            assert!((turn_on_of(sign * 0.51 * g, true) - 0.49 * g).abs() < 1e-12);
+        }
+    }
+}

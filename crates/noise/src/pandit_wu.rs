@@ -345,3 +345,72 @@ pub fn pandit_wu(samples: &[f64], options: &PanditWuOptions) -> Result<PanditWu,
         fits: made,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(order: (usize, usize), n: usize, squares: f64) -> ArmaFit {
+        let samples: Vec<f64> = (0..60).map(|k| f64::from(k * k * 37 % 17)).collect();
+        let options = FitOptions {
+            effort: 0.1,
+            ..FitOptions::default()
+        };
+        let made = crate::arma::fit(&samples, order.0, order.1, &options).unwrap();
+        ArmaFit {
+            n,
+            residual_sum_of_squares: squares,
+            ..made
+        }
+    }
+
+    /// P(F(2, ν) > f) = (1 + 2f/ν)^(−ν/2), and the same the other way round.
+    #[test]
+    fn critical_values_of_two_degrees_of_freedom_are_in_closed_form() {
+        for remaining in [1usize, 2, 7, 100, 5000] {
+            for level in [0.999f64, 0.5, 0.05, 0.01] {
+                let nu = remaining as f64;
+                let exact = 0.5 * nu * (level.powf(-2.0 / nu) - 1.0);
+                let found = critical_value(2, remaining, level).unwrap();
+                assert!(
+                    (found / exact - 1.0).abs() < 1e-6,
+                    "{remaining} {level}: {found} {exact}"
+                );
+            }
+        }
+        for level in [0.0, 1.0, -0.1, f64::NAN] {
+            assert_eq!(critical_value(2, 10, level), None);
+        }
+    }
+
+    #[test]
+    fn an_f_test_is_of_the_fall_of_the_sum_of_squares_for_each_parameter_added() {
+        let (small, large) = (of((1, 0), 40, 100.0), of((2, 1), 40, 80.0));
+        let found = f_test(&small, &large, 0.05).unwrap();
+        assert_eq!((found.smaller, found.larger), ((1, 0), (2, 1)));
+        // p + q + 1 with the mean: 4 of 40 are fitted.
+        assert_eq!((found.added, found.remaining), (2, 36));
+        let f = 20.0 / 2.0 / (80.0 / 36.0);
+        assert!((found.f - f).abs() < 1e-12);
+        assert!((found.p_value / (1.0 + f / 18.0).powi(-18) - 1.0).abs() < 1e-9);
+        assert!((found.critical - 18.0 * (0.05f64.powf(-1.0 / 18.0) - 1.0)).abs() < 1e-6);
+        assert!(found.significant && found.significant_in_paper == (f > PAPER_CRITICAL));
+        assert_eq!((found.sum_smaller, found.sum_larger), (100.0, 80.0));
+        // 3.26 at 5 %: a fall to 85 is not enough.
+        let less = f_test(&small, &of((2, 1), 40, 85.0), 0.05).unwrap();
+        assert!(!less.significant && less.f < less.critical);
+        // A sum that rises is no sign of anything.
+        let more = f_test(&small, &of((2, 1), 40, 101.0), 0.05).unwrap();
+        assert!(more.f < 0.0 && more.p_value == 1.0 && !more.significant);
+    }
+
+    #[test]
+    fn an_f_test_needs_more_parameters_and_samples_beyond_them() {
+        let small = of((1, 0), 40, 100.0);
+        assert!(f_test(&small, &of((0, 1), 40, 80.0), 0.05).is_none());
+        assert!(f_test(&of((2, 1), 40, 80.0), &small, 0.05).is_none());
+        assert!(f_test(&small, &of((2, 1), 5, 80.0), 0.05).is_some());
+        assert!(f_test(&small, &of((2, 1), 4, 80.0), 0.05).is_none());
+        assert!(f_test(&small, &of((2, 1), 3, 80.0), 0.05).is_none());
+    }
+}

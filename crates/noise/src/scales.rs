@@ -228,3 +228,121 @@ fn scale(record: &[f64], interval: f64, block: usize, effort: f64) -> ScaleFit {
     scale.seen = scale.is_seen();
     scale
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(white: f64, tau_s: f64, drive: f64, error: f64) -> ScaleFit {
+        ScaleFit {
+            lifted: Some(Lifted {
+                white,
+                sigma: 1.0,
+                tau_s,
+                drive,
+            }),
+            relative_errors: Lifted {
+                white: error,
+                sigma: error,
+                tau_s: error,
+                drive: error,
+            },
+            ..ScaleFit::default()
+        }
+    }
+
+    #[test]
+    fn scales_agree_within_two_percent_or_three_standard_errors_of_each_parameter() {
+        let one = at(1.0, 10.0, 0.1, 0.0);
+        for (by, agrees) in [
+            (0.019f64, true),
+            (0.021, false),
+            (-0.019, true),
+            (-0.021, false),
+        ] {
+            let by = by.exp();
+            for other in [
+                at(by, 10.0, 0.1, 0.0),
+                at(1.0, 10.0 * by, 0.1, 0.0),
+                at(1.0, 10.0, 0.1 * by, 0.0),
+            ] {
+                assert_eq!(one.agrees_with(&other), agrees, "{other:?}");
+                assert_eq!(other.agrees_with(&one), agrees, "{other:?}");
+            }
+        }
+        // Errors of 3 and 4 % make 5 % of the difference.
+        let wide = at(1.0, 10.0, 0.1, 0.03);
+        for (by, agrees) in [(0.149f64, true), (0.151, false)] {
+            let by = by.exp();
+            for other in [
+                at(by, 10.0, 0.1, 0.04),
+                at(1.0, 10.0 * by, 0.1, 0.04),
+                at(1.0, 10.0, 0.1 * by, 0.04),
+            ] {
+                assert_eq!(wide.agrees_with(&other), agrees, "{other:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn without_a_correlation_time_or_white_noise_the_others_decide() {
+        let walk = at(1.0, f64::INFINITY, 0.1, 0.0);
+        assert!(
+            walk.agrees_with(&at(1.0, 5.0, 0.1, 0.0)) && at(1.0, 5.0, 0.1, 0.0).agrees_with(&walk)
+        );
+        assert!(!walk.agrees_with(&at(1.0, 5.0, 0.2, 0.0)));
+        let smooth = at(0.0, 10.0, 0.1, 0.0);
+        assert!(smooth.agrees_with(&at(0.0, 10.0, 0.1, 0.0)));
+        assert!(
+            !smooth.agrees_with(&at(1.0, 10.0, 0.1, 0.0))
+                && !at(1.0, 10.0, 0.1, 0.0).agrees_with(&smooth)
+        );
+        let nothing = ScaleFit::default();
+        assert!(!nothing.agrees_with(&smooth) && !smooth.agrees_with(&nothing));
+    }
+
+    #[test]
+    fn a_slow_part_is_seen_where_its_drive_is_determined_and_nothing_speaks_against_it() {
+        assert!(at(1.0, 10.0, 0.1, 0.99).is_seen());
+        assert!(!at(1.0, 10.0, 0.1, 1.0).is_seen());
+        assert!(!ScaleFit::default().is_seen());
+        for (flag, seen) in [
+            (Flag::NotDistinguishable, false),
+            (Flag::FastForBlock, false),
+            (Flag::LongCorrelation, true),
+            (Flag::NoWhite, true),
+        ] {
+            let scale = ScaleFit {
+                flags: vec![flag],
+                ..at(1.0, 10.0, 0.1, 0.1)
+            };
+            assert_eq!(scale.is_seen(), seen, "{flag:?}");
+        }
+    }
+
+    #[test]
+    fn a_record_is_refused_below_two_hundred_of_the_shortest_blocks() {
+        let record: Vec<f64> = (0..1999).map(|k| f64::from(k * k % 17)).collect();
+        let error = identify(&record, 0.1, &[20, 10], 0.1).unwrap_err();
+        assert_eq!(
+            error,
+            CompositeError::TooShort {
+                present: 1999,
+                needed: 2000
+            }
+        );
+        let mut infinite = record.clone();
+        infinite[3] = f64::INFINITY;
+        assert_eq!(
+            identify(&infinite, 0.1, &[1], 0.1).unwrap_err(),
+            CompositeError::NotFinite
+        );
+        // 199 averages are not fitted.
+        let few = scale(&record, 0.1, 10, 0.1);
+        assert_eq!(
+            (few.block, few.points, &few.flags[..]),
+            (10, 199, &[Flag::TooFewAverages][..])
+        );
+        assert!(!few.seen && few.phi.is_nan() && few.lifted.is_none());
+    }
+}

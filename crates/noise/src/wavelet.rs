@@ -331,4 +331,106 @@ mod tests {
         // m = 1, 2, 4 have 2, 4, 8 samples: none may miss; from m = 8 one of 16 may.
         assert_eq!((lost(0), lost(1), lost(2), lost(3)), (2, 4, 8, 0));
     }
+
+    fn point(m: usize, variance: f64, coefficients: usize, edf: f64) -> WaveletPoint {
+        WaveletPoint {
+            m,
+            scale_s: m as f64,
+            variance,
+            edf,
+            coefficients,
+        }
+    }
+
+    #[test]
+    fn pooled_scales_are_averages_over_all_coefficients() {
+        let curve = |points: Vec<WaveletPoint>, samples| WaveletVariance {
+            interval: 1.0,
+            samples,
+            points,
+        };
+        let short = curve(vec![point(1, 4.0, 10, 5.0)], 11);
+        let long = curve(vec![point(1, 1.0, 30, 20.0), point(2, 3.0, 20, 7.0)], 31);
+        let found = pooled(&[short, long]).unwrap();
+        assert_eq!(found.samples, 42);
+        // (4 · 10 + 1 · 30)/40.
+        assert_eq!(
+            found.points,
+            [point(1, 1.75, 40, 25.0), point(2, 3.0, 20, 7.0)]
+        );
+        assert_eq!(pooled(&[]), None);
+    }
+
+    #[test]
+    fn a_wavelet_variance_is_the_mean_square_of_half_differences_of_means() {
+        let record: Vec<f64> = (0..64).map(|k| (k * k * 37 % 17) as f64).collect();
+        let found = wavelet_variance(&record, 0.5).unwrap();
+        assert_eq!((found.samples, found.interval), (64, 0.5));
+        assert_eq!(found.points.len(), 5);
+        for (j, of) in found.points.iter().enumerate() {
+            let m = 1 << j;
+            assert_eq!((of.m, of.scale_s), (m, 0.5 * m as f64));
+            let mean = |from: usize| record[from..from + m].iter().sum::<f64>() / m as f64;
+            let all = (0..=64 - 2 * m).map(|k| (0.5 * (mean(k + m) - mean(k))).powi(2));
+            let all = Vec::from_iter(all);
+            assert_eq!(of.coefficients, all.len());
+            let exact = all.iter().sum::<f64>() / all.len() as f64;
+            assert!((of.variance / exact - 1.0).abs() < 1e-9, "{m}");
+        }
+    }
+
+    #[test]
+    fn degrees_of_freedom_go_by_the_slope_between_the_neighbouring_scales() {
+        let mut seed = 1u64;
+        let mut walk = 0.0;
+        let record: Vec<f64> = (0..20_000)
+            .map(|_| {
+                seed = seed
+                    .wrapping_mul(6364136223846793005)
+                    .wrapping_add(1442695040888963407);
+                let white = (seed >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
+                walk += 0.03 * white;
+                seed = seed
+                    .wrapping_mul(6364136223846793005)
+                    .wrapping_add(1442695040888963407);
+                walk + (seed >> 11) as f64 / (1u64 << 53) as f64
+            })
+            .collect();
+        let found = wavelet_variance(&record, 1.0).unwrap().points;
+        let last = found.len() - 1;
+        let edf_of =
+            |alpha: i32, i: usize| edf(DeviationKind::Overlapping, alpha, 20_000, found[i].m);
+        for i in 0..=last {
+            let (low, high) = (
+                if i > 0 { i - 1 } else { 0 },
+                if i < last { i + 1 } else { last },
+            );
+            let slope = (found[high].variance / found[low].variance).log2() / (high - low) as f64;
+            // ν² ∝ τ^(−1−α).
+            let alpha = (-1.0 - slope).round().clamp(-2.0, 2.0) as i32;
+            assert_eq!(found[i].edf, edf_of(alpha, i), "{i}");
+        }
+        // White noise first, a random walk at the end.
+        assert_eq!(found[0].edf, edf_of(0, 0));
+        assert_eq!(found[9].edf, edf_of(-2, 9));
+    }
+
+    #[test]
+    fn a_record_without_sixteen_samples_or_a_variance_is_refused() {
+        let record: Vec<f64> = (0..16).map(|k| f64::from(k % 3)).collect();
+        assert!(wavelet_variance(&record, 1.0).is_ok());
+        let mut missing = record.clone();
+        missing[3] = f64::NAN;
+        let short = Err(CompositeError::TooShort {
+            present: 15,
+            needed: 16,
+        });
+        assert_eq!(wavelet_variance(&missing, 1.0), short);
+        assert_eq!(wavelet_variance(&record[..15], 1.0), short);
+        assert_eq!(
+            wavelet_variance(&[2.0; 16], 1.0),
+            Err(CompositeError::Constant)
+        );
+        assert!(wavelet_variance(&record, 0.0).is_err());
+    }
 }

@@ -109,3 +109,6 @@ impl Moves {
         Some(Implausible::Velocity(best.map(|k| MENDS[k].0)))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -319,3 +319,6 @@ impl Turns {
         found
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -229,3 +229,6 @@ fn split(correlated: Option<Correlated>, covariance: &Matrix3) -> (Matrix3, Vect
     let std = covariance.diagonal().map(|r| (share * r).max(0.0).sqrt());
     (covariance * (1.0 - share), std)
 }
+
+#[cfg(test)]
+mod tests;

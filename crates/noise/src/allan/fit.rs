@@ -369,3 +369,69 @@ fn whitening(covariance: &DMatrix<f64>) -> DMatrix<f64> {
             DMatrix::from_diagonal(&covariance.diagonal().map(|variance| variance.powf(-0.5)))
         })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points at every octave from 1 s on.
+    fn curve(count: u32) -> Curve {
+        let point = |k: u32| Point {
+            m: 1 << k,
+            tau_s: f64::from(1u32 << k),
+            deviation: 1.0,
+            terms: 1,
+        };
+        Curve {
+            kind: DeviationKind::Overlapping,
+            rate_hz: 1.0,
+            samples: 1 << 14,
+            points: (0..count).map(point).collect(),
+        }
+    }
+
+    #[test]
+    fn the_first_start_that_describes_the_curve_is_taken_or_the_one_that_leaves_least() {
+        let of = |chi2: &[f64], blind: f64| {
+            let mut tried = Vec::new();
+            let best = described(&curve(10), |from| {
+                tried.push(from);
+                Ok((chi2[tried.len() - 1], from != blind, from))
+            });
+            (best.unwrap(), tried)
+        };
+        assert_eq!(of(&[1.9], -1.0), (0.0, vec![0.0]));
+        assert_eq!(of(&[9.0, 1.9], -1.0), (2.0, vec![0.0, 2.0]));
+        // Seven points are left at least: of ten none beyond the fourth is a start.
+        assert_eq!(
+            of(&[9.0, 5.0, 4.0, 6.0], -1.0),
+            (4.0, vec![0.0, 2.0, 4.0, 8.0])
+        );
+        assert_eq!(of(&[9.0, 2.0, 2.0, 2.0], -1.0).0, 2.0);
+        // One that sees no white noise is none.
+        assert_eq!(
+            of(&[9.0, 1.0, 4.0, 6.0], 2.0),
+            (4.0, vec![0.0, 2.0, 4.0, 8.0])
+        );
+        assert_eq!(of(&[f64::NAN], -1.0), (0.0, vec![0.0]));
+    }
+
+    #[test]
+    fn points_of_a_fit_are_positive_and_an_octave_apart() {
+        let mut all = curve(5);
+        let between = Point {
+            tau_s: 3.9,
+            ..all.points[1]
+        };
+        all.points.insert(2, between);
+        all.points[1].deviation = 0.0;
+        all.points[5].deviation = f64::INFINITY;
+        let taus = points_for_fit(&all).unwrap();
+        assert_eq!(
+            Vec::from_iter(taus.iter().map(|p| p.tau_s)),
+            [1.0, 3.9, 8.0]
+        );
+        all.kind = DeviationKind::Modified;
+        assert!(points_for_fit(&all).is_err());
+    }
+}

@@ -126,3 +126,67 @@ fn line(values: &[f64]) -> Option<(f64, f64)> {
     let slope = up / across;
     Some((slope, mean - slope * centre))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Autocovariances of averages over T of a process: σ² e^(−kx) 2(cosh x − 1)/x², x = T/τc; at lag 0 σ² 2(x − 1 + e^(−x))/x².
+    fn exact(sigma: f64, tau_s: f64, interval: f64, lags: u32) -> Vec<f64> {
+        let x = interval / tau_s;
+        let square = 2.0 * sigma * sigma / (x * x);
+        let at = |k: u32| match k {
+            0 => square * (x - 1.0 + (-x).exp()),
+            k => square * (x.cosh() - 1.0) * (-x * f64::from(k)).exp(),
+        };
+        (0..=lags).map(at).collect()
+    }
+
+    #[test]
+    fn the_autocovariances_of_a_process_give_it_back() {
+        for (sigma, tau_s, interval) in [(0.3, 20.0, 1.0), (2.0, 5.0, 2.0), (1e-4, 300.0, 8.0)] {
+            let covariances = exact(sigma, tau_s, interval, 200);
+            let found = process(&covariances, 1000, interval).unwrap();
+            assert!((found.sigma / sigma - 1.0).abs() < 1e-9, "{found:?}");
+            assert!((found.tau_s / tau_s - 1.0).abs() < 1e-9, "{found:?}");
+            // White noise in averages over a shorter time is N²/T of their variance.
+            let over = 0.5 * interval;
+            let variance = exact(sigma, tau_s, over, 0)[0] + 0.07 * 0.07 * sigma * sigma / over;
+            assert!((white(variance, over, &found).unwrap() / (0.07 * sigma) - 1.0).abs() < 1e-6);
+            let none = exact(sigma, tau_s, over, 0)[0] * (1.0 - 1e-6);
+            assert_eq!(white(none, over, &found), Err(Unfit::NoWhite));
+        }
+    }
+
+    #[test]
+    fn neighbours_within_the_bound_of_white_noise_are_white() {
+        // 1.96/√100 of the variance.
+        let of = |first: f64| {
+            process(
+                &[1.0, first, 0.6 * first, 0.3 * first, 0.1 * first],
+                100,
+                1.0,
+            )
+        };
+        assert_eq!(of(0.1959), Err(Unfit::White));
+        assert!(of(0.1961).is_ok());
+        assert_eq!(process(&[1.0], 100, 1.0), Err(Unfit::White));
+        // One lag down to 1/e has no slope, and one that rises is none of a process.
+        assert_eq!(process(&[1.0, 0.5, 0.1], 100, 1.0), Err(Unfit::White));
+        assert_eq!(process(&[1.0, 0.5, 0.9, 0.1], 100, 1.0), Err(Unfit::White));
+        let flat = process(&[1.0, 0.5, 0.4, 0.2], 100, 3.0);
+        assert_eq!(flat, Err(Unfit::NotFalling { longest_s: 9.0 }));
+        // The first below 1/e ends the line.
+        assert!(process(&[1.0, 0.5, 0.4, 0.18], 100, 1.0).is_ok());
+    }
+
+    #[test]
+    fn a_line_through_logarithms_is_that_of_least_squares() {
+        let (slope, at_zero) = line(&[2.0, 2.0 / 3.0, 2.0 / 9.0]).unwrap();
+        assert!((slope + 3f64.ln()).abs() < 1e-12 && (at_zero - 6f64.ln()).abs() < 1e-12);
+        // Logarithms 0, 0, 3 at 1, 2, 3: slope 3/2, mean 1 at 2.
+        let (slope, at_zero) = line(&[1.0, 1.0, 3f64.exp()]).unwrap();
+        assert!((slope - 1.5).abs() < 1e-12 && (at_zero + 2.0).abs() < 1e-12);
+        assert_eq!(line(&[1.0]), None);
+    }
+}

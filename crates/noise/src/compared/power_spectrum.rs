@@ -128,3 +128,69 @@ pub fn fit_octaves(octaves: &[Octave]) -> Result<CompositeTerms, Unfit> {
         ..CompositeTerms::default()
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn density_of(bins: usize, step: f64, two_sided: impl Fn(f64) -> f64) -> Density {
+        let frequency_hz: Vec<f64> = (0..bins).map(|k| step * k as f64).collect();
+        Density {
+            density: frequency_hz.iter().map(|f| 2.0 * two_sided(*f)).collect(),
+            frequency_hz,
+            segments: 1,
+        }
+    }
+
+    #[test]
+    fn octaves_are_means_over_twice_as_many_frequencies_each() {
+        let spectrum = density_of(8, 0.5, |f| 3.0 + f);
+        let found = octaves(&spectrum, 100.0);
+        assert_eq!(found.len(), 2);
+        // 1 and 1.5 Hz, then 2 to 3.5 Hz.
+        assert!((found[0].density - 4.25).abs() < 1e-12);
+        assert!((found[0].inverse - 0.5 * (1.0 + 1.0 / 1.5)).abs() < 1e-12);
+        assert!((found[0].inverse_square - 0.5 * (1.0 + 1.0 / 2.25)).abs() < 1e-12);
+        assert!((found[1].density - 5.75).abs() < 1e-12);
+        // One frequency less, and the second is incomplete; the highest counts.
+        assert_eq!(octaves(&density_of(7, 0.5, |_| 1.0), 100.0).len(), 1);
+        assert_eq!(octaves(&spectrum, 3.5).len(), 2);
+        assert_eq!(octaves(&spectrum, 3.4).len(), 1);
+        for (samples, length) in [(100, 16), (128, 32), (127, 16), (3, 4)] {
+            assert_eq!(segment(samples), length);
+        }
+    }
+
+    #[test]
+    fn terms_are_those_of_the_slopes() {
+        let of = |white: f64, flicker: f64, walk: f64| {
+            let exact = move |f: f64| {
+                white * white + flicker * flicker / (TAU * f) + (walk / (TAU * f)).powi(2)
+            };
+            fit_octaves(&octaves(&density_of(1024, 0.01, exact), 10.0))
+        };
+        for exact in [(0.2, 0.05, 0.03), (0.2, 0.05, 0.0), (0.2, 0.0, 0.03)] {
+            let found = of(exact.0, exact.1, exact.2).unwrap();
+            let near = |a: f64, b: f64| (a - b).abs() < 1e-5;
+            assert!(near(found.white, exact.0), "{found:?}");
+            assert!(
+                near(found.flicker, exact.1) && near(found.random_walk, exact.2),
+                "{found:?}"
+            );
+        }
+        assert_eq!(of(0.0, 0.0, 0.03), Err(Unfit::NoWhite));
+        let few = octaves(&density_of(16, 0.01, |_| 1.0), 10.0);
+        assert!(matches!(
+            fit_octaves(&few),
+            Err(Unfit::TooFew {
+                got: 3,
+                needed: 4,
+                ..
+            })
+        ));
+        let mut four = octaves(&density_of(32, 0.01, |f| 1.0 + 0.01 / f), 10.0);
+        assert!(fit_octaves(&four).is_ok());
+        four[1].density = 0.0;
+        assert_eq!(fit_octaves(&four), Err(RecordError::Constant.into()));
+    }
+}

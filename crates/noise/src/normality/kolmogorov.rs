@@ -153,4 +153,101 @@ mod tests {
             assert!((p - 0.05).abs() < 0.0013, "{samples}: {p}");
         }
     }
+
+    #[test]
+    fn small_p_of_lilliefors_is_the_exponential_of_dallal_and_wilkinson() {
+        // Their formula, worked out apart; R's nortest gives the same.
+        for (distance, samples, p) in [
+            (0.25, 25, 0.000_307_183_748_801_1),
+            (0.3, 10, 0.011_121_472_456_178_6),
+            (0.12, 100, 0.001_180_265_386_540_69),
+            (0.06, 400, 0.001_490_887_684_529_79),
+            (0.18, 25, 0.035_807_516_882_761_2),
+        ] {
+            let found = lilliefors_p(distance, samples);
+            assert!(
+                (found / p - 1.0).abs() < 1e-9,
+                "{distance} {samples}: {found}"
+            );
+        }
+        // More than 100 samples count as 100 with a distance that is longer.
+        let long = 0.06 * 4f64.powf(0.49);
+        assert_eq!(lilliefors_p(0.06, 400), lilliefors_p(long, 100));
+    }
+
+    #[test]
+    fn large_p_of_lilliefors_is_the_polynomial_of_its_modified_distance() {
+        let count = 50.0f64;
+        let distance = |modified: f64| modified / (count.sqrt() - 0.01 + 0.85 / count.sqrt());
+        let p = |modified: f64| lilliefors_p(distance(modified), 50);
+        for (x, exact) in [
+            (
+                0.4f64,
+                2.76773 - 19.828315 * 0.4 + 80.709644 * 0.16 - 138.55152 * 0.064
+                    + 81.218052 * 0.0256,
+            ),
+            (
+                0.7,
+                -4.901232 + 40.662806 * 0.7 - 97.490286 * 0.49 + 94.029866 * 0.343
+                    - 32.355711 * 0.2401,
+            ),
+        ] {
+            assert!((p(x) - exact).abs() < 1e-9, "{x}: {}", p(x));
+        }
+        assert_eq!(p(0.302), 1.0);
+        assert_eq!(p(0.1), 1.0);
+        // The pieces meet, and fall.
+        for edge in [0.302, 0.5] {
+            assert!((p(edge + 1e-9) - p(edge - 1e-9)).abs() < 0.005, "{edge}");
+        }
+        let all: Vec<f64> = (30..90).map(|k| p(f64::from(k) / 100.0)).collect();
+        assert!(all.windows(2).all(|pair| pair[1] <= pair[0]), "{all:?}");
+    }
+
+    #[test]
+    fn critical_distances_are_their_formulas() {
+        assert!((lilliefors_critical_5(25) - 0.895 / (25.83 / 5.0 - 0.01)).abs() < 1e-12);
+        assert!((plain_critical_5(100) - 0.135_809_863_8).abs() < 1e-12);
+        // 5 % at the limit's own critical value.
+        assert!((limit_p(1.358_098_638) - 0.05).abs() < 1e-9);
+    }
+
+    /// Both series are the same function, each where it converges fast.
+    #[test]
+    fn the_limits_two_series_are_one_function() {
+        assert!((limit_p(1.0 - 1e-12) - limit_p(1.0)).abs() < 1e-11);
+        // The theta function of z = 0.8 by the other series.
+        let other = |z: f64| -> f64 {
+            let term =
+                |k: i32| f64::from(1 - 2 * (k % 2)) * (-2.0 * f64::from(k * k) * z * z).exp();
+            -2.0 * (1..40).map(term).sum::<f64>()
+        };
+        for z in [0.3, 0.5, 0.8] {
+            assert!(
+                (limit_p(z) - other(z)).abs() < 1e-9,
+                "{z}: {} {}",
+                limit_p(z),
+                other(z)
+            );
+        }
+        assert_eq!((limit_p(0.0), limit_p(-1.0)), (1.0, 1.0));
+    }
+
+    /// P(D₁ ≥ d) = 2 (1 − d) above one half; of two samples 1 − (2d − ½)² · 2 up to one half… and 2 (1 − d)² above it.
+    #[test]
+    fn few_samples_have_the_distances_that_can_be_worked_out_by_hand() {
+        for d in [0.5f64, 0.6, 0.9, 1.0] {
+            assert!((plain_p(d, 1) - 2.0 * (1.0 - d)).abs() < 1e-12, "{d}");
+            assert!(
+                (plain_p(d, 2) - 2.0 * (1.0 - d).powi(2)).abs() < 1e-12,
+                "{d}"
+            );
+        }
+        for d in [0.3f64, 0.4, 0.5] {
+            assert!(
+                (plain_p(d, 2) - (1.0 - 2.0 * (2.0 * d - 0.5).powi(2))).abs() < 1e-12,
+                "{d}"
+            );
+        }
+    }
 }

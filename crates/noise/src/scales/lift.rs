@@ -218,4 +218,83 @@ mod tests {
         }
         assert_eq!(lift(0.9, 0.5, f64::INFINITY, 5, 0.01), None);
     }
+
+    #[test]
+    fn relative_errors_of_single_samples_are_in_closed_form() {
+        let samples: Vec<f64> = (0..60).map(|k| f64::from(k * k * 37 % 17)).collect();
+        let options = crate::arma::FitOptions {
+            effort: 0.1,
+            ..Default::default()
+        };
+        let made = crate::arma::fit(&samples, 1, 1, &options).unwrap();
+        let (phi, theta) = (0.9, 0.6);
+        let (vp, c, vt, n) = (4e-4, 1.5e-4, 9e-4, 1000);
+        let model = ArmaFit {
+            ar: vec![phi],
+            ma: vec![theta],
+            sigma: 0.3,
+            n,
+            covariance: Some(vec![vp, c, c, vt]),
+            ..made
+        };
+        let found = relative_errors(&model, 1, 0.5);
+        // The delta method: τ = −T/ln φ.
+        let tau = vp.sqrt() / (phi * -phi.ln());
+        // N² = θ/φ σ² T.
+        let white = 0.25 * (vp / (phi * phi) - 2.0 * c / (phi * theta) + vt / (theta * theta));
+        // σ² of the process: (1 − φθ)(φ − θ)/(φ(1 − φ²)) times that of the innovations.
+        let by_phi = -theta / (1.0 - phi * theta) + 1.0 / (phi - theta) - 1.0 / phi
+            + 2.0 * phi / (1.0 - phi * phi);
+        let by_theta = -phi / (1.0 - phi * theta) - 1.0 / (phi - theta);
+        let form = |a: f64, b: f64| 0.25 * (a * a * vp + 2.0 * a * b * c + b * b * vt);
+        let own = 0.5 / n as f64;
+        // The drive is σ √(2/τ): half of τ's slope, d ln τ/dφ = −1/(φ ln φ).
+        let drive = form(by_phi + 1.0 / (phi * phi.ln()), by_theta);
+        for (found, exact) in [
+            (found.tau_s, tau),
+            (found.white, (white + own).sqrt()),
+            (found.sigma, (form(by_phi, by_theta) + own).sqrt()),
+            (found.drive, (drive + own).sqrt()),
+        ] {
+            assert!((found / exact - 1.0).abs() < 1e-6, "{found} {exact}");
+        }
+        let without = ArmaFit {
+            covariance: None,
+            ..model.clone()
+        };
+        assert_eq!(relative_errors(&without, 1, 0.5), Lifted::unknown());
+        // No step to either side of what has no slow part.
+        let none = ArmaFit {
+            ma: vec![phi],
+            ..model
+        };
+        assert_eq!(relative_errors(&none, 1, 0.5), Lifted::unknown());
+    }
+
+    #[test]
+    fn terms_are_a_process_or_a_walk() {
+        let process = Lifted {
+            white: 0.1,
+            sigma: 0.2,
+            tau_s: 8.0,
+            drive: 0.1,
+        };
+        let terms = process.terms();
+        assert_eq!((terms.white, terms.random_walk), (0.1, 0.0));
+        assert_eq!(
+            terms.gauss_markov[0],
+            GaussMarkov {
+                sigma: 0.2,
+                tau_s: 8.0
+            }
+        );
+        let walk = Lifted {
+            tau_s: f64::INFINITY,
+            ..process
+        };
+        assert_eq!(
+            (walk.terms().random_walk, walk.terms().gauss_markov[0]),
+            (0.1, GaussMarkov::default())
+        );
+    }
 }

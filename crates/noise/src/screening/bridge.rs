@@ -26,3 +26,23 @@ pub(crate) fn bridge(cleaned: &[f64], mean: f64) -> Vec<f64> {
     }
     whole
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_missing_lies_on_the_line_between_its_neighbours_and_at_the_mean_outside() {
+        let nan = f64::NAN;
+        let found = bridge(
+            &[nan, nan, 1.0, nan, nan, nan, 9.0, 8.0, nan, 6.0, nan],
+            4.5,
+        );
+        assert_eq!(
+            found,
+            [4.5, 4.5, 1.0, 3.0, 5.0, 7.0, 9.0, 8.0, 7.0, 6.0, 4.5]
+        );
+        assert_eq!(bridge(&[nan, nan], 2.0), [2.0, 2.0]);
+        assert!(bridge(&[], 2.0).is_empty());
+    }
+}

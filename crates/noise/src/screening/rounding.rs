@@ -122,4 +122,85 @@ mod tests {
         let shown = share_shown(6.0, 2700, 1_000_000, 36.0 * 0.0027);
         assert!((shown / bound.sqrt() - 1.0).abs() < 0.01, "{shown}");
     }
+
+    /// As many samples as a window has, at the quantiles of a normal distribution: both halves alike.
+    fn window(place: f64, deviation: f64) -> Vec<f64> {
+        let normal = Normal::standard();
+        let half = |k: usize| normal.inverse_cdf((k as f64 + 0.5) / (WINDOW / 2) as f64);
+        let half = (0..WINDOW / 2).map(|k| place + deviation * half(k));
+        let half: Vec<f64> = half.collect();
+        [half.clone(), half].concat()
+    }
+
+    fn rounded(x: &[f64], step: f64) -> Vec<f64> {
+        x.iter().map(|v| step * (v / step).round()).collect()
+    }
+
+    #[test]
+    fn a_window_of_quantiles_gives_its_deviation_at_any_step_and_place() {
+        for (step, place) in [
+            (1.0, 0.1),
+            (1.0, 7.1),
+            (1.0, -40.3),
+            (2.0, 0.6),
+            (0.5, 0.0),
+            (0.25, 3.0),
+        ] {
+            let found = of_window(&rounded(&window(place, 0.7), step), step).unwrap();
+            // The shares below the edges are whole thousandths, of half of that beyond the last edges' five at least.
+            assert!((found / 0.7 - 1.0).abs() < 0.02, "{step} {place}: {found}");
+        }
+    }
+
+    #[test]
+    fn an_edge_needs_five_samples_on_either_side() {
+        let levels = |low: usize, high: usize| {
+            let mut x = vec![1.0; WINDOW];
+            for k in 0..low {
+                x[k * 300 + 7] = 0.0;
+            }
+            for k in 0..high {
+                x[k * 300 + 11] = 2.0;
+            }
+            of_window(&x, 1.0)
+        };
+        let exact = -1.0 / (2.0 * Normal::standard().inverse_cdf(5.0 / WINDOW as f64));
+        assert!((levels(5, 5).unwrap() - exact).abs() < 1e-12);
+        assert_eq!(levels(4, 5), None);
+        assert_eq!(levels(5, 4), None);
+        // One edge says nothing of the scale.
+        assert_eq!(levels(0, 5), None);
+    }
+
+    #[test]
+    fn a_window_whose_halves_differ_by_more_than_three_standard_errors_is_left_out() {
+        let of = |errors: f64| {
+            let mut x = window(0.1, 2.0);
+            let error = 2.0 * 2.0 / (WINDOW as f64).sqrt();
+            for v in &mut x[WINDOW / 2..] {
+                *v += errors * error;
+            }
+            of_window(&rounded(&x, 1.0), 1.0)
+        };
+        // Rounding adds 1/12 to the variance of 4, and moves the means by little.
+        assert!(of(2.8).is_some() && of(-2.8).is_some());
+        assert!(of(3.3).is_none() && of(-3.3).is_none());
+    }
+
+    #[test]
+    fn the_median_of_three_windows_at_least_is_taken() {
+        let all = |deviations: &[f64]| {
+            let windows: Vec<Vec<f64>> = deviations.iter().map(|s| window(0.1, *s)).collect();
+            rounded(&windows.concat(), 1.0)
+        };
+        let each = |deviation: f64| of_window(&all(&[deviation]), 1.0).unwrap();
+        assert_eq!(before_rounding(&all(&[0.6, 1.2]), 1.0), None);
+        assert_eq!(
+            before_rounding(&all(&[1.2, 0.6, 0.8]), 1.0),
+            Some(each(0.8))
+        );
+        let with_constant = [all(&[1.2, 0.6, 0.8]), vec![0.0; WINDOW]].concat();
+        assert_eq!(before_rounding(&with_constant, 1.0), Some(each(0.8)));
+        assert_eq!(before_rounding(&all(&[0.8; 3]), f64::INFINITY), None);
+    }
 }

@@ -103,3 +103,59 @@ pub(super) fn energies(record: &[f64], centre: f64) -> Vec<Energy> {
     }
     energies
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By the definition: second differences of a running sum in which a missing sample counts with the mean of the last 32,
+    /// unless more than a tenth of a coefficient's samples is missing; beyond 32 samples every 32nd of a mean.
+    fn plainly(record: &[f64], centre: f64, m: usize) -> (f64, usize) {
+        let mut sums = vec![0.0];
+        for (k, x) in record.iter().enumerate() {
+            let last = sums[k];
+            sums.push(match x.is_nan() {
+                true if k >= WIDTH => last + (last - sums[k - WIDTH]) / WIDTH as f64,
+                true => last,
+                false => last + x - centre,
+            });
+        }
+        let (mut squares, mut count) = (0.0, 0);
+        for end in 2 * m..sums.len() {
+            let missing = record[end - 2 * m..end]
+                .iter()
+                .filter(|x| x.is_nan())
+                .count();
+            if end % (m / WIDTH).max(1) == 0 && 10 * missing <= 2 * m {
+                let second = sums[end] - 2.0 * sums[end - m] + sums[end - 2 * m];
+                squares += second * second;
+                count += 1;
+            }
+        }
+        (squares, count)
+    }
+
+    #[test]
+    fn every_scale_is_the_sum_over_its_second_differences() {
+        let whole: Vec<f64> = (0..700).map(|k| (k * k * 7919 % 101) as f64).collect();
+        let mut gaps = whole.clone();
+        for missing in [3..5, 40..41, 100..104, 300..313, 500..521, 699..700] {
+            gaps[missing].fill(f64::NAN);
+        }
+        for record in [&whole[..], &gaps, &gaps[..128], &whole[..4]] {
+            let found = energies(record, 40.0);
+            assert_eq!(found.len(), (record.len() / 4).ilog2() as usize + 1);
+            for (j, energy) in found.iter().enumerate() {
+                assert_eq!(energy.m, 1 << j);
+                let (squares, coefficients) = plainly(record, 40.0, energy.m);
+                assert_eq!(energy.coefficients, coefficients, "{}", energy.m);
+                assert!(
+                    (energy.squares - squares).abs() <= 1e-9 * squares,
+                    "{}",
+                    energy.m
+                );
+            }
+        }
+        assert!(energies(&whole[..3], 0.0).is_empty());
+    }
+}

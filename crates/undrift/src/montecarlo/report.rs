@@ -249,3 +249,6 @@ fn bounds(series: &[Moments], freedom: usize) -> Vec<Option<(f64, f64)>> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests;

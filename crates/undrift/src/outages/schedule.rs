@@ -240,3 +240,6 @@ fn spread(
         _ => Ok((count, if count > 1 { every } else { 0.0 })),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -96,3 +96,6 @@ pub fn minimise(
         converged,
     }
 }
+
+#[cfg(test)]
+mod tests;

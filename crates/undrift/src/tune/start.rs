@@ -192,3 +192,6 @@ impl Start {
         model
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -254,3 +254,6 @@ impl<const N: usize> LinearStep<N> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
