@@ -1,28 +1,22 @@
-//! What aids the solution besides the inertial samples: a room each.
+//! What aids the solution besides the inertial samples.
 //!
-//! A room holds the rows that the filter is updated with, the noise and limits with their reasons, and how a measurement is
-//! used. Here is what is the same for all: the names by which they are counted, and which goes where. When they are used
-//! is decided by [`crate::run`], of a vehicle's motion by [`crate::constraints`].
-//! How to add one: `docs/add-a-measurement.md`.
+//! Here are the names by which updates are counted, what is pushed, and what a filter is updated with. The rows
+//! themselves are those of [`undrift_nav::filter::Filter`]. Fixes are judged by [`crate::receiver`], what is known of a
+//! vehicle's motion is used when [`crate::constraints`] says so. How to add one: `docs/add-a-measurement.md`.
 
-mod barometer;
-pub(crate) mod course;
 mod gnss;
-pub(crate) mod non_holonomic;
-mod odometer;
-pub(crate) mod zero_velocity;
 
-pub use non_holonomic::NonHolonomic;
-
-use crate::{estimator::Estimator, settings::Settings, solution::Solution, summary::Summary};
 use alloc::{string::String, vec::Vec};
 use core::ops::{Index, IndexMut};
 use undrift_nav::{
-    Matrix3, Vector3,
+    Vector3,
     aiding::Observation,
-    filter::{Filter, Gate, Update},
+    filter::Filter,
     sample::{GnssFix, Position, Scalar},
 };
+
+/// Stamps closer than this \[s\] are the same instant.
+pub const STAMP_ROUNDING: f64 = 1e-6;
 
 /// A kind of measurement, as updates are counted ([`Summary::innovations`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -182,6 +176,22 @@ impl Measurement {
         matches!(self, Self::Odometer(_))
     }
 
+    /// A measurement of one number, what it is counted as and how the filter takes it; the odometer's wheel is at
+    /// `odometer_lever` [m, body axes]. Fixes are judged by their receiver.
+    pub(crate) fn scalar(&self, odometer_lever: &Vector3) -> Option<(Scalar, Aid, Aiding)> {
+        Some(match *self {
+            Self::Gnss(_) => return None,
+            Self::Odometer(speed) => {
+                let aiding = Aiding::Odometer {
+                    speed: speed.value,
+                    lever_arm: *odometer_lever,
+                };
+                (speed, Aid::Odometer, aiding)
+            }
+            Self::Barometer(height) => (height, Aid::Barometer, Aiding::Barometer(height.value)),
+        })
+    }
+
     /// Its place among those of one time: fixes come first.
     pub(crate) fn rank(&self) -> u8 {
         match self {
@@ -311,46 +321,4 @@ pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Op
         }
         Aiding::Barometer(height) => Observed::One(filter.observe_barometer(*height)),
     })
-}
-
-/// A measurement of one number within the present sample.
-pub(crate) fn update(
-    solution: &mut Solution,
-    measurement: &Measurement,
-    settings: &Settings,
-    summary: &mut Summary,
-) {
-    match measurement {
-        // Fixes have a receiver behind them.
-        Measurement::Gnss(_) => {}
-        Measurement::Odometer(speed) => odometer::update(solution, speed, settings, summary),
-        Measurement::Barometer(height) => barometer::update(solution, height, summary),
-    }
-}
-
-/// NIS from which a constraint, wheel speed or height is down-weighted, and from which it is rejected: it contradicts
-/// the solution far beyond both.
-const GATE: Gate = Gate {
-    weaken: 9.0,
-    reject: 100.0,
-};
-
-/// Noise of one standard deviation.
-fn isotropic(std: f64) -> Matrix3 {
-    Matrix3::identity() * (std * std)
-}
-
-/// Updates with something that is known of the vehicle.
-fn constrain(filter: &mut dyn Estimator, aiding: &Aiding, noise: &Matrix3) -> Option<Update> {
-    filter.update(aiding, noise, &GATE).ok()?
-}
-
-/// Updates with a measurement of one number; not in a long gap, where the attitude is not known.
-fn constrain_scalar(solution: &mut Solution, measured: &Scalar, aiding: &Aiding) -> Option<Update> {
-    let unknown = solution.in_long_gap();
-    solution.advance_to(measured.time);
-    if unknown {
-        return None;
-    }
-    constrain(&mut *solution.filter, aiding, &isotropic(measured.std))
 }

@@ -1,7 +1,11 @@
-//! When what is known of the vehicle is used: rests and what it cannot do. What each says is in [`crate::aid`].
+//! What is known of the vehicle, and when it is used: rests, what it cannot do, and sensors of one number.
+
+mod course;
+mod non_holonomic;
+mod zero_velocity;
 
 use super::{
-    aid::{course, non_holonomic, zero_velocity},
+    aid::{Aiding, Measurement},
     observer::Observer,
     rest::{MOVES, RestDetector},
     summary::Summary,
@@ -10,11 +14,13 @@ use crate::{
     derived::{BRAKING, Positions},
     estimator::Estimator,
     settings::Settings,
+    solution::Solution,
 };
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::{ComplexField, RealField};
 use undrift_nav::{
     Matrix3,
+    filter::{Gate, Update},
     sample::{GnssFix, ImuSample},
 };
 
@@ -104,6 +110,43 @@ impl Vehicle {
             non_holonomic::update(filter, rule, summary);
         }
     }
+}
+
+/// A measurement of one number within the present sample; not in a long gap, where the attitude is not known.
+pub(super) fn scalar(
+    solution: &mut Solution,
+    measurement: &Measurement,
+    settings: &Settings,
+    summary: &mut Summary,
+) {
+    let lever = &settings.constraints.odometer_lever;
+    let Some((measured, aid, aiding)) = measurement.scalar(lever) else {
+        return;
+    };
+    let unknown = solution.in_long_gap();
+    solution.advance_to(measured.time);
+    if !unknown
+        && let Some(update) = constrain(&mut *solution.filter, &aiding, &isotropic(measured.std))
+    {
+        summary.innovations[aid].add(update);
+    }
+}
+
+/// NIS from which a constraint, wheel speed or height is down-weighted, and from which it is rejected: it contradicts
+/// the solution far beyond both.
+const GATE: Gate = Gate {
+    weaken: 9.0,
+    reject: 100.0,
+};
+
+/// Noise of one standard deviation.
+fn isotropic(std: f64) -> Matrix3 {
+    Matrix3::identity() * (std * std)
+}
+
+/// Updates with something that is known of the vehicle.
+fn constrain(filter: &mut dyn Estimator, aiding: &Aiding, noise: &Matrix3) -> Option<Update> {
+    filter.update(aiding, noise, &GATE).ok()?
 }
 
 #[cfg(test)]

@@ -24,10 +24,7 @@ use undrift_nav::{
     tape::Tape,
 };
 
-/// Stamps closer than this \[s\] are the same instant.
-pub const STAMP_ROUNDING: f64 = 1e-6;
-
-pub use crate::aid::{Aiding, Channel};
+pub use crate::aid::{Aiding, Channel, STAMP_ROUNDING};
 
 /// What is written down of a filter's run ([`Estimator::log_to`]): with it the run can be done again under other
 /// noise, as a linear filter about the solution of this one.

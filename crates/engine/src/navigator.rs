@@ -15,7 +15,7 @@ use alloc::{boxed::Box, collections::VecDeque, vec::Vec};
 use undrift_nav::{
     filter::FilterError,
     parameters::Parameter,
-    sample::{GnssFix, ImuSample},
+    sample::{GnssFix, ImuSample, Scalar},
 };
 
 /// From one snapshot to the next \[s\]: a late measurement runs at most this much more again than it is late by.
@@ -199,6 +199,22 @@ impl Navigator {
     /// [`PushError`]; nothing is taken in then.
     pub fn fix(&mut self, fix: GnssFix) -> Result<bool, PushError> {
         self.measure(Measurement::Gnss(fix))
+    }
+
+    /// Takes in a wheel speed, forward positive \[m/s\], as [`Navigator::fix`].
+    ///
+    /// # Errors
+    /// As [`Navigator::fix`].
+    pub fn odometer(&mut self, speed: Scalar) -> Result<bool, PushError> {
+        self.measure(Measurement::Odometer(speed))
+    }
+
+    /// Takes in a barometric height \[m\], as [`Navigator::fix`].
+    ///
+    /// # Errors
+    /// As [`Navigator::fix`].
+    pub fn barometer(&mut self, height: Scalar) -> Result<bool, PushError> {
+        self.measure(Measurement::Barometer(height))
     }
 
     /// Takes in any measurement, as [`Navigator::fix`].

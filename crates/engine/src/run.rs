@@ -3,8 +3,8 @@
 mod axes;
 
 use super::{
-    aid::{self, Measurement},
-    constraints::Vehicle,
+    aid::Measurement,
+    constraints::{self, Vehicle},
     course::CourseWatch,
     events::{Part, Restart, RestartCause},
     health::CovarianceHealth,
@@ -265,7 +265,7 @@ impl Run {
                 other => {
                     let placed = self.has_vehicle_axes() || !other.needs_vehicle_axes();
                     if placed && let Some(solution) = &mut self.solution {
-                        aid::update(solution, &other, &self.settings, &mut self.summary);
+                        constraints::scalar(solution, &other, &self.settings, &mut self.summary);
                     }
                 }
             }

@@ -1,6 +1,6 @@
 //! Positions and velocities of GNSS fixes; whether they are believed is decided by [`crate::receiver`].
 
-use crate::estimator::STAMP_ROUNDING;
+use super::STAMP_ROUNDING;
 use undrift_nav::{
     Vector3, aiding::Observation, filter::Filter, parameters::Parameter, sample::Position,
 };

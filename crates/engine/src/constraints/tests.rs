@@ -1,11 +1,12 @@
 //! What is known of a vehicle, in closed form.
 
-use super::*;
+use super::{zero_velocity::nis_of_rest, *};
 use crate::{
-    aid::{Aid, NonHolonomic, zero_velocity::nis_of_rest},
+    aid::Aid,
     estimator::build,
     rest::RestBlock,
     tests::{driving_north, sensors},
+    vehicle::NonHolonomic,
 };
 use alloc::boxed::Box;
 use undrift_nav::{

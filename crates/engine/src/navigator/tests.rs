@@ -1,5 +1,4 @@
 use super::*;
-use crate::Scalar;
 use crate::aid::Aid;
 use crate::tests::{Scenario, receiver};
 use alloc::vec::Vec;

@@ -1,8 +1,9 @@
 use super::*;
 use crate::{
     Event, Measurement, Navigator, Observer, Scalar, Summary,
-    aid::{Aid, NonHolonomic},
+    aid::Aid,
     tests::{Scenario, receiver},
+    vehicle::NonHolonomic,
 };
 use alloc::vec::Vec;
 use undrift_nav::{

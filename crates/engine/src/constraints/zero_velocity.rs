@@ -1,7 +1,13 @@
 //! A vehicle at rest: no velocity, and no rate but the Earth's.
 
-use super::{Aid, Aiding, constrain, isotropic};
-use crate::{estimator::Estimator, rest::RestBlock, settings::Settings, summary::Summary};
+use super::{constrain, isotropic};
+use crate::{
+    aid::{Aid, Aiding},
+    estimator::Estimator,
+    rest::RestBlock,
+    settings::Settings,
+    summary::Summary,
+};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{Matrix3, Vector3, filter::Outcome};

@@ -1,7 +1,7 @@
 //! The course over ground as heading, of a vehicle that points where it goes.
 
-use super::{Aiding, constrain};
-use crate::{estimator::Estimator, settings::Settings};
+use super::constrain;
+use crate::{aid::Aiding, estimator::Estimator, settings::Settings};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::{ComplexField, RealField};
 use undrift_nav::{Matrix3, Vector3};
