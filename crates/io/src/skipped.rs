@@ -87,11 +87,23 @@ pub struct SetBack {
     pub step: f64,
 }
 
+/// A counter of limited bits in the column of times that started again and was counted on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Restarts {
+    /// Line or message of the first time, as of [`SkipEntry::first_line`].
+    pub line: u64,
+    /// How often.
+    pub count: u64,
+    /// What is added after the first time, in the column's unit.
+    pub length: f64,
+}
+
 /// Counter of skipped records by kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skipped {
     kinds: BTreeMap<SkipKind, SkipEntry>,
     set_back: Option<SetBack>,
+    restarts: Option<Restarts>,
     /// What the positions count: lines of a text, messages of anything else.
     counted: &'static str,
 }
@@ -101,6 +113,7 @@ impl Default for Skipped {
         Self {
             kinds: BTreeMap::new(),
             set_back: None,
+            restarts: None,
             counted: "line",
         }
     }
@@ -145,6 +158,21 @@ impl Skipped {
     /// The largest step by which the clock was set back, if it was.
     pub fn largest_set_back(&self) -> Option<SetBack> {
         self.set_back
+    }
+
+    /// Notes that the counter in the column of times started again; `added` is added to its numbers from here on.
+    pub(crate) fn counter_started(&mut self, line: u64, added: f64) {
+        let restarts = self.restarts.get_or_insert(Restarts {
+            line,
+            count: 0,
+            length: added,
+        });
+        restarts.count += 1;
+    }
+
+    /// How often the counter in the column of times started again, if it did.
+    pub fn restarts(&self) -> Option<Restarts> {
+        self.restarts
     }
 
     /// Whether nothing was skipped.

@@ -4,8 +4,8 @@ use crate::date;
 use std::path::Path;
 use undrift::{
     inspect::{
-        Content, Inspection, Known, Measured, Motion, Note, Part, Start, about_gravity, model,
-        quoted,
+        Content, CounterRestarts, Inspection, Known, Measured, Motion, Note, Part, Start,
+        about_gravity, model, quoted,
     },
     io::visible,
     vehicle::Profile,
@@ -19,7 +19,10 @@ pub fn fill(inspection: &mut Inspection) {
             line.why = known(&line.known);
         }
         if let Some(measured) = &mut part.measured {
-            measured.remarks = measured.content.iter().map(content).collect();
+            let counter = measured.counter.iter().map(counter);
+            measured.remarks = counter
+                .chain(measured.content.iter().map(content))
+                .collect();
         }
     }
 }
@@ -104,6 +107,9 @@ fn note(note: &Note) -> String {
         }
         Note::Columns(names) => format!("columns: {}", names.join(", ")),
         Note::NoTimes => "no time column found".into(),
+        Note::NoHeader => {
+            "no header line: assumes RTKLIB's columns, and GPS time (GPST) rather than UTC, which is 18 s behind".into()
+        }
         Note::UnitBySize {
             named,
             size,
@@ -119,6 +125,21 @@ fn note(note: &Note) -> String {
             "nothing usable: neither positions nor angular rates with specific forces".into()
         }
     }
+}
+
+fn counter(counter: &CounterRestarts) -> String {
+    let CounterRestarts {
+        line,
+        count,
+        length,
+    } = counter;
+    let times = match count {
+        1 => String::new(),
+        count => format!("{count} times, first "),
+    };
+    format!(
+        "the time counter starts again {times}at line {line}: {length} is added to the later times"
+    )
 }
 
 fn content(content: &Content) -> String {

@@ -55,7 +55,7 @@ impl Meaning {
 }
 
 /// Endings of names that are units.
-const SUFFIXES: [(&str, &str); 24] = [
+const SUFFIXES: [(&str, &str); 27] = [
     ("_radps", "rad/s"),
     ("_rad_s", "rad/s"),
     ("_degps", "deg/s"),
@@ -74,6 +74,9 @@ const SUFFIXES: [(&str, &str); 24] = [
     ("_degc", "degC"),
     ("_c", "degC"),
     ("_sec", "s"),
+    ("_msec", "ms"),
+    ("_usec", "us"),
+    ("_nsec", "ns"),
     ("_ms", "ms"),
     ("_us", "us"),
     ("_ns", "ns"),
@@ -82,8 +85,17 @@ const SUFFIXES: [(&str, &str); 24] = [
     ("_hz", "Hz"),
 ];
 
-const TIMES: [&str; 17] = [
+const TIMES: [&str; 26] = [
     "t",
+    "ts",
+    "elapsed",
+    "elapsedtime",
+    "secondselapsed",
+    "timesincestart",
+    "timesinceboot",
+    "uptime",
+    "systime",
+    "sampletimefine",
     "time",
     "timestamp",
     "timestamps",
@@ -101,6 +113,27 @@ const TIMES: [&str; 17] = [
     "secs",
     "seconds",
 ];
+/// Words that are a time and its unit, and endings of words for a time that are its unit.
+const TIME_UNITS: [(&str, &str); 6] = [
+    ("millis", "ms"),
+    ("milliseconds", "ms"),
+    ("micros", "us"),
+    ("microseconds", "us"),
+    ("nanos", "ns"),
+    ("nanoseconds", "ns"),
+];
+const TIME_ENDINGS: [(&str, &str); 6] = [
+    ("msec", "ms"),
+    ("usec", "us"),
+    ("nsec", "ns"),
+    ("ms", "ms"),
+    ("us", "us"),
+    ("ns", "ns"),
+];
+/// Clocks whose ticks are no usual unit of time: the letters of their names and the ticks that there are, the longest
+/// first, with their factor to seconds. Xsens counts 0.1 ms in an MTi and microseconds in a DOT.
+const TICKS: [(&str, [(&str, f64); 2]); 1] =
+    [("sampletimefine", [("0.1 ms/LSB", 1e-4), ("us", 1e-6)])];
 const GYROS: [&str; 12] = [
     "g",
     "gyro",
@@ -171,6 +204,37 @@ const DIRECTIONS: [(&str, usize); 8] = [
     ("u", 3),
 ];
 
+/// What the names of a table's columns mean beside each other, as [`meaning`] of each: where `omega` is the angular rate
+/// and nothing else the specific force, `alpha` is that, as in the tables of Kalibr, in rad/s and m/s².
+pub fn meanings(names: &[String]) -> Vec<Option<(Meaning, Option<String>)>> {
+    let mut found: Vec<_> = names.iter().map(|name| meaning(name)).collect();
+    let letters: Vec<String> = names.iter().map(|name| letters(name)).collect();
+    let there = |name: &str, axis: char| letters.contains(&format!("{name}{axis}"));
+    let accel = |of: &Option<(Meaning, _)>| matches!(of, Some((Meaning::Accel(_), _)));
+    let all = "xyz"
+        .chars()
+        .all(|axis| there("omega", axis) && there("alpha", axis));
+    if !all || found.iter().any(accel) {
+        return found;
+    }
+    for (meaning, name) in found.iter_mut().zip(&letters) {
+        let axis = name.chars().last().and_then(|axis| "xyz".find(axis));
+        let Some(axis) = axis else { continue };
+        match &name[..name.len() - 1] {
+            "omega" => *meaning = Some((Meaning::Gyro(axis), Some("rad/s".into()))),
+            "alpha" => *meaning = Some((Meaning::Accel(axis), Some("m/s^2".into()))),
+            _ => {}
+        }
+    }
+    found
+}
+
+/// The letters and digits of a name, small.
+fn letters(name: &str) -> String {
+    let letters = name.chars().filter(char::is_ascii_alphanumeric);
+    letters.map(|c| c.to_ascii_lowercase()).collect()
+}
+
 /// What a column's name means, and the unit that it tells in brackets or by its ending.
 pub fn meaning(column: &str) -> Option<(Meaning, Option<String>)> {
     let name = column.trim().to_ascii_lowercase();
@@ -178,7 +242,10 @@ pub fn meaning(column: &str) -> Option<(Meaning, Option<String>)> {
     if matches!(unit.as_deref(), Some("degC" | "K")) {
         return Some((Meaning::Temperature, unit));
     }
-    let letters: String = stem.chars().filter(char::is_ascii_alphanumeric).collect();
+    let letters = letters(stem);
+    if let Some(unit) = time_and_unit(&letters) {
+        return Some((Meaning::Time, Some(unit.to_owned())));
+    }
     let meaning = of_letters(&letters)?;
     let fits = |unit: &String| {
         meaning
@@ -186,6 +253,18 @@ pub fn meaning(column: &str) -> Option<(Meaning, Option<String>)> {
             .is_none_or(|quantity| unit_factor(unit, quantity).is_ok())
     };
     Some((meaning, unit.filter(fits)))
+}
+
+/// The unit in a word that is a time and its unit: `millis`, `timestampus`.
+fn time_and_unit(letters: &str) -> Option<&'static str> {
+    let word = TIME_UNITS.iter().find(|(word, _)| *word == letters);
+    let ending = || {
+        TIME_ENDINGS.iter().find(|(ending, _)| {
+            let time = letters.strip_suffix(ending);
+            time.is_some_and(|time| time.len() > 1 && TIMES.contains(&time))
+        })
+    };
+    word.or_else(ending).map(|(_, unit)| *unit)
 }
 
 fn of_letters(name: &str) -> Option<Meaning> {
@@ -269,7 +348,13 @@ fn velocity_std(name: &str) -> Option<usize> {
 fn split_unit(name: &str) -> (&str, Option<String>) {
     if let Some((stem, rest)) = name.split_once(['[', '(', '{']) {
         let unit = rest.trim_end_matches([']', ')', '}']).trim();
-        return (stem.trim(), Some(spelled(unit)));
+        return match stem.trim().rsplit_once(" in ") {
+            Some((stem, unit)) => (stem, Some(spelled(unit))),
+            None => (stem.trim(), Some(spelled(unit))),
+        };
+    }
+    if let Some((stem, unit)) = name.rsplit_once(" in ") {
+        return (stem, Some(spelled(unit)));
     }
     let found = SUFFIXES
         .iter()
@@ -289,6 +374,7 @@ fn spelled(unit: &str) -> String {
         "m s^-1" | "mps" => "m/s".into(),
         "°" | "degrees" => "deg".into(),
         "µs" | "usec" => "us".into(),
+        "msec" | "milliseconds" => "ms".into(),
         "sec" | "seconds" => "s".into(),
         other => other.into(),
     }
@@ -302,10 +388,27 @@ pub const FIX_STEP: f64 = 30.0;
 /// The unit of time stamps, and its factor to seconds: the longest one that makes their ordinary
 /// step no longer than `longest` \[s\]; `None` if there are too few stamps or none fits.
 pub fn time_unit(stamps: &[f64], longest: f64) -> Option<(&'static str, f64)> {
+    let units = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
+    longest_unit(&units, stamps, longest)
+}
+
+/// The same of a column with a name, whose ticks may be others.
+pub fn time_unit_of(column: &str, stamps: &[f64], longest: f64) -> Option<(&'static str, f64)> {
+    let name = letters(column);
+    match TICKS.iter().find(|(clock, _)| *clock == name) {
+        Some((_, ticks)) => longest_unit(ticks, stamps, longest),
+        None => time_unit(stamps, longest),
+    }
+}
+
+fn longest_unit(
+    units: &[(&'static str, f64)],
+    stamps: &[f64],
+    longest: f64,
+) -> Option<(&'static str, f64)> {
     let step = ordinary_step(stamps)?;
-    [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)]
-        .into_iter()
-        .find(|(_, factor)| step * factor <= longest)
+    let mut units = units.iter().copied();
+    units.find(|(_, factor)| step * factor <= longest)
 }
 
 /// Median of the steps forward of time stamps, in their unit; `None` if there are none.
@@ -398,6 +501,52 @@ mod tests {
             assert_eq!(found.as_ref().map(|f| f.0), expected, "{name}");
             assert_eq!(found.and_then(|f| f.1).as_deref(), unit, "{name}");
         }
+    }
+
+    #[test]
+    fn times_by_many_names() {
+        for (name, unit) in [
+            ("millis", Some("ms")),
+            ("micros()", Some("us")),
+            ("elapsed_ms", Some("ms")),
+            ("Elapsed Time", None),
+            ("SampleTimeFine", None),
+            ("Time since start in ms (from the first sample)", Some("ms")),
+            ("Time since start in ms", Some("ms")),
+            ("TimeUS", Some("us")),
+            ("timestamp_usec", Some("us")),
+            ("seconds_elapsed", None),
+            ("ts", None),
+        ] {
+            let expected = (Meaning::Time, unit.map(str::to_owned));
+            assert_eq!(meaning(name), Some(expected), "{name}");
+        }
+        // Ticks that are no unit: 100 Hz of an MTi, 120 Hz of a DOT.
+        let every =
+            |step: f64| -> Vec<f64> { (0..20).map(|k| 7.0 + step * f64::from(k)).collect() };
+        let ticks = |step| {
+            time_unit_of("SampleTimeFine", &every(step), IMU_STEP)
+                .unwrap()
+                .0
+        };
+        assert_eq!((ticks(100.0), ticks(8333.0)), ("0.1 ms/LSB", "us"));
+        assert_eq!(time_unit_of("t", &every(10.0), IMU_STEP).unwrap().0, "ms");
+    }
+
+    #[test]
+    fn alpha_beside_omega_is_the_specific_force() {
+        let of = |names: &str| {
+            let names: Vec<String> = names.split(' ').map(str::to_owned).collect();
+            let accel = |of: Option<(Meaning, _)>| matches!(of, Some((Meaning::Accel(_), _)));
+            Vec::from_iter(meanings(&names).into_iter().map(accel))
+        };
+        let kalibr = "timestamp omega_x omega_y omega_z alpha_x alpha_y alpha_z";
+        assert_eq!(of(kalibr), [false, false, false, false, true, true, true]);
+        // An angular acceleration beside another specific force, or alone.
+        let both = "omega_x omega_y omega_z alpha_x alpha_y alpha_z ax ay az";
+        let last = [false, false, false, false, false, false, true, true, true];
+        assert_eq!(of(both), last);
+        assert_eq!(of("gx gy gz alpha_x alpha_y alpha_z"), [false; 6]);
     }
 
     #[test]

@@ -11,7 +11,7 @@ mod units;
 pub use known::{Content, Known, Note};
 pub use measure::about_gravity;
 pub use motion::{Motion, motion};
-pub use parts::{Inspection, Line, Measured, Part, Start, quoted};
+pub use parts::{CounterRestarts, Inspection, Line, Measured, Part, Start, quoted};
 pub use sensor::model;
 
 use crate::drive::Logs;
@@ -49,7 +49,11 @@ pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
     };
     inspection.parts = match format {
         Format::Csv | Format::Parquet => columns::parts(opened, &mut inspection.found)?,
-        Format::Rtklib => vec![Part::new("gnss", Vec::new())],
+        Format::Rtklib => {
+            let assumed = opened.lacks_header().then_some(Note::NoHeader);
+            inspection.found.extend(assumed);
+            vec![Part::new("gnss", Vec::new())]
+        }
         Format::Euroc => vec![Part::new("imu", Vec::new())],
         Format::KfGins => vec![Part::new(
             kf_gins(path, opened.width(), &mut logs),

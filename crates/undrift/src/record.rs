@@ -4,7 +4,7 @@
 mod guess;
 
 use crate::{
-    columns::{IMU_STEP, Meaning, meaning, time_unit},
+    columns::{IMU_STEP, Meaning, meaning, meanings, time_unit_of},
     drive::{self, DriveError},
     temperature,
 };
@@ -87,9 +87,9 @@ pub struct Record {
     pub skipped: Skipped,
 }
 
-/// The axis, of [`AXES`], that a column's name means, and its unit.
-fn named_axis(column: &str) -> Option<(usize, Option<String>)> {
-    match meaning(column)? {
+/// The axis, of [`AXES`], that the meaning of a column is, and its unit.
+fn as_axis(meaning: Option<(Meaning, Option<String>)>) -> Option<(usize, Option<String>)> {
+    match meaning? {
         (Meaning::Gyro(axis), unit) => Some((axis, unit)),
         (Meaning::Accel(axis), unit) => Some((3 + axis, unit)),
         _ => None,
@@ -412,7 +412,12 @@ fn find(beginning: &Preview, format: &RecordFormat) -> Result<RecordColumns, Str
         Some(unit) => unit_factor(&unit, Quantity::Time).unwrap_or(1.0),
         None => {
             let stamps = values(beginning, &column);
-            time_unit(&stamps, IMU_STEP).map_or(1.0, |(_, factor)| factor)
+            let name = match &column {
+                Column::Number(number) => header.get(number.wrapping_sub(1)),
+                Column::Name(name) => Some(name),
+            };
+            let name = name.map_or("", String::as_str);
+            time_unit_of(name, &stamps, IMU_STEP).map_or(1.0, |(_, factor)| factor)
         }
     });
     let stamp = time.map(|scale| Stamp {
@@ -456,9 +461,13 @@ fn bare(column: &Column) -> String {
 
 /// The columns of the axes: as stated, else by the names in the header.
 fn find_axes(header: &[String], format: &RecordFormat) -> Result<Vec<AxisColumn>, String> {
+    let known = meanings(header);
     let named = |column: &Column| match column {
-        Column::Name(name) => named_axis(name),
-        Column::Number(n) => named_axis(header.get(n.wrapping_sub(1))?),
+        Column::Name(name) => match header.iter().position(|known| known == name) {
+            Some(place) => as_axis(known.get(place)?.clone()),
+            None => as_axis(meaning(name)),
+        },
+        Column::Number(n) => as_axis(known.get(n.wrapping_sub(1))?.clone()),
     };
     let axis = |index, column: &Column, unit| AxisColumn {
         index,
@@ -568,10 +577,10 @@ mod tests {
 
     #[test]
     fn names_and_units_of_columns() {
-        assert_eq!(named_axis("gx_dps"), Some((0, Some("deg/s".into()))));
-        assert_eq!(named_axis("AZ_g"), Some((5, Some("g".into()))));
-        assert_eq!(named_axis("gyro_y"), Some((1, None)));
-        assert_eq!(named_axis("t_s"), None);
+        assert_eq!(as_axis(meaning("gx_dps")), Some((0, Some("deg/s".into()))));
+        assert_eq!(as_axis(meaning("AZ_g")), Some((5, Some("g".into()))));
+        assert_eq!(as_axis(meaning("gyro_y")), Some((1, None)));
+        assert_eq!(as_axis(meaning("t_s")), None);
         let zero = |name: &str, value| {
             let beginning = Preview {
                 header: vec!["t_s".into(), name.into()],

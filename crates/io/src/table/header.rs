@@ -28,14 +28,61 @@ struct Header {
     names: Vec<String>,
 }
 
+/// Columns with a number in them, beside text, for a text to be a table.
+const NUMBERS: usize = 3;
+
+/// Whether a text begins with a line of names, and the row below has a field for each of them and some numbers.
+pub(crate) fn has_named_numbers(start: &[u8]) -> bool {
+    let lines = start.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+    let mut lines = lines.filter(|line| starts_a_row(line) && separator(line).is_none());
+    let (Some(names), Some(row)) = (lines.next(), lines.next()) else {
+        return false;
+    };
+    let delimiter = Delimiter::detect(names);
+    let fields = |line| Fields::new(line, delimiter);
+    let is_number = |field: &[u8]| number::parse(field).is_some();
+    // A sentence without quotes is many fields.
+    let before = |field: &&[u8]| !field.starts_with(b"$") || field.contains(&b',');
+    !fields(names).any(is_number)
+        && fields(names).count() <= fields(row).count()
+        && fields(row)
+            .take_while(before)
+            .filter(|field| is_number(field))
+            .count()
+            >= NUMBERS
+        && !fields(names).any(|name| name.starts_with(b"$"))
+}
+
+/// The separator that a first line `sep=;` names, as spreadsheets write it.
+fn separator(line: &[u8]) -> Option<u8> {
+    let line = line.trim_ascii();
+    let line = line.strip_prefix(b"\"").unwrap_or(line);
+    let (name, value) = line.split_at_checked(4)?;
+    match value {
+        [byte] | [byte, b'"', ..] if name.eq_ignore_ascii_case(b"sep=") => Some(*byte),
+        // Behind it the fields of a table that was saved once more.
+        [byte, rest @ ..] if name.eq_ignore_ascii_case(b"sep=") => {
+            rest.iter().all(|other| other == byte).then_some(*byte)
+        }
+        // A tab, trimmed away.
+        [] if name.eq_ignore_ascii_case(b"sep=") => Some(b'\t'),
+        _ => None,
+    }
+}
+
 pub(super) fn find(
     lines: &mut Lines,
     options: &TableOptions,
     skipped: &mut Skipped,
 ) -> Result<TextLayout, ReadError> {
-    let (first, comment) = first_line(lines, skipped)?;
+    let FirstLine {
+        line: first,
+        comment,
+        separator,
+    } = first_line(lines, skipped)?;
     let delimiter = options
         .delimiter
+        .or(separator)
         .map_or_else(|| Delimiter::detect(&first), Delimiter::of);
     let by_name = |(_, column): &(String, Column)| matches!(column, Column::Name(_));
     let named = options.columns.iter().chain(options.date()).any(by_name);
@@ -74,11 +121,18 @@ pub(super) fn find(
     })
 }
 
-/// The first line that is neither blank nor comment, and the comment directly before it.
-type FirstLine = (Vec<u8>, Option<(u64, Vec<u8>)>);
+/// The first line that is neither blank nor comment.
+struct FirstLine {
+    line: Vec<u8>,
+    /// The comment directly before it, and its number.
+    comment: Option<(u64, Vec<u8>)>,
+    /// The separator that a line before it names.
+    separator: Option<u8>,
+}
 
 fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, ReadError> {
     let mut comment = None;
+    let mut named = None;
     loop {
         match lines.step() {
             NextLine::Line(range) => {
@@ -90,8 +144,16 @@ fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, Rea
                     }
                     line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
                 }
+                if let (None, Some(byte)) = (named, separator(line)) {
+                    named = Some(byte);
+                    continue;
+                }
                 if starts_a_row(line) {
-                    return Ok((line.to_vec(), comment));
+                    return Ok(FirstLine {
+                        line: line.to_vec(),
+                        comment,
+                        separator: named,
+                    });
                 }
                 if !line.trim_ascii().is_empty() {
                     comment = Some((number, line.to_vec()));
@@ -228,8 +290,12 @@ fn listing(names: &[String]) -> String {
 /// If there is no line.
 pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError> {
     let mut lines = Lines::new(source);
-    let (first, comment) = first_line(&mut lines, &mut Skipped::default())?;
-    let delimiter = Delimiter::detect(&first);
+    let FirstLine {
+        line: first,
+        comment,
+        separator,
+    } = first_line(&mut lines, &mut Skipped::default())?;
+    let delimiter = separator.map_or_else(|| Delimiter::detect(&first), Delimiter::of);
     let own = names_of(&first, delimiter);
     let above = comment.map_or(Vec::new(), |(_, text)| comment_names(&text, None));
     let of_time = |field: &[u8]| stamps::any(&mut WeekClock::default(), field);

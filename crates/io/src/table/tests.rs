@@ -2,6 +2,7 @@ use std::io::{Cursor, Read, Write};
 
 use super::*;
 use crate::Opened;
+use crate::format::Format;
 use crate::skipped::SkipKind;
 
 fn options(columns: &[Column]) -> TableOptions {
@@ -281,4 +282,71 @@ fn times_of_day_count_on_and_take_their_date_from_a_column() {
     };
     let refused = Table::new("x".as_ref(), super::TableSource::Columns(memory), &options);
     assert!(refused.err().unwrap().to_string().contains("imu.date"));
+}
+
+#[test]
+fn a_first_line_may_name_the_separator() {
+    for (line, byte) in [
+        ("sep=,", ","),
+        ("sep=;", ";"),
+        ("SEP=;;;;", ";"),
+        ("\"sep=,\"", ","),
+        ("\u{feff}sep=\t", "\t"),
+        ("sep=|", "|"),
+    ] {
+        let table = "t,a,b\n1,2,3\n4,5,6\n".replace(',', byte);
+        let text = format!("{line}\r\n{table}");
+        let (rows, skipped) = rows(&text, &named(&["b", "t"]));
+        assert!(skipped.is_empty(), "{line}");
+        assert_eq!(rows, [(3, vec![3.0, 1.0]), (4, vec![6.0, 4.0])], "{line}");
+        let mut opened =
+            Opened::stream(Path::new("imu.csv"), Cursor::new(text.into_bytes())).unwrap();
+        assert_eq!(opened.preview(5).unwrap().names, ["t", "a", "b"], "{line}");
+    }
+}
+
+#[test]
+fn a_column_of_sentences_leaves_a_table_a_table() {
+    let sum = |text: &str| text.bytes().fold(0, |sum, byte| sum ^ byte);
+    let sentence = |k: u32| {
+        let text = format!("GPGGA,2209{k:02}.00,4007.0,N,10508.0,W,1,9,0.9,1600.0,M,-20.0,M,,");
+        format!("${text}*{:02X}", sum(&text))
+    };
+    let format = |text: &str| {
+        let stream = Cursor::new(text.as_bytes().to_vec());
+        let opened = Opened::stream(Path::new("gps.csv"), stream).unwrap();
+        opened.format()
+    };
+    let rows = |row: &dyn Fn(u32) -> String| (10..20).map(row).collect::<String>();
+    let header = "t,frame,lat,lon,height,raw\n";
+    let quoted = rows(&|k| format!("{k},gps,40.1,-105.1,1600,\"{}\"\n", sentence(k)));
+    assert_eq!(format(&format!("{header}{quoted}")), Format::Csv);
+    let plain = rows(&|k| format!("{k},gps,40.1,-105.1,1600,{}\n", sentence(k)));
+    assert_eq!(format(&format!("{header}{plain}")), Format::Csv);
+    // Nothing but sentences, behind a time or under a line of words.
+    let stamped = rows(&|k| format!("{k},{}\n", sentence(k)));
+    assert_eq!(format(&format!("t,raw\n{stamped}")), Format::Nmea);
+    let bare = rows(&|k| format!("{}\n", sentence(k)));
+    assert_eq!(format(&format!("GPS log, started\n{bare}")), Format::Nmea);
+}
+
+#[test]
+fn times_of_a_counter_go_on_where_it_starts_again() {
+    let stamp = |k: u64| (4_294_967_296 - 25_000 + 10_000 * k) % 4_294_967_296;
+    let text: String = (0..6).map(|k| format!("{},{k}\n", stamp(k))).collect();
+    let mut wanted = TableOptions::default();
+    wanted.want_time("imu", &Column::Number(1), None, 1e-6);
+    wanted.want("imu.gyro", &[Column::Number(2)]);
+    let (rows, skipped) = rows(&text, &wanted);
+    let times: Vec<f64> = rows.iter().map(|(_, row)| row[0]).collect();
+    let expected: Vec<f64> = (0..6)
+        .map(|k| 4_294_942_296.0 + 1e4 * f64::from(k))
+        .collect();
+    assert_eq!(times, expected);
+    let restarts = skipped.restarts().unwrap();
+    assert_eq!(
+        (restarts.line, restarts.count, restarts.length),
+        (4, 1, 4_294_967_296.0)
+    );
+    assert!(skipped.is_empty());
 }

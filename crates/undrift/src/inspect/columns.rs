@@ -5,7 +5,7 @@ use super::{
     parts::{Line, Part, quoted},
     units::{self, Force},
 };
-use crate::columns::{FIX_STEP, IMU_STEP, Meaning, meaning, ordinary_step, time_unit};
+use crate::columns::{FIX_STEP, IMU_STEP, Meaning, meanings, ordinary_step, time_unit_of};
 use undrift_io::{Opened, ReadError, table::Preview};
 
 /// By the names of several columns.
@@ -49,7 +49,12 @@ pub(super) fn parts_of(table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
             found = by_numbers;
         }
     }
-    let columns = Columns { table, found };
+    let meanings = meanings(&table.names);
+    let columns = Columns {
+        table,
+        meanings,
+        found,
+    };
     let mut parts = Vec::new();
     if let (Some(gyro), Some(accel)) = (all(&columns.found.gyro), all(&columns.found.accel)) {
         parts.push(Part::new("imu", columns.imu(gyro, accel, notes)));
@@ -67,7 +72,10 @@ pub(super) fn parts_of(table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
             0 => Note::UnknownColumns,
             _ => Note::Columns(names.clone()),
         });
-    } else if columns.found.time.is_none() {
+    } else if parts
+        .iter()
+        .any(|part| part.lines.iter().all(|line| line.key != "time"))
+    {
         notes.push(Note::NoTimes);
     }
     parts
@@ -85,8 +93,8 @@ fn by_names(table: &Preview) -> Found {
         known: Known::Name { several: false },
         ..Found::default()
     };
-    for (place, name) in table.names.iter().enumerate() {
-        let slot = match meaning(name) {
+    for (place, meaning) in meanings(&table.names).into_iter().enumerate() {
+        let slot = match meaning {
             Some((Meaning::Time, _)) => &mut found.time,
             Some((Meaning::Gyro(axis), _)) => &mut found.gyro[axis],
             Some((Meaning::Accel(axis), _)) => &mut found.accel[axis],
@@ -110,6 +118,21 @@ fn by_names(table: &Preview) -> Found {
         slot.get_or_insert(place);
     }
     found
+}
+
+/// The column that is the time by its numbers alone: the first of those without another meaning that only grows, and
+/// not by one from row to row, as a counter does.
+fn time_by_numbers(table: &Preview) -> Option<usize> {
+    let known = meanings(&table.names);
+    let unknown = |place: &usize| known.get(*place).is_none_or(Option::is_none);
+    let grows = |place: &usize| {
+        let column = |row: &Vec<f64>| row.get(*place).copied().unwrap_or(f64::NAN);
+        let stamps: Vec<f64> = table.rows.iter().map(column).collect();
+        let steps = || stamps.windows(2).map(|pair| pair[1] - pair[0]);
+        stamps.len() > 2 && steps().all(|step| step > 0.0) && steps().any(|step| step != 1.0)
+    };
+    let width = table.rows.first().map_or(0, Vec::len);
+    (0..width).filter(unknown).find(grows)
 }
 
 /// Finds the time by that it only grows, accelerometers by that gravity gives three columns a
@@ -188,6 +211,8 @@ fn three_of(rows: &[Vec<f64>], places: [usize; 3]) -> Vec<[f64; 3]> {
 
 struct Columns {
     table: Preview,
+    /// Of the columns, by their names.
+    meanings: Vec<Option<(Meaning, Option<String>)>>,
     found: Found,
 }
 
@@ -216,10 +241,7 @@ impl Columns {
 
     /// The unit that the name of a column tells.
     fn unit(&self, place: usize) -> Option<String> {
-        self.table
-            .names
-            .get(place)
-            .and_then(|name| meaning(name)?.1)
+        self.meanings.get(place)?.as_ref()?.1.clone()
     }
 
     fn stamps(&self, place: usize) -> Vec<f64> {
@@ -229,19 +251,26 @@ impl Columns {
 
     /// The lines of the time, and the ordinary interval \[s\].
     fn time(&self, longest: f64) -> (Vec<Line>, Option<f64>) {
-        let Some(place) = self.found.time else {
+        let by_numbers = || {
+            Some((
+                time_by_numbers(&self.table)?,
+                Known::Numbers { several: false },
+            ))
+        };
+        let named = self
+            .found
+            .time
+            .map(|place| (place, self.found.known.clone()));
+        let Some((place, known)) = named.or_else(by_numbers) else {
             return (Vec::new(), None);
         };
-        let mut lines = vec![Line::new(
-            "time",
-            self.name(place),
-            self.found.known.clone(),
-        )];
+        let mut lines = vec![Line::new("time", self.name(place), known)];
         if let Some(date) = self.found.date {
             lines.push(Line::new("date", self.name(date), self.found.known.clone()));
         }
         let stamps = self.stamps(place);
-        let guess = time_unit(&stamps, longest);
+        let name = self.table.names.get(place).map_or("", String::as_str);
+        let guess = time_unit_of(name, &stamps, longest);
         let (unit, known) = match (self.unit(place), guess) {
             (Some(unit), _) => (unit, Known::Name { several: false }),
             (None, Some((unit, _))) => (unit.to_owned(), Known::StampStep),

@@ -95,6 +95,8 @@ pub enum Note {
     Columns(Vec<String>),
     /// There is no column of times.
     NoTimes,
+    /// A solution of RTKLIB has no header: its columns and time system are taken to be RTKLIB's own.
+    NoHeader,
     /// The names state another unit of accelerations than their size.
     UnitBySize {
         /// By the names.

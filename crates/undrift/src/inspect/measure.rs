@@ -3,7 +3,7 @@
 use super::sensor::Steps;
 use super::{
     known::{Content, Known},
-    parts::{Line, Measured, Part, Start, quoted},
+    parts::{CounterRestarts, Line, Measured, Part, Start, quoted},
 };
 use crate::drive::{DriveError, Logs, Section, gnss, imu, parse, tables};
 use std::path::Path;
@@ -233,6 +233,11 @@ impl Span {
             skipped: skipped.to_string(),
             untold_velocities: 0,
             steps_of: None,
+            counter: skipped.restarts().map(|restarts| CounterRestarts {
+                line: restarts.line,
+                count: restarts.count,
+                length: restarts.length,
+            }),
             content: None,
             remarks: Vec::new(),
         }
