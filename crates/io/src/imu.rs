@@ -291,8 +291,8 @@ impl Imu {
     ) -> Option<(f64, Values)> {
         let format = &self.format;
         let amax = |v: &Vector3| v.x.abs().max(v.y.abs()).max(v.z.abs());
-        let largest =
-            (amax(&values.gyro) * format.gyro_scale).max(amax(&values.accel) * format.accel_scale);
+        let largest = (amax(&values.gyro) * format.gyro_scale.abs())
+            .max(amax(&values.accel) * format.accel_scale.abs());
         if largest > MAX_VALUE {
             skipped.add(SkipKind::OutOfRange, line, largest);
             return None;

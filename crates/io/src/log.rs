@@ -36,6 +36,7 @@ use crate::format::Format;
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::{Again, BytesRead, Source};
 use crate::table;
+pub use ros::AND;
 pub(crate) use rtklib::lacks_header;
 
 /// How the entries of a format are read.

@@ -74,6 +74,20 @@ fn known(known: &Known) -> String {
         Known::FirstOf(others) => {
             return format!("the first of several; the others are {}", others.join(", "));
         }
+        Known::Measures(others) => {
+            return format!(
+                "the first of several that measures gravity and turns; the others are {}",
+                others.join(", ")
+            );
+        }
+        Known::Apart => {
+            "gyroscopes and accelerometers are apart: forces are interpolated to the times of the rates"
+        }
+        Known::Telephone(size) => {
+            return format!(
+                "guessed: the mean magnitude is {size:.4}, as of an iPhone, whose accelerometers have the opposite sign"
+            );
+        }
         Known::PointsDown => "the z axis points down; assumes x forward and y right",
         Known::PointsUp => {
             "the z axis points up; assumes x forward and y left (if y is forward: \"y,x,-z\")"
@@ -121,6 +135,15 @@ fn note(note: &Note) -> String {
             "the IMU has no fixed direction of motion: not a wheeled vehicle, or the IMU is not fixed to it; assumes x forward".into()
         }
         Note::NoMounting(why) => format!("axes guessed from gravity alone: {why}"),
+        Note::Empty { table, streams } => {
+            let what = match table.as_str() {
+                "imu" => "inertial samples",
+                "gnss" => "fixes",
+                _ => "reference solutions",
+            };
+            let verb = if streams.len() == 1 { "was" } else { "were" };
+            format!("no {what}: {} {verb} never written", streams.join(", "))
+        }
         Note::Nothing => {
             "nothing usable: neither positions nor angular rates with specific forces".into()
         }

@@ -6,6 +6,7 @@ mod measure;
 mod motion;
 mod parts;
 mod sensor;
+mod topics;
 mod units;
 
 pub use known::{Content, Known, Note};
@@ -61,7 +62,7 @@ pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
         )],
         log => {
             let streams = opened.streams(log)?;
-            let parts = of_streams(&streams);
+            let parts = of_streams(&streams, &mut inspection.found);
             inspection.streams = streams
                 .into_iter()
                 .map(|stream| (stream.name, stream.messages, stream.about))
@@ -70,6 +71,12 @@ pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
         }
     };
     for part in &mut inspection.parts {
+        let names = part.choices.iter().find(|(key, _)| *key == "topic");
+        if let Some((_, names)) = names.filter(|(_, names)| part.table == "imu" && names.len() > 1)
+        {
+            let chosen = topics::choose(path, &logs, format, names);
+            part.lines.extend(chosen);
+        }
         measure::measure(path, &mut logs, format, part);
     }
     if inspection.parts.is_empty() {
@@ -115,12 +122,14 @@ fn kf_gins(path: &Path, columns: usize, logs: &mut Logs) -> &'static str {
     }
 }
 
-/// A part for each kind of streams that there is.
-fn of_streams(streams: &[Stream]) -> Vec<Part> {
-    let of = |kind: StreamKind| -> Vec<String> {
+/// A part for each kind of streams that there is; those that are declared and have no message are noted.
+fn of_streams(streams: &[Stream], notes: &mut Vec<Note>) -> Vec<Part> {
+    let all = |kind: StreamKind, empty: bool| -> Vec<String> {
         let those = streams.iter().filter(|stream| stream.kind == kind);
+        let those = those.filter(|stream| (stream.messages == 0) == empty);
         those.map(|stream| stream.name.clone()).collect()
     };
+    let of = |kind: StreamKind| all(kind, false);
     let mut parts = Vec::new();
     for (table, kind) in [
         ("imu", StreamKind::Imu),
@@ -129,6 +138,13 @@ fn of_streams(streams: &[Stream]) -> Vec<Part> {
     ] {
         let names = of(kind);
         if names.is_empty() {
+            let empty = all(kind, true);
+            if !empty.is_empty() {
+                notes.push(Note::Empty {
+                    table: table.to_owned(),
+                    streams: empty,
+                });
+            }
             continue;
         }
         let mut part = Part::new(table, Vec::new());
