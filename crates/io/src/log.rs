@@ -36,6 +36,7 @@ use crate::format::Format;
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::{Again, BytesRead, Source};
 use crate::table;
+pub(crate) use phone::JoinedRows;
 pub use ros::AND;
 pub(crate) use rtklib::lacks_header;
 

@@ -148,6 +148,17 @@ impl Skipped {
             });
     }
 
+    /// Adds what was left out elsewhere of the same records, later in them.
+    pub fn merge(&mut self, other: &Self) {
+        for (kind, entry) in other.iter() {
+            let own = self.kinds.entry(kind).or_insert(SkipEntry {
+                count: 0,
+                ..entry.clone()
+            });
+            own.count += entry.count;
+        }
+    }
+
     /// Notes that the clock was set back; the largest step is kept.
     pub(crate) fn set_back(&mut self, line: u64, step: f64) {
         if self.set_back.is_none_or(|before| before.step < step) {

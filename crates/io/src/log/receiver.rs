@@ -25,6 +25,11 @@ impl Ready {
         self.entries.push_back(Entry { at, what });
     }
 
+    /// Takes the first of them out.
+    pub(super) fn next(&mut self) -> Option<Entry> {
+        self.entries.pop_front()
+    }
+
     /// Takes all of them out.
     pub(super) fn take(&mut self) -> VecDeque<Entry> {
         std::mem::take(&mut self.entries)

@@ -189,6 +189,8 @@ fn read_columns(section: &Section) -> Result<ImuFormat, ConfigError> {
     let mut format = with_units(section, format)?;
     format.time_scale = section.unit("time_unit", Quantity::Time, 1.0)?;
     format.date = section.column("date")?;
+    let blanks = section.word("blanks", &[("skip", false), ("interpolate", true)])?;
+    format.apart = blanks.unwrap_or(false);
     Ok(format)
 }
 

@@ -209,6 +209,23 @@ fn three_of(rows: &[Vec<f64>], places: [usize; 3]) -> Vec<[f64; 3]> {
         .collect()
 }
 
+/// Whether gyroscopes and accelerometers have values in rows of their own.
+pub(crate) fn apart(rows: &[Vec<f64>], gyro: [usize; 3], accel: [usize; 3]) -> bool {
+    let has = |row: &&Vec<f64>, places: [usize; 3]| {
+        let mut places = places.iter();
+        places.all(|place| row.get(*place).is_some_and(|x| x.is_finite()))
+    };
+    let count = |gyros: bool, accels: bool| {
+        let those = rows
+            .iter()
+            .filter(|row| has(row, gyro) == gyros && has(row, accel) == accels);
+        those.count()
+    };
+    let (alone, both) = ([count(true, false), count(false, true)], count(true, true));
+    let some = |alone: usize| alone + both > 0;
+    some(alone[0]) && some(alone[1]) && 5 * (alone[0] + alone[1]) >= rows.len()
+}
+
 struct Columns {
     table: Preview,
     /// Of the columns, by their names.
@@ -338,6 +355,9 @@ impl Columns {
         lines.push(Line::text("gyro_unit", &gyro_unit, gyro_why));
         lines.push(self.three("accel", accel));
         lines.push(Line::text("accel_unit", &accel_unit, accel_why));
+        if apart(&self.table.rows, gyro, accel) {
+            lines.push(Line::text("blanks", "interpolate", Known::Apart));
+        }
         lines
     }
 

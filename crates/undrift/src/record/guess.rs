@@ -1,6 +1,6 @@
 //! What an inspection guesses of a table's columns and units.
 
-use super::AxisColumn;
+use super::columns::AxisColumn;
 use crate::{
     drive::{Section, parse},
     inspect,
