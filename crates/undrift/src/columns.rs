@@ -168,7 +168,12 @@ const ECEFS: [&str; 3] = ["ecef", "ecefpos", "posecef"];
 const ECEF_VELOCITIES: [&str; 4] = ["ecefv", "vecef", "ecefvel", "velecef"];
 const LATITUDES: [&str; 2] = ["lat", "latitude"];
 const LONGITUDES: [&str; 4] = ["lon", "long", "lng", "longitude"];
-const HEIGHTS: [&str; 10] = [
+const HEIGHTS: [&str; 15] = [
+    "hmsl",
+    "heightmsl",
+    "altmsl",
+    "altitudemsl",
+    "mslheight",
     "height",
     "alt",
     "altitude",

@@ -1,5 +1,7 @@
 //! Finds the header of a table and the places of the wanted columns.
 
+use std::collections::VecDeque;
+
 use super::fields::{self, Delimiter, Fields};
 use super::stamps;
 use super::wanted::{Column, Keep, Preview, TableOptions, starts_a_row};
@@ -16,8 +18,8 @@ pub(super) struct TextLayout {
     pub(super) delimiter: Delimiter,
     /// Sorted by place: (index of the column, index in the row read).
     pub(super) wanted: Vec<(usize, usize)>,
-    /// The line stepped to last, if it is data.
-    pub(super) first_row: Option<Vec<u8>>,
+    /// The lines read so far that are data, with their numbers.
+    pub(super) rows: VecDeque<(u64, Vec<u8>)>,
     /// Number of names in the header, where columns are found by name.
     pub(super) names: Option<usize>,
 }
@@ -76,9 +78,11 @@ pub(super) fn find(
     skipped: &mut Skipped,
 ) -> Result<TextLayout, ReadError> {
     let FirstLine {
+        number,
         line: first,
         comment,
         separator,
+        mut rows,
     } = first_line(lines, skipped)?;
     let delimiter = options
         .delimiter
@@ -88,7 +92,7 @@ pub(super) fn find(
     let named = options.columns.iter().chain(options.date()).any(by_name);
     let has_text = Fields::new(&first, delimiter).any(is_text);
     let own = has_text.then(|| Header {
-        line: lines.number(),
+        line: number,
         names: names_of(&first, delimiter),
     });
     let above = comment.filter(|_| named).map(|(line, text)| Header {
@@ -109,30 +113,41 @@ pub(super) fn find(
             (wanted, is_row, named.then_some(own.names.len()))
         }
         (None, None) => {
-            let wanted = places(None, options).map_err(|error| error.at(lines.number()))?;
+            let wanted = places(None, options).map_err(|error| error.at(number))?;
             (wanted, true, None)
         }
     };
+    if is_row {
+        rows.push_front((number, first));
+    }
     Ok(TextLayout {
         delimiter,
         wanted,
-        first_row: is_row.then_some(first),
+        rows,
         names,
     })
 }
 
 /// The first line that is neither blank nor comment.
 struct FirstLine {
+    number: u64,
     line: Vec<u8>,
     /// The comment directly before it, and its number.
     comment: Option<(u64, Vec<u8>)>,
     /// The separator that a line before it names.
     separator: Option<u8>,
+    /// The lines behind it that were read.
+    rows: VecDeque<(u64, Vec<u8>)>,
 }
 
+/// Lines before the first row of numbers that may be words: what a program says when it starts.
+const WORDS: usize = 50;
+
+/// Finds the first line. Lines of words before the header or the first row of numbers are passed over and counted.
 fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, ReadError> {
     let mut comment = None;
     let mut named = None;
+    let mut above: VecDeque<(u64, Vec<u8>)> = VecDeque::new();
     loop {
         match lines.step() {
             NextLine::Line(range) => {
@@ -144,18 +159,28 @@ fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, Rea
                     }
                     line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
                 }
-                if let (None, Some(byte)) = (named, separator(line)) {
+                if let (None, true, Some(byte)) = (named, above.is_empty(), separator(line)) {
                     named = Some(byte);
                     continue;
                 }
                 if starts_a_row(line) {
-                    return Ok(FirstLine {
-                        line: line.to_vec(),
-                        comment,
-                        separator: named,
-                    });
+                    above.push_back((number, line.to_vec()));
+                    let delimiter = named.map_or_else(|| Delimiter::detect(line), Delimiter::of);
+                    let is_number = |field: &&[u8]| number::parse(field).is_some();
+                    let fields = |line| Fields::new(line, delimiter);
+                    let is_row = fields(line).filter(is_number).count() >= NUMBERS;
+                    if !is_row && above.len() < WORDS {
+                        continue;
+                    }
+                    let width = if is_row { fields(line).count() } else { 0 };
+                    let words = words(&above, delimiter, width);
+                    for (number, line) in above.drain(..words) {
+                        skipped.add(SkipKind::Text, number, shown(&line));
+                    }
+                    break;
                 }
-                if !line.trim_ascii().is_empty() {
+                // Comments below the first line are no names.
+                if !line.trim_ascii().is_empty() && above.is_empty() {
                     comment = Some((number, line.to_vec()));
                 }
             }
@@ -163,6 +188,7 @@ fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, Rea
                 let detail = format_args!("over {MAX_LINE} bytes");
                 skipped.add(SkipKind::TooLong, lines.number(), detail);
             }
+            NextLine::End if !above.is_empty() => break,
             NextLine::End => {
                 let problem = match lines.failure() {
                     Some(failure) => format!("cannot be read: {failure}"),
@@ -176,6 +202,31 @@ fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, Rea
             }
         }
     }
+    let (number, line) = above.pop_front().unwrap_or_default();
+    Ok(FirstLine {
+        number,
+        line,
+        comment,
+        separator: named,
+        rows: above,
+    })
+}
+
+/// How many of the lines above a row of so many fields are words: those before the first with as many fields; without one
+/// those that have less than half.
+fn words(above: &VecDeque<(u64, Vec<u8>)>, delimiter: Delimiter, width: usize) -> usize {
+    let fields = |(_, line): &(u64, Vec<u8>)| Fields::new(line, delimiter).count();
+    let before = above.len().saturating_sub(1);
+    let header = above
+        .iter()
+        .take(before)
+        .position(|line| fields(line) == width);
+    header.unwrap_or_else(|| {
+        above
+            .iter()
+            .take_while(|line| 2 * fields(line) < width)
+            .count()
+    })
 }
 
 fn is_text(field: &[u8]) -> bool {
@@ -183,9 +234,15 @@ fn is_text(field: &[u8]) -> bool {
 }
 
 fn names_of(line: &[u8], delimiter: Delimiter) -> Vec<String> {
-    Fields::new(line, delimiter)
-        .map(|name| String::from_utf8_lossy(name).into_owned())
-        .collect()
+    Fields::new(line, delimiter).map(name_of).collect()
+}
+
+/// A name as text: UTF-8, else Latin-1.
+fn name_of(name: &[u8]) -> String {
+    match std::str::from_utf8(name) {
+        Ok(name) => name.to_owned(),
+        Err(_) => name.iter().map(|byte| char::from(*byte)).collect(),
+    }
 }
 
 /// The names in a comment line; its delimiter may be another than that of the data.
@@ -294,6 +351,8 @@ pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError>
         line: first,
         comment,
         separator,
+        rows: behind,
+        ..
     } = first_line(&mut lines, &mut Skipped::default())?;
     let delimiter = separator.map_or_else(|| Delimiter::detect(&first), Delimiter::of);
     let own = names_of(&first, delimiter);
@@ -318,6 +377,9 @@ pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError>
     };
     if !is_header {
         preview.rows.push(numbers(&first));
+    }
+    for (_, row) in &behind {
+        preview.rows.push(numbers(row));
     }
     while preview.rows.len() < rows {
         match lines.step() {

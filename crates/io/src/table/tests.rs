@@ -350,3 +350,50 @@ fn times_of_a_counter_go_on_where_it_starts_again() {
     );
     assert!(skipped.is_empty());
 }
+
+#[test]
+fn what_a_program_says_before_its_rows_is_passed_over() {
+    let table = "t,a,b,c,d,e\n1,2,3,4,0,0\n5,6,7,8,0,0\n";
+    let expected = [(0, vec![3.0, 1.0]), (1, vec![7.0, 5.0])];
+    for words in [
+        "Ready!\n",
+        "IMU found, calibrating\nDATA_START\n",
+        "\nhello\n\n# note\n",
+    ] {
+        let text = format!("{words}{table}");
+        let first = text.lines().count() as u64 - 1;
+        let numbered = expected.clone().map(|(k, row)| (first + k, row));
+        let (found, skipped) = rows(&text, &named(&["b", "t"]));
+        assert_eq!(found, numbered, "{words}");
+        assert_eq!(skipped.count(SkipKind::Text), skipped.total());
+        // Without a header by number.
+        let bare = text.replace("t,a,b,c,d,e\n", "");
+        let (found, _) = rows(&bare, &numbered_columns());
+        assert_eq!(
+            found,
+            expected.clone().map(|(k, row)| (first - 1 + k, row)),
+            "{words}"
+        );
+        let mut opened =
+            Opened::stream(Path::new("imu.csv"), Cursor::new(text.into_bytes())).unwrap();
+        let preview = opened.preview(5).unwrap();
+        assert_eq!((preview.names.len(), preview.rows.len()), (6, 2), "{words}");
+    }
+    // A line of units is none of these, and a header that is too short stays one.
+    let (found, skipped) = rows("t,a,b\ns,g,g\n1,2,3\n", &named(&["b", "t"]));
+    assert_eq!((found.len(), skipped.count(SkipKind::Text)), (1, 1));
+    assert!(message("t,a\n1,2,3\n", &named(&["a"])).contains("the header has 2"));
+}
+
+fn numbered_columns() -> TableOptions {
+    numbered(&[3, 1])
+}
+
+#[test]
+fn names_in_latin_1_are_read() {
+    let text = b"t,w [\xb0/s],f [m/s\xb2]\n1,2,3\n";
+    let mut table = from(text, &named(&["w [\u{b0}/s]", "f [m/s\u{b2}]"])).unwrap();
+    assert_eq!(drain(&mut table).unwrap(), [(2, vec![2.0, 3.0])]);
+    let mut opened = Opened::stream(Path::new("imu.csv"), Cursor::new(text.to_vec())).unwrap();
+    assert_eq!(opened.preview(5).unwrap().names[1], "w [\u{b0}/s]");
+}

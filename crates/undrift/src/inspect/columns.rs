@@ -43,7 +43,9 @@ pub(super) fn parts(mut opened: Opened, notes: &mut Vec<Note>) -> Result<Vec<Par
 /// The same of a table's beginning.
 pub(super) fn parts_of(table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
     let mut found = by_names(&table);
-    if [&found.gyro, &found.place, &found.ecef].map(all) == [None; 3] {
+    // Columns of latitudes are never turned into gyros.
+    let is_place = found.place[0].or(found.place[1]).is_some();
+    if !is_place && [&found.gyro, &found.ecef].map(all) == [None; 2] {
         let by_numbers = by_numbers(&table);
         if by_numbers.accel[0].is_some() || by_numbers.place[0].is_some() {
             found = by_numbers;

@@ -52,7 +52,14 @@ pub(super) fn find(beginning: &Preview, format: &RecordFormat) -> Result<RecordC
     let mut axes = match find_axes(header, format) {
         Err(problem) if format.columns.is_empty() => {
             guess = Guess::of(beginning);
-            let found = guess.as_ref().ok_or(problem)?.axes()?;
+            let of_guess = guess.as_ref().ok_or(problem)?.columns().enumerate();
+            let found = of_guess.map(|(index, column)| AxisColumn {
+                index,
+                column: column.clone(),
+                unit: None,
+                scale: 1.0,
+            });
+            let found: Vec<AxisColumn> = found.collect();
             let columns: Vec<String> = found.iter().map(|axis| bare(&axis.column)).collect();
             guessed.push(("--columns", columns.join(",")));
             found
@@ -63,8 +70,11 @@ pub(super) fn find(beginning: &Preview, format: &RecordFormat) -> Result<RecordC
     if unknown && axes.len() == AXES.len() && format.columns.is_empty() {
         guess = guess.or_else(|| Guess::of(beginning));
         if let Some(guess) = &guess {
-            guess.fill_units(&mut axes)?;
-            guessed.push(("--units", guess.units.join(",")));
+            let units = guess.units()?;
+            for axis in axes.iter_mut().filter(|axis| axis.unit.is_none()) {
+                axis.unit = Some(units[usize::from(axis.index > 2)].clone());
+            }
+            guessed.push(("--units", units.join(",")));
         }
     }
     for axis in &mut axes {
