@@ -214,4 +214,55 @@ mod tests {
         let fixes = told(&["time", "lat", "lon", "height"]);
         assert_eq!(fixes.concat().len(), 2, "time and position: {fixes:?}");
     }
+
+    #[test]
+    fn streams_without_a_message_are_noted_and_not_proposed() {
+        let stream = |name: &str, kind, messages| Stream {
+            name: name.to_owned(),
+            kind,
+            about: String::new(),
+            messages,
+        };
+        let streams = [
+            stream("sensor_combined.0", StreamKind::Imu, 100),
+            stream("sensor_combined.1", StreamKind::Imu, 0),
+            stream("vehicle_gps_position.0", StreamKind::Fixes, 0),
+            stream("other", StreamKind::Other, 0),
+        ];
+        let mut notes = Vec::new();
+        let parts = of_streams(&streams, &mut notes);
+        assert_eq!(parts.len(), 1);
+        let choices = vec![("topic", vec!["sensor_combined.0".to_owned()])];
+        assert_eq!((parts[0].table, &parts[0].choices), ("imu", &choices));
+        let empty = Note::Empty {
+            table: "gnss".to_owned(),
+            streams: vec!["vehicle_gps_position.0".to_owned()],
+        };
+        assert_eq!(notes, [empty]);
+    }
+
+    #[test]
+    fn a_table_of_kalibr_has_six_axes_with_their_units() {
+        let names = "timestamp omega_x omega_y omega_z alpha_x alpha_y alpha_z";
+        let row = |k: u32| {
+            let stamp = 1.7e18 + 1e7 * f64::from(k);
+            vec![stamp, 0.001, 0.002, 0.003, 0.1, 0.2, 9.8]
+        };
+        let table = Preview {
+            names: names.split(' ').map(str::to_owned).collect(),
+            rows: (0..20).map(row).collect(),
+            ..Preview::default()
+        };
+        let parts = of_table(table);
+        let value = |key: &str| {
+            let line = parts[0].lines.iter().find(|line| line.key == key);
+            line.map(|line| line.value.clone()).unwrap_or_default()
+        };
+        assert_eq!(value("accel"), "[\"alpha_x\", \"alpha_y\", \"alpha_z\"]");
+        assert_eq!(
+            (value("gyro_unit"), value("accel_unit")),
+            ("\"rad/s\"".into(), "\"m/s^2\"".into())
+        );
+        assert_eq!(value("time_unit"), "\"ns\"");
+    }
 }
