@@ -306,9 +306,8 @@ fn read(path: &Path, format: &RecordFormat) -> Result<Record> {
     let opened = Opened::open(path)?;
     details::opened("record", &opened);
     let record = record::read(opened, format)?;
-    if let Some(guessed) = sentences::guessed(&record) {
-        note(guessed);
-    }
+    let notes = [sentences::guessed(&record), sentences::slower(&record)];
+    notes.into_iter().flatten().for_each(note);
     Ok(record)
 }
 

@@ -26,6 +26,7 @@ use crate::entry::{Entry, Wanted, What};
 use crate::gaps::{GAP_INTERVALS, GapWatch};
 pub use crate::gaps::{Gap, GapSummary};
 use crate::held::{Held, HeldWatch};
+use crate::log::JoinedRows;
 use crate::opened::Memory;
 use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
 use crate::skipped::{SkipKind, Skipped};
@@ -54,6 +55,8 @@ pub struct Imu {
     /// Temperature of the last sample given out [°C], NaN where it has none.
     temperature_c: f64,
     thermal: Option<ThermalWatch>,
+    /// Rows of gyros and accelerometers that are apart.
+    apart: Option<JoinedRows>,
     /// The last sample in memory, and its rates.
     held: Option<ImuSample>,
     rates: [f64; 6],
@@ -118,6 +121,7 @@ impl Kind for Imu {
                 }
                 wanted.want("imu.gyro", gyro);
                 wanted.want("imu.accel", accel);
+                wanted.keep_not_finite = format.apart;
                 Want::Table(wanted)
             }
         };
@@ -130,6 +134,7 @@ impl Kind for Imu {
             temperature_c: f64::NAN,
             rates: [0.0; 6],
             held: None,
+            apart: format.apart.then(JoinedRows::new),
             thermal: format
                 .thermal
                 .as_ref()
@@ -156,12 +161,28 @@ impl Kind for Imu {
             [stamp] => stamp * self.format.time_scale,
             _ => row.index as f64 / self.format.rate_hz?,
         };
+        let (gyro, accel) = (Vector3::new(gx, gy, gz), Vector3::new(ax, ay, az));
+        if let Some(apart) = &mut self.apart {
+            apart.row(row.line, stamp, gyro, accel);
+            return self.joined(row.line, skipped);
+        }
         let values = Values {
-            gyro: Vector3::new(gx, gy, gz),
-            accel: Vector3::new(ax, ay, az),
+            gyro,
+            accel,
             temperature_c,
         };
         self.plausible(stamp, values, row.line, skipped)
+    }
+
+    fn late(
+        &mut self,
+        line: u64,
+        skipped: &mut Skipped,
+    ) -> Result<Option<(f64, Values)>, ReadError> {
+        match self.apart.as_mut().and_then(JoinedRows::error) {
+            Some(error) => Err(error),
+            None => Ok(self.joined(line, skipped)),
+        }
     }
 
     fn of_entry(&mut self, entry: Entry, skipped: &mut Skipped) -> Option<(f64, Values)> {
@@ -234,6 +255,9 @@ impl Kind for Imu {
         row: &Row<Values>,
         skipped: &mut Skipped,
     ) -> Result<Option<ImuSample>, ReadError> {
+        if let Some(error) = self.apart.as_mut().and_then(JoinedRows::error) {
+            return Err(error);
+        }
         let stated = self.format.rate_hz.map(|rate| 1.0 / rate);
         let own = self.held.map(|sample| sample.dt);
         // A sample in memory that goes on where the one before ended has its own length; across a gap its mean rate holds.
@@ -280,6 +304,17 @@ impl Kind for Imu {
 }
 
 impl Imu {
+    /// The next sample of rows of gyros and accelerometers that are apart.
+    fn joined(&mut self, line: u64, skipped: &mut Skipped) -> Option<(f64, Values)> {
+        let reading = self.apart.as_mut()?.next(skipped)?;
+        let values = Values {
+            gyro: reading.gyro,
+            accel: reading.accel,
+            temperature_c: f64::NAN,
+        };
+        self.plausible(reading.time, values, line, skipped)
+    }
+
     /// A row as it is, with the offset of its time, unless its values cannot be any.
     #[inline]
     fn plausible(
@@ -291,8 +326,8 @@ impl Imu {
     ) -> Option<(f64, Values)> {
         let format = &self.format;
         let amax = |v: &Vector3| v.x.abs().max(v.y.abs()).max(v.z.abs());
-        let largest =
-            (amax(&values.gyro) * format.gyro_scale).max(amax(&values.accel) * format.accel_scale);
+        let largest = (amax(&values.gyro) * format.gyro_scale.abs())
+            .max(amax(&values.accel) * format.accel_scale.abs());
         if largest > MAX_VALUE {
             skipped.add(SkipKind::OutOfRange, line, largest);
             return None;

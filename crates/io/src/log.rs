@@ -35,6 +35,10 @@ use crate::epoch::Epoch;
 use crate::format::Format;
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::{Again, BytesRead, Source};
+use crate::table;
+pub(crate) use phone::JoinedRows;
+pub use ros::AND;
+pub(crate) use rtklib::lacks_header;
 
 /// How the entries of a format are read.
 #[derive(Clone, Copy)]
@@ -89,7 +93,10 @@ pub(crate) fn detect(start: &[u8]) -> Option<Format> {
         return Some(Format::RosBag2);
     }
     let found = FORMATS.iter().find(|(_, begins, ..)| begins(start));
-    found.map(|(format, ..)| *format)
+    let format = found.map(|(format, ..)| *format)?;
+    // A table may hold the sentences that it was made of in a column.
+    let sentences = matches!(format, Format::Nmea | Format::Novatel);
+    (!sentences || !table::has_named_numbers(start)).then_some(format)
 }
 
 /// How a format is read.

@@ -224,6 +224,11 @@ impl Opened {
         detect::width(&self.start)
     }
 
+    /// Whether it is an RTKLIB solution without the header that names its columns and time system.
+    pub fn lacks_header(&self) -> bool {
+        log::lacks_header(&self.start)
+    }
+
     /// The names of the columns of a table and up to `rows` rows of all of them.
     ///
     /// # Errors

@@ -93,6 +93,18 @@ pub trait Kind: Sized {
         skipped: &mut Skipped,
     ) -> Option<(f64, Self::Values)>;
 
+    /// Time \[s\] and values of the next row that was kept back until later ones were read; `line` is the last one's.
+    ///
+    /// # Errors
+    /// If the rows before cannot be made into records.
+    fn late(
+        &mut self,
+        _line: u64,
+        _skipped: &mut Skipped,
+    ) -> Result<Option<(f64, Self::Values)>, ReadError> {
+        Ok(None)
+    }
+
     /// Whether the interval of the first row is to be that of the second.
     fn needs_interval(&self) -> bool {
         false
@@ -229,16 +241,23 @@ impl<K: Kind> Reader<K> {
         loop {
             let (found, line, skipped) = match &mut self.rows {
                 Input::Table(table, row) => {
-                    let Some(line) = table.next_row(row)? else {
-                        return Ok(None);
-                    };
-                    let row = TableRow {
-                        numbers: row,
-                        index: table.rows_seen() - 1,
-                        line,
-                    };
+                    let next = table.next_row(row)?;
+                    let index = table.rows_seen().saturating_sub(1);
                     let skipped = table.skipped_mut();
-                    (self.kind.of_row(row, skipped), line, skipped)
+                    match next {
+                        Some(line) => {
+                            let row = TableRow {
+                                numbers: row,
+                                index,
+                                line,
+                            };
+                            (self.kind.of_row(row, skipped), line, skipped)
+                        }
+                        None => match self.kind.late(index, skipped)? {
+                            None => return Ok(None),
+                            late => (late, index, skipped),
+                        },
+                    }
                 }
                 Input::Log(log) => {
                     let Some(entry) = log.next()? else {

@@ -87,11 +87,23 @@ pub struct SetBack {
     pub step: f64,
 }
 
+/// A counter of limited bits in the column of times that started again and was counted on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Restarts {
+    /// Line or message of the first time, as of [`SkipEntry::first_line`].
+    pub line: u64,
+    /// How often.
+    pub count: u64,
+    /// What is added after the first time, in the column's unit.
+    pub length: f64,
+}
+
 /// Counter of skipped records by kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skipped {
     kinds: BTreeMap<SkipKind, SkipEntry>,
     set_back: Option<SetBack>,
+    restarts: Option<Restarts>,
     /// What the positions count: lines of a text, messages of anything else.
     counted: &'static str,
 }
@@ -101,6 +113,7 @@ impl Default for Skipped {
         Self {
             kinds: BTreeMap::new(),
             set_back: None,
+            restarts: None,
             counted: "line",
         }
     }
@@ -135,6 +148,17 @@ impl Skipped {
             });
     }
 
+    /// Adds what was left out elsewhere of the same records, later in them.
+    pub fn merge(&mut self, other: &Self) {
+        for (kind, entry) in other.iter() {
+            let own = self.kinds.entry(kind).or_insert(SkipEntry {
+                count: 0,
+                ..entry.clone()
+            });
+            own.count += entry.count;
+        }
+    }
+
     /// Notes that the clock was set back; the largest step is kept.
     pub(crate) fn set_back(&mut self, line: u64, step: f64) {
         if self.set_back.is_none_or(|before| before.step < step) {
@@ -145,6 +169,21 @@ impl Skipped {
     /// The largest step by which the clock was set back, if it was.
     pub fn largest_set_back(&self) -> Option<SetBack> {
         self.set_back
+    }
+
+    /// Notes that the counter in the column of times started again; `added` is added to its numbers from here on.
+    pub(crate) fn counter_started(&mut self, line: u64, added: f64) {
+        let restarts = self.restarts.get_or_insert(Restarts {
+            line,
+            count: 0,
+            length: added,
+        });
+        restarts.count += 1;
+    }
+
+    /// How often the counter in the column of times started again, if it did.
+    pub fn restarts(&self) -> Option<Restarts> {
+        self.restarts
     }
 
     /// Whether nothing was skipped.

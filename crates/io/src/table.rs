@@ -21,6 +21,7 @@
 //! ```
 
 mod columns;
+mod counter;
 mod fields;
 mod header;
 #[cfg(feature = "parquet")]
@@ -34,8 +35,11 @@ mod wanted;
 use std::path::{Path, PathBuf};
 
 pub use columns::Columns;
+pub(crate) use header::has_named_numbers;
 pub use wanted::{Column, Preview, Stamp, TableOptions};
 pub(crate) use wanted::{check_time_scale, three};
+
+use counter::Counter;
 
 use crate::ReadError;
 use crate::epoch::Epoch;
@@ -68,6 +72,8 @@ pub struct Table {
     finished: bool,
     skipped: Skipped,
     stamp: Option<Stamp>,
+    /// Where the times are in the row read, and what they count on past the end of their counter.
+    counter: Option<(usize, Counter)>,
     /// What the times count from, found by the first row that can be used.
     epoch: Option<Epoch>,
 }
@@ -116,6 +122,9 @@ impl Table {
             finished: false,
             skipped,
             stamp: options.stamp.clone(),
+            counter: (options.stamp.as_ref())
+                .filter(|stamp| stamp.date.is_none())
+                .map(|stamp| (stamp.place, Counter::default())),
             epoch: None,
         })
     }
@@ -143,6 +152,15 @@ impl Table {
                 Ok(NextRow::Row(line, Ok(()))) => {
                     self.rows_seen += 1;
                     self.rows_read += 1;
+                    if let Some((place, counter)) = &mut self.counter
+                        && let Some(time) = out.get_mut(*place)
+                    {
+                        let counted = counter.count(*time);
+                        *time = counted.value;
+                        if let Some(added) = counted.started {
+                            self.skipped.counter_started(line, added);
+                        }
+                    }
                     if let Some(stamp) = self.stamp.take() {
                         self.epoch = self.epoch_by(&stamp, out);
                     }

@@ -215,7 +215,7 @@ pub enum UnitErrorKind {
     Malformed(Word),
     /// The unit measures something else, named if it is one of [`Quantity`].
     WrongDimension(Option<Quantity>),
-    /// Raw counts: a unit of columns, and of no quantity but those that inertial sensors and wheels measure.
+    /// Raw counts: a unit of columns, and of no quantity but those that sensors, receivers and clocks count.
     Counts,
 }
 
@@ -279,8 +279,11 @@ fn factor(unit: &str, quantity: Quantity) -> Result<(f64, bool), UnitError> {
         None => expression::read(unit).map_err(error)?,
     };
     if value.counts != 0 {
-        use Quantity::{Acceleration, Angle, AngularRate, Velocity};
-        if !matches!(quantity, AngularRate | Acceleration | Angle | Velocity) {
+        use Quantity::{Acceleration, Angle, AngularRate, Length, Time, Velocity};
+        if !matches!(
+            quantity,
+            AngularRate | Acceleration | Angle | Velocity | Time | Length
+        ) {
             return Err(error(UnitErrorKind::Counts));
         }
         // A sensitivity, counts a unit.
@@ -423,6 +426,8 @@ mod tests {
             ("250/32768 deg/s/LSB", AngularRate, 250.0 * d / 32768.0),
             ("LSB/1e6 rad", Angle, 1e-6),
             ("LSB/100 m/s", Velocity, 0.01),
+            ("0.1 ms/LSB", Time, 1e-4),
+            ("mm/LSB", Length, 1e-3),
             ("mpu6050/250dps", AngularRate, 250.0 * d / 32768.0),
             ("MPU6050/16 g", Acceleration, 16.0 * g / 32768.0),
             ("lsm6dso/2000 deg/s", AngularRate, 0.07 * d),
@@ -437,7 +442,7 @@ mod tests {
             ("131 LSB/deg/s", AngularRate, "wrong dimension"),
             ("LSB^2/131 deg/s", AngularRate, "wrong dimension"),
             ("LSB/0 deg/s", AngularRate, "cannot be read"),
-            ("LSB/1000 s", Time, "columns of samples only"),
+            ("LSB/1000 Hz", Frequency, "columns of samples only"),
             ("131 deg/s", AngularRate, "cannot be read at \"131 deg/s\""),
             ("mpu6050/250", AngularRate, "the unit is missing"),
             ("mpu6050/250 g", AngularRate, "the unit of an acceleration"),

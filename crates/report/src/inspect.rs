@@ -4,8 +4,8 @@ use crate::date;
 use std::path::Path;
 use undrift::{
     inspect::{
-        Content, Inspection, Known, Measured, Motion, Note, Part, Start, about_gravity, model,
-        quoted,
+        Content, CounterRestarts, Inspection, Known, Measured, Motion, Note, Part, Start,
+        about_gravity, model, quoted,
     },
     io::visible,
     vehicle::Profile,
@@ -19,7 +19,10 @@ pub fn fill(inspection: &mut Inspection) {
             line.why = known(&line.known);
         }
         if let Some(measured) = &mut part.measured {
-            measured.remarks = measured.content.iter().map(content).collect();
+            let counter = measured.counter.iter().map(counter);
+            measured.remarks = counter
+                .chain(measured.content.iter().map(content))
+                .collect();
         }
     }
 }
@@ -71,6 +74,20 @@ fn known(known: &Known) -> String {
         Known::FirstOf(others) => {
             return format!("the first of several; the others are {}", others.join(", "));
         }
+        Known::Measures(others) => {
+            return format!(
+                "the first of several that measures gravity and turns; the others are {}",
+                others.join(", ")
+            );
+        }
+        Known::Apart => {
+            "gyroscopes and accelerometers are apart: forces are interpolated to the times of the rates"
+        }
+        Known::Telephone(size) => {
+            return format!(
+                "guessed: the mean magnitude is {size:.4}, as of an iPhone, whose accelerometers have the opposite sign"
+            );
+        }
         Known::PointsDown => "the z axis points down; assumes x forward and y right",
         Known::PointsUp => {
             "the z axis points up; assumes x forward and y left (if y is forward: \"y,x,-z\")"
@@ -104,6 +121,9 @@ fn note(note: &Note) -> String {
         }
         Note::Columns(names) => format!("columns: {}", names.join(", ")),
         Note::NoTimes => "no time column found".into(),
+        Note::NoHeader => {
+            "no header line: assumes RTKLIB's columns, and GPS time (GPST) rather than UTC, which is 18 s behind".into()
+        }
         Note::UnitBySize {
             named,
             size,
@@ -115,10 +135,34 @@ fn note(note: &Note) -> String {
             "the IMU has no fixed direction of motion: not a wheeled vehicle, or the IMU is not fixed to it; assumes x forward".into()
         }
         Note::NoMounting(why) => format!("axes guessed from gravity alone: {why}"),
+        Note::Empty { table, streams } => {
+            let what = match table.as_str() {
+                "imu" => "inertial samples",
+                "gnss" => "fixes",
+                _ => "reference solutions",
+            };
+            let verb = if streams.len() == 1 { "was" } else { "were" };
+            format!("no {what}: {} {verb} never written", streams.join(", "))
+        }
         Note::Nothing => {
             "nothing usable: neither positions nor angular rates with specific forces".into()
         }
     }
+}
+
+fn counter(counter: &CounterRestarts) -> String {
+    let CounterRestarts {
+        line,
+        count,
+        length,
+    } = counter;
+    let times = match count {
+        1 => String::new(),
+        count => format!("{count} times, first "),
+    };
+    format!(
+        "the time counter starts again {times}at line {line}: {length} is added to the later times"
+    )
 }
 
 fn content(content: &Content) -> String {

@@ -12,7 +12,7 @@ mod start;
 mod words;
 
 pub use fill::{cut, demo, navigated, outcome};
-pub use recording::{guessed, refused};
+pub use recording::{guessed, refused, slower};
 pub(crate) use solution::usable;
 pub use solution::{cause, ended, hindsight, verdict};
 pub use start::{alignment, estimated, found, mounting, unsolved};

@@ -55,7 +55,7 @@ impl Meaning {
 }
 
 /// Endings of names that are units.
-const SUFFIXES: [(&str, &str); 24] = [
+const SUFFIXES: [(&str, &str); 27] = [
     ("_radps", "rad/s"),
     ("_rad_s", "rad/s"),
     ("_degps", "deg/s"),
@@ -74,6 +74,9 @@ const SUFFIXES: [(&str, &str); 24] = [
     ("_degc", "degC"),
     ("_c", "degC"),
     ("_sec", "s"),
+    ("_msec", "ms"),
+    ("_usec", "us"),
+    ("_nsec", "ns"),
     ("_ms", "ms"),
     ("_us", "us"),
     ("_ns", "ns"),
@@ -82,8 +85,17 @@ const SUFFIXES: [(&str, &str); 24] = [
     ("_hz", "Hz"),
 ];
 
-const TIMES: [&str; 17] = [
+const TIMES: [&str; 26] = [
     "t",
+    "ts",
+    "elapsed",
+    "elapsedtime",
+    "secondselapsed",
+    "timesincestart",
+    "timesinceboot",
+    "uptime",
+    "systime",
+    "sampletimefine",
     "time",
     "timestamp",
     "timestamps",
@@ -101,6 +113,27 @@ const TIMES: [&str; 17] = [
     "secs",
     "seconds",
 ];
+/// Words that are a time and its unit, and endings of words for a time that are its unit.
+const TIME_UNITS: [(&str, &str); 6] = [
+    ("millis", "ms"),
+    ("milliseconds", "ms"),
+    ("micros", "us"),
+    ("microseconds", "us"),
+    ("nanos", "ns"),
+    ("nanoseconds", "ns"),
+];
+const TIME_ENDINGS: [(&str, &str); 6] = [
+    ("msec", "ms"),
+    ("usec", "us"),
+    ("nsec", "ns"),
+    ("ms", "ms"),
+    ("us", "us"),
+    ("ns", "ns"),
+];
+/// Clocks whose ticks are no usual unit of time: the letters of their names and the ticks that there are, the longest
+/// first, with their factor to seconds. Xsens counts 0.1 ms in an MTi and microseconds in a DOT.
+const TICKS: [(&str, [(&str, f64); 2]); 1] =
+    [("sampletimefine", [("0.1 ms/LSB", 1e-4), ("us", 1e-6)])];
 const GYROS: [&str; 12] = [
     "g",
     "gyro",
@@ -135,7 +168,12 @@ const ECEFS: [&str; 3] = ["ecef", "ecefpos", "posecef"];
 const ECEF_VELOCITIES: [&str; 4] = ["ecefv", "vecef", "ecefvel", "velecef"];
 const LATITUDES: [&str; 2] = ["lat", "latitude"];
 const LONGITUDES: [&str; 4] = ["lon", "long", "lng", "longitude"];
-const HEIGHTS: [&str; 10] = [
+const HEIGHTS: [&str; 15] = [
+    "hmsl",
+    "heightmsl",
+    "altmsl",
+    "altitudemsl",
+    "mslheight",
     "height",
     "alt",
     "altitude",
@@ -171,6 +209,37 @@ const DIRECTIONS: [(&str, usize); 8] = [
     ("u", 3),
 ];
 
+/// What the names of a table's columns mean beside each other, as [`meaning`] of each: where `omega` is the angular rate
+/// and nothing else the specific force, `alpha` is that, as in the tables of Kalibr, in rad/s and m/s².
+pub fn meanings(names: &[String]) -> Vec<Option<(Meaning, Option<String>)>> {
+    let mut found: Vec<_> = names.iter().map(|name| meaning(name)).collect();
+    let letters: Vec<String> = names.iter().map(|name| letters(name)).collect();
+    let there = |name: &str, axis: char| letters.contains(&format!("{name}{axis}"));
+    let accel = |of: &Option<(Meaning, _)>| matches!(of, Some((Meaning::Accel(_), _)));
+    let all = "xyz"
+        .chars()
+        .all(|axis| there("omega", axis) && there("alpha", axis));
+    if !all || found.iter().any(accel) {
+        return found;
+    }
+    for (meaning, name) in found.iter_mut().zip(&letters) {
+        let axis = name.chars().last().and_then(|axis| "xyz".find(axis));
+        let Some(axis) = axis else { continue };
+        match &name[..name.len() - 1] {
+            "omega" => *meaning = Some((Meaning::Gyro(axis), Some("rad/s".into()))),
+            "alpha" => *meaning = Some((Meaning::Accel(axis), Some("m/s^2".into()))),
+            _ => {}
+        }
+    }
+    found
+}
+
+/// The letters and digits of a name, small.
+fn letters(name: &str) -> String {
+    let letters = name.chars().filter(char::is_ascii_alphanumeric);
+    letters.map(|c| c.to_ascii_lowercase()).collect()
+}
+
 /// What a column's name means, and the unit that it tells in brackets or by its ending.
 pub fn meaning(column: &str) -> Option<(Meaning, Option<String>)> {
     let name = column.trim().to_ascii_lowercase();
@@ -178,7 +247,10 @@ pub fn meaning(column: &str) -> Option<(Meaning, Option<String>)> {
     if matches!(unit.as_deref(), Some("degC" | "K")) {
         return Some((Meaning::Temperature, unit));
     }
-    let letters: String = stem.chars().filter(char::is_ascii_alphanumeric).collect();
+    let letters = letters(stem);
+    if let Some(unit) = time_and_unit(&letters) {
+        return Some((Meaning::Time, Some(unit.to_owned())));
+    }
     let meaning = of_letters(&letters)?;
     let fits = |unit: &String| {
         meaning
@@ -186,6 +258,18 @@ pub fn meaning(column: &str) -> Option<(Meaning, Option<String>)> {
             .is_none_or(|quantity| unit_factor(unit, quantity).is_ok())
     };
     Some((meaning, unit.filter(fits)))
+}
+
+/// The unit in a word that is a time and its unit: `millis`, `timestampus`.
+fn time_and_unit(letters: &str) -> Option<&'static str> {
+    let word = TIME_UNITS.iter().find(|(word, _)| *word == letters);
+    let ending = || {
+        TIME_ENDINGS.iter().find(|(ending, _)| {
+            let time = letters.strip_suffix(ending);
+            time.is_some_and(|time| time.len() > 1 && TIMES.contains(&time))
+        })
+    };
+    word.or_else(ending).map(|(_, unit)| *unit)
 }
 
 fn of_letters(name: &str) -> Option<Meaning> {
@@ -269,7 +353,13 @@ fn velocity_std(name: &str) -> Option<usize> {
 fn split_unit(name: &str) -> (&str, Option<String>) {
     if let Some((stem, rest)) = name.split_once(['[', '(', '{']) {
         let unit = rest.trim_end_matches([']', ')', '}']).trim();
-        return (stem.trim(), Some(spelled(unit)));
+        return match stem.trim().rsplit_once(" in ") {
+            Some((stem, unit)) => (stem, Some(spelled(unit))),
+            None => (stem.trim(), Some(spelled(unit))),
+        };
+    }
+    if let Some((stem, unit)) = name.rsplit_once(" in ") {
+        return (stem, Some(spelled(unit)));
     }
     let found = SUFFIXES
         .iter()
@@ -289,6 +379,7 @@ fn spelled(unit: &str) -> String {
         "m s^-1" | "mps" => "m/s".into(),
         "°" | "degrees" => "deg".into(),
         "µs" | "usec" => "us".into(),
+        "msec" | "milliseconds" => "ms".into(),
         "sec" | "seconds" => "s".into(),
         other => other.into(),
     }
@@ -302,10 +393,27 @@ pub const FIX_STEP: f64 = 30.0;
 /// The unit of time stamps, and its factor to seconds: the longest one that makes their ordinary
 /// step no longer than `longest` \[s\]; `None` if there are too few stamps or none fits.
 pub fn time_unit(stamps: &[f64], longest: f64) -> Option<(&'static str, f64)> {
+    let units = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
+    longest_unit(&units, stamps, longest)
+}
+
+/// The same of a column with a name, whose ticks may be others.
+pub fn time_unit_of(column: &str, stamps: &[f64], longest: f64) -> Option<(&'static str, f64)> {
+    let name = letters(column);
+    match TICKS.iter().find(|(clock, _)| *clock == name) {
+        Some((_, ticks)) => longest_unit(ticks, stamps, longest),
+        None => time_unit(stamps, longest),
+    }
+}
+
+fn longest_unit(
+    units: &[(&'static str, f64)],
+    stamps: &[f64],
+    longest: f64,
+) -> Option<(&'static str, f64)> {
     let step = ordinary_step(stamps)?;
-    [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)]
-        .into_iter()
-        .find(|(_, factor)| step * factor <= longest)
+    let mut units = units.iter().copied();
+    units.find(|(_, factor)| step * factor <= longest)
 }
 
 /// Median of the steps forward of time stamps, in their unit; `None` if there are none.
@@ -316,151 +424,4 @@ pub fn ordinary_step(stamps: &[f64]) -> Option<f64> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn units_of_time() {
-        let every =
-            |step: f64| -> Vec<f64> { (0..20).map(|k| 7.0 + step * f64::from(k)).collect() };
-        for (step, unit) in [
-            (0.01, "s"),
-            (0.001, "s"),
-            (1.0, "ms"),
-            (10.0, "ms"),
-            (1000.0, "us"),
-            (2.5e6, "ns"),
-        ] {
-            assert_eq!(time_unit(&every(step), IMU_STEP).unwrap().0, unit, "{step}");
-        }
-        for (step, unit) in [
-            (0.2, "s"),
-            (1.0, "s"),
-            (200.0, "ms"),
-            (1e5, "us"),
-            (2e8, "ns"),
-        ] {
-            assert_eq!(time_unit(&every(step), FIX_STEP).unwrap().0, unit, "{step}");
-        }
-        assert_eq!(time_unit(&[1.0], IMU_STEP), None);
-    }
-
-    #[test]
-    fn names_of_many_programs() {
-        use Meaning::*;
-        let rows: [(&str, Option<Meaning>, Option<&str>); 43] = [
-            ("gx_dps", Some(Gyro(0)), Some("deg/s")),
-            ("AZ_g", Some(Accel(2)), Some("g")),
-            ("gyro_y", Some(Gyro(1)), None),
-            ("t_s", Some(Time), Some("s")),
-            ("#timestamp [ns]", Some(Time), Some("ns")),
-            ("w_RS_S_x [rad s^-1]", Some(Gyro(0)), Some("rad/s")),
-            ("a_RS_S_z [m s^-2]", Some(Accel(2)), Some("m/s^2")),
-            ("angular_velocity.x", Some(Gyro(0)), None),
-            ("linear_acceleration.y", Some(Accel(1)), None),
-            ("AccX", Some(Accel(0)), None),
-            ("Gyroscope Z (deg/s)", Some(Gyro(2)), Some("deg/s")),
-            ("q", Some(Gyro(1)), None),
-            ("Latitude", Some(Latitude), None),
-            ("lon_deg", Some(Longitude), Some("deg")),
-            ("height(m)", Some(Height), Some("m")),
-            ("alt_m", Some(Height), Some("m")),
-            ("vn_mps", Some(Velocity(0)), Some("m/s")),
-            ("vel_e", Some(Velocity(1)), None),
-            ("velocity_down", Some(Velocity(2)), None),
-            ("vu", Some(VelocityUp), None),
-            ("sdn(m)", Some(PositionStd(0)), Some("m")),
-            ("std_east", Some(PositionStd(1)), None),
-            ("north_std_m", Some(PositionStd(0)), Some("m")),
-            ("sdvn", Some(VelocityStd(0)), None),
-            ("ve_std_mps", Some(VelocityStd(1)), Some("m/s")),
-            ("svd_mps", Some(VelocityStd(2)), Some("m/s")),
-            ("speed", None, None),
-            ("roll_deg", Some(Attitude(0)), Some("deg")),
-            ("heading", Some(Attitude(2)), None),
-            ("temp", Some(Temperature), None),
-            ("board_C", Some(Temperature), Some("degC")),
-            ("T_degC", Some(Temperature), Some("degC")),
-            ("Date", Some(Date), None),
-            ("UTC_time", Some(Time), None),
-            ("ecefX", Some(Ecef(0)), None),
-            ("y-ecef(m)", Some(Ecef(1)), Some("m")),
-            ("ecef_z_m", Some(Ecef(2)), Some("m")),
-            ("vx_ecef", Some(EcefVelocity(0)), None),
-            ("ecefVZ", Some(EcefVelocity(2)), None),
-            ("magx", None, None),
-            ("", None, None),
-            ("é", None, None),
-            ("x", None, None),
-        ];
-        for (name, expected, unit) in rows {
-            let found = meaning(name);
-            assert_eq!(found.as_ref().map(|f| f.0), expected, "{name}");
-            assert_eq!(found.and_then(|f| f.1).as_deref(), unit, "{name}");
-        }
-    }
-
-    #[test]
-    fn every_ending_and_spelling_is_the_unit_that_it_says() {
-        use Quantity::*;
-        let (degree, g) = (std::f64::consts::PI / 180.0, 9.806_65);
-        let endings = [
-            ("_radps", AngularRate, 1.0),
-            ("_rad_s", AngularRate, 1.0),
-            ("_degps", AngularRate, degree),
-            ("_deg_s", AngularRate, degree),
-            ("_dps", AngularRate, degree),
-            ("_mps2", Acceleration, 1.0),
-            ("_m_s2", Acceleration, 1.0),
-            ("_mps", Velocity, 1.0),
-            ("_m_s", Velocity, 1.0),
-            ("_mg", Acceleration, 1e-3 * g),
-            ("_g", Acceleration, g),
-            ("_deg", Angle, degree),
-            ("_rad", Angle, 1.0),
-            ("_sec", Time, 1.0),
-            ("_ms", Time, 1e-3),
-            ("_us", Time, 1e-6),
-            ("_ns", Time, 1e-9),
-            ("_s", Time, 1.0),
-            ("_m", Length, 1.0),
-            ("_hz", Frequency, 1.0),
-        ];
-        let temperatures = ["_kelvin", "_celsius", "_degc", "_c"];
-        let spellings = [
-            ("dps", AngularRate, degree),
-            ("°/s", AngularRate, degree),
-            ("degrees/s", AngularRate, degree),
-            ("rad s^-1", AngularRate, 1.0),
-            ("rad·s^-1", AngularRate, 1.0),
-            ("rps", AngularRate, 1.0),
-            ("m s^-2", Acceleration, 1.0),
-            ("m/s2", Acceleration, 1.0),
-            ("m/s²", Acceleration, 1.0),
-            ("mps2", Acceleration, 1.0),
-            ("m/s/s", Acceleration, 1.0),
-            ("m s^-1", Velocity, 1.0),
-            ("mps", Velocity, 1.0),
-            ("°", Angle, degree),
-            ("degrees", Angle, degree),
-            ("µs", Time, 1e-6),
-            ("usec", Time, 1e-6),
-            ("sec", Time, 1.0),
-            ("seconds", Time, 1.0),
-        ];
-        for (ending, _) in SUFFIXES {
-            let known = endings.iter().any(|row| row.0 == ending) || temperatures.contains(&ending);
-            assert!(known, "{ending}: what is it?");
-        }
-        let names = endings.map(|(ending, quantity, si)| (format!("x{ending}"), quantity, si));
-        let bracketed = spellings.map(|(unit, quantity, si)| (format!("x [{unit}]"), quantity, si));
-        for (name, quantity, si) in names.into_iter().chain(bracketed) {
-            let (stem, unit) = split_unit(&name);
-            assert_eq!(stem, "x");
-            let factor = unit_factor(&unit.unwrap(), quantity);
-            let factor = factor.unwrap_or_else(|error| panic!("{name}: {error}"));
-            // Roundings of the factor.
-            assert!((factor / si - 1.0).abs() < 1e-15, "{name}: {factor}");
-        }
-    }
-}
+mod tests;

@@ -14,7 +14,7 @@ pub use series::RecordSeries;
 pub use settings::{Prepared, RecordingError, Settings, prepare, provenance};
 pub use undrift_noise::screening::Trend;
 
-use crate::record::Record;
+use crate::record::{Record, own_values};
 use undrift_noise::{
     ImuModel, Provenance,
     identify::{Axis, IdentifyError, Options, identify},
@@ -74,7 +74,30 @@ pub fn recordings(
 pub fn run(record: &Record, options: &Options<'_>, done: impl Fn() + Sync) -> Identified {
     let axes = parallel::map(record.axes.len(), |axis| {
         let (name, samples) = (record.axes[axis], &record.samples[axis]);
-        let found = identify(samples, name.starts_with("accel"), options);
+        let own = own_values(samples);
+        let warmth = own.as_ref().zip(options.temperature);
+        let warmth = warmth.map(|((_, places, _), all)| -> Vec<f64> {
+            places
+                .iter()
+                .map(|place| all.get(*place).copied().unwrap_or(f64::NAN))
+                .collect()
+        });
+        let (samples, options) = match &own {
+            Some((values, _, every)) => {
+                let rate_hz = options.rate_hz / every;
+                let temperature = warmth.as_deref();
+                (
+                    values,
+                    Options {
+                        rate_hz,
+                        temperature,
+                        ..*options
+                    },
+                )
+            }
+            None => (samples, *options),
+        };
+        let found = identify(samples, name.starts_with("accel"), &options);
         let step = found
             .as_ref()
             .ok()

@@ -6,12 +6,13 @@ mod measure;
 mod motion;
 mod parts;
 mod sensor;
+mod topics;
 mod units;
 
 pub use known::{Content, Known, Note};
 pub use measure::about_gravity;
 pub use motion::{Motion, motion};
-pub use parts::{Inspection, Line, Measured, Part, Start, quoted};
+pub use parts::{CounterRestarts, Inspection, Line, Measured, Part, Start, quoted};
 pub use sensor::model;
 
 use crate::drive::Logs;
@@ -49,7 +50,11 @@ pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
     };
     inspection.parts = match format {
         Format::Csv | Format::Parquet => columns::parts(opened, &mut inspection.found)?,
-        Format::Rtklib => vec![Part::new("gnss", Vec::new())],
+        Format::Rtklib => {
+            let assumed = opened.lacks_header().then_some(Note::NoHeader);
+            inspection.found.extend(assumed);
+            vec![Part::new("gnss", Vec::new())]
+        }
         Format::Euroc => vec![Part::new("imu", Vec::new())],
         Format::KfGins => vec![Part::new(
             kf_gins(path, opened.width(), &mut logs),
@@ -57,7 +62,7 @@ pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
         )],
         log => {
             let streams = opened.streams(log)?;
-            let parts = of_streams(&streams);
+            let parts = of_streams(&streams, &mut inspection.found);
             inspection.streams = streams
                 .into_iter()
                 .map(|stream| (stream.name, stream.messages, stream.about))
@@ -66,6 +71,12 @@ pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
         }
     };
     for part in &mut inspection.parts {
+        let names = part.choices.iter().find(|(key, _)| *key == "topic");
+        if let Some((_, names)) = names.filter(|(_, names)| part.table == "imu" && names.len() > 1)
+        {
+            let chosen = topics::choose(path, &logs, format, names);
+            part.lines.extend(chosen);
+        }
         measure::measure(path, &mut logs, format, part);
     }
     if inspection.parts.is_empty() {
@@ -111,12 +122,14 @@ fn kf_gins(path: &Path, columns: usize, logs: &mut Logs) -> &'static str {
     }
 }
 
-/// A part for each kind of streams that there is.
-fn of_streams(streams: &[Stream]) -> Vec<Part> {
-    let of = |kind: StreamKind| -> Vec<String> {
+/// A part for each kind of streams that there is; those that are declared and have no message are noted.
+fn of_streams(streams: &[Stream], notes: &mut Vec<Note>) -> Vec<Part> {
+    let all = |kind: StreamKind, empty: bool| -> Vec<String> {
         let those = streams.iter().filter(|stream| stream.kind == kind);
+        let those = those.filter(|stream| (stream.messages == 0) == empty);
         those.map(|stream| stream.name.clone()).collect()
     };
+    let of = |kind: StreamKind| all(kind, false);
     let mut parts = Vec::new();
     for (table, kind) in [
         ("imu", StreamKind::Imu),
@@ -125,6 +138,13 @@ fn of_streams(streams: &[Stream]) -> Vec<Part> {
     ] {
         let names = of(kind);
         if names.is_empty() {
+            let empty = all(kind, true);
+            if !empty.is_empty() {
+                notes.push(Note::Empty {
+                    table: table.to_owned(),
+                    streams: empty,
+                });
+            }
             continue;
         }
         let mut part = Part::new(table, Vec::new());
@@ -193,5 +213,56 @@ mod tests {
         assert_eq!(told(&names), [earth_fixed.map(|(k, v)| (k, v.to_owned()))]);
         let fixes = told(&["time", "lat", "lon", "height"]);
         assert_eq!(fixes.concat().len(), 2, "time and position: {fixes:?}");
+    }
+
+    #[test]
+    fn streams_without_a_message_are_noted_and_not_proposed() {
+        let stream = |name: &str, kind, messages| Stream {
+            name: name.to_owned(),
+            kind,
+            about: String::new(),
+            messages,
+        };
+        let streams = [
+            stream("sensor_combined.0", StreamKind::Imu, 100),
+            stream("sensor_combined.1", StreamKind::Imu, 0),
+            stream("vehicle_gps_position.0", StreamKind::Fixes, 0),
+            stream("other", StreamKind::Other, 0),
+        ];
+        let mut notes = Vec::new();
+        let parts = of_streams(&streams, &mut notes);
+        assert_eq!(parts.len(), 1);
+        let choices = vec![("topic", vec!["sensor_combined.0".to_owned()])];
+        assert_eq!((parts[0].table, &parts[0].choices), ("imu", &choices));
+        let empty = Note::Empty {
+            table: "gnss".to_owned(),
+            streams: vec!["vehicle_gps_position.0".to_owned()],
+        };
+        assert_eq!(notes, [empty]);
+    }
+
+    #[test]
+    fn a_table_of_kalibr_has_six_axes_with_their_units() {
+        let names = "timestamp omega_x omega_y omega_z alpha_x alpha_y alpha_z";
+        let row = |k: u32| {
+            let stamp = 1.7e18 + 1e7 * f64::from(k);
+            vec![stamp, 0.001, 0.002, 0.003, 0.1, 0.2, 9.8]
+        };
+        let table = Preview {
+            names: names.split(' ').map(str::to_owned).collect(),
+            rows: (0..20).map(row).collect(),
+            ..Preview::default()
+        };
+        let parts = of_table(table);
+        let value = |key: &str| {
+            let line = parts[0].lines.iter().find(|line| line.key == key);
+            line.map(|line| line.value.clone()).unwrap_or_default()
+        };
+        assert_eq!(value("accel"), "[\"alpha_x\", \"alpha_y\", \"alpha_z\"]");
+        assert_eq!(
+            (value("gyro_unit"), value("accel_unit")),
+            ("\"rad/s\"".into(), "\"m/s^2\"".into())
+        );
+        assert_eq!(value("time_unit"), "\"ns\"");
     }
 }

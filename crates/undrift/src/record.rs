@@ -1,14 +1,17 @@
 //! Static records: six axes, or one, from a table; six from a log that says itself what it holds, or that a drive
 //! file describes.
 
+mod columns;
 mod guess;
+mod rates;
 
 use crate::{
-    columns::{IMU_STEP, Meaning, meaning, time_unit},
     drive::{self, DriveError},
     temperature,
 };
-use guess::Guess;
+use columns::{RecordColumns, find};
+pub use rates::own_values;
+use rates::{Mixed, mixed};
 use std::{
     path::{Path, PathBuf},
     slice,
@@ -18,14 +21,12 @@ use undrift_io::{
     format::Format,
     imu::{ImuFormat, ImuReader},
     layouts,
-    skipped::Skipped,
+    log::AND,
+    skipped::{SkipKind, Skipped},
     source::BytesRead,
-    table::{Column, Preview, Stamp, TableOptions},
+    table::Column,
 };
-use undrift_nav::{
-    Matrix3,
-    units::{Quantity, unit_factor},
-};
+use undrift_nav::Matrix3;
 use undrift_noise::{
     model_file::AXES,
     screening::{Timing, timing},
@@ -87,13 +88,13 @@ pub struct Record {
     pub skipped: Skipped,
 }
 
-/// The axis, of [`AXES`], that a column's name means, and its unit.
-fn named_axis(column: &str) -> Option<(usize, Option<String>)> {
-    match meaning(column)? {
-        (Meaning::Gyro(axis), unit) => Some((axis, unit)),
-        (Meaning::Accel(axis), unit) => Some((3 + axis, unit)),
-        _ => None,
-    }
+/// A sensor whose samples are fewer than the record's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slower {
+    /// Whether it is the gyroscopes, else the accelerometers.
+    pub gyro: bool,
+    /// Its own rate \[Hz\]; 0 where all that it has are zeros, and it is left out.
+    pub rate_hz: f64,
 }
 
 impl Record {
@@ -113,6 +114,24 @@ impl Record {
     /// Samples of an axis.
     pub fn length(&self) -> usize {
         self.samples.first().map_or(0, Vec::len)
+    }
+
+    /// The sensor that has fewer samples than the record, or none, where there is one.
+    pub fn slower(&self) -> Option<Slower> {
+        let timing = self.timing.as_ref()?;
+        let has = |sensor: &str| self.axes.iter().any(|axis| axis.starts_with(sensor));
+        if self.axes.len() == 3 && has("gyro") != has("accel") {
+            let (gyro, rate_hz) = (!has("gyro"), 0.0);
+            return Some(Slower { gyro, rate_hz });
+        }
+        let mut axes = self.axes.iter().zip(&self.samples);
+        axes.find_map(|(axis, samples)| {
+            let (.., every) = own_values(samples)?;
+            Some(Slower {
+                gyro: axis.starts_with("gyro"),
+                rate_hz: timing.rate_hz / every,
+            })
+        })
     }
 
     /// The part of a record at a rate \[Hz\] between two times after its first sample \[s\].
@@ -183,7 +202,14 @@ pub fn read(opened: Opened, format: &RecordFormat) -> Result<Record, ReadError> 
         _ if !format.columns.is_empty() => None,
         Format::KfGins => Some(layouts::kf_gins_imu()),
         Format::Euroc => Some(layouts::euroc_imu()),
-        log if log.is_log() => Some(ImuFormat::log(log, format.topic.clone())),
+        log if log.is_log() => {
+            let topic = format.topic.clone();
+            if topic.as_ref().is_some_and(|topic| topic.contains(AND)) {
+                let error = ReadError::new(&record.name, INTERPOLATED).key("--topic");
+                return Err(error.mend("identify each topic alone"));
+            }
+            Some(ImuFormat::log(log, topic))
+        }
         _ => None,
     };
     let record = match known {
@@ -203,6 +229,9 @@ fn with_temperature(record: Record, must: bool) -> Result<Record, ReadError> {
 
 const NO_TEMPERATURE: &str =
     "no temperature column: the header needs \"temp\", \"temperature\" or a name ending in \"_C\"";
+
+/// That forces between samples are no record of their noise.
+const INTERPOLATED: &str = "specific forces that are interpolated to the times of the gyroscopes have less noise than the sensor";
 
 /// Reads a record whose columns and units are known.
 fn read_samples(
@@ -225,6 +254,13 @@ fn read_samples(
 /// If the drive file or the log cannot be read, or a key has a wrong value.
 pub fn read_drive(path: &Path, temperature: bool) -> Result<Record, DriveError> {
     let imu = drive::load_imu(path)?;
+    if imu.format.apart {
+        let error = ReadError::new(&imu.path, INTERPOLATED).key("imu.blanks");
+        let table = imu.path.display();
+        return Err(error
+            .mend(format!("give the table itself: undrift identify {table}"))
+            .into());
+    }
     let opened = imu.logs.open(&imu.path, &BytesRead::default())?;
     let record = Record {
         name: imu.path.clone(),
@@ -252,6 +288,16 @@ fn of_samples(mut reader: ImuReader, mut record: Record) -> Result<Record, ReadE
         room.map_err(|problem| problem.of(&record.name))?;
     }
     room_to_work(&record)?;
+    // A topic of gyroscopes alone has zeros in the place of forces, and the other way round.
+    let zeros = |axes: &[Vec<f64>]| axes.iter().flatten().all(|x| *x == 0.0);
+    let (gyros, accels) = record.samples.split_at(3);
+    let there = match (zeros(gyros), zeros(accels)) {
+        (false, true) => 0..3,
+        (true, false) => 3..6,
+        _ => 0..6,
+    };
+    record.axes = record.axes.get(there.clone()).unwrap_or_default().to_vec();
+    record.samples = record.samples.drain(there).collect();
     let known = temperature.iter().any(|t| t.is_finite());
     record.temperature = known.then_some(temperature);
     record.timing = timing(&record.stamps).ok();
@@ -271,13 +317,17 @@ fn read_table(
         axes,
         time,
         zero,
-        wanted,
+        mut wanted,
         guessed,
     } = found.map_err(|problem| ReadError::new(&record.name, problem))?;
     let mut row = vec![0.0; wanted.columns.len()];
+    let indices: Vec<usize> = axes.iter().map(|axis| axis.index).collect();
+    let mut mixed = mixed(&beginning, &wanted, &indices);
+    wanted.keep_not_finite = mixed.is_some();
     let mut table = opened.table(&wanted)?;
     let mut temperature = zero.map(|_| Vec::new());
     record.samples = vec![Vec::new(); axes.len()];
+    let mut incomplete = Skipped::default();
     let mut row_of = |row: &[f64]| {
         let values = row.iter().zip(&axes);
         push(
@@ -289,7 +339,17 @@ fn read_table(
         let time = time.zip(row.last()).map(|(scale, time)| time * scale);
         push(slice::from_mut(&mut record.stamps), time)
     };
-    while table.next_row(&mut row)?.is_some() {
+    while let Some(line) = table.next_row(&mut row)? {
+        if let Some(mixed) = &mut mixed {
+            match mixed.take(&mut row) {
+                Mixed::Row => {}
+                Mixed::Waits => continue,
+                Mixed::Nothing => {
+                    incomplete.add(SkipKind::MissingField, line, "no sensor has all its axes");
+                    continue;
+                }
+            }
+        }
         row_of(&row).map_err(|problem| problem.of(&record.name))?;
     }
     room_to_work(&record)?;
@@ -303,6 +363,7 @@ fn read_table(
     record.temperature = temperature;
     record.timing = timing(&record.stamps).ok();
     record.skipped = table.skipped().clone();
+    record.skipped.merge(&incomplete);
     Ok(record)
 }
 
@@ -336,199 +397,11 @@ fn too_large(problem: String) -> ReadError {
     ReadError::new(Path::new(""), problem).mend("cut the file, or average it to a lower rate")
 }
 
-/// A column of a record.
-struct AxisColumn {
-    /// Its place in [`AXES`].
-    index: usize,
-    column: Column,
-    /// Its unit: stated, by its name, or guessed.
-    unit: Option<String>,
-    /// From its unit to SI.
-    scale: f64,
-}
-
-/// Where a table has what of a record.
-struct RecordColumns {
-    axes: Vec<AxisColumn>,
-    /// Factor from the time column, the last that is wanted, to seconds.
-    time: Option<f64>,
-    /// What the column of temperatures has at 0 °C, if there is one.
-    zero: Option<f64>,
-    /// The axes, the temperature, the time.
-    wanted: TableOptions,
-    guessed: Vec<(&'static str, String)>,
-}
-
-/// Finds the columns; `Err` says what is missing. What neither the format nor the header says is guessed of six
-/// axes.
-fn find(beginning: &Preview, format: &RecordFormat) -> Result<RecordColumns, String> {
-    let header = &beginning.header;
-    let mut guessed = Vec::new();
-    let mut guess = None;
-    let mut axes = match find_axes(header, format) {
-        Err(problem) if format.columns.is_empty() => {
-            guess = Guess::of(beginning);
-            let found = guess.as_ref().ok_or(problem)?.axes()?;
-            let columns: Vec<String> = found.iter().map(|axis| bare(&axis.column)).collect();
-            guessed.push(("--columns", columns.join(",")));
-            found
-        }
-        found => found?,
-    };
-    let unknown = axes.iter().any(|axis| axis.unit.is_none()) && format.units.is_none();
-    if unknown && axes.len() == AXES.len() && format.columns.is_empty() {
-        guess = guess.or_else(|| Guess::of(beginning));
-        if let Some(guess) = &guess {
-            guess.fill_units(&mut axes)?;
-            guessed.push(("--units", guess.units.join(",")));
-        }
-    }
-    for axis in &mut axes {
-        axis.scale = scale(axis, format)?;
-    }
-    let named = header
-        .iter()
-        .enumerate()
-        .find_map(|(k, name)| match meaning(name) {
-            Some((Meaning::Time, unit)) => Some((Column::Number(k + 1), unit)),
-            _ => None,
-        });
-    let time = named.or_else(|| Some((guess?.time?, None)));
-    let temperature = temperature::of_beginning(beginning);
-    let zero = temperature.as_ref().map(|column| column.zero);
-    let keyed = axes
-        .iter()
-        .map(|axis| (AXES[axis.index].to_owned(), axis.column.clone()));
-    let optional = temperature.as_ref().map(|_| axes.len());
-    let temperature = temperature.map(|temperature| temperature.column);
-    let columns: Vec<_> = keyed
-        .chain(temperature.map(|column| ("temperature".to_owned(), column)))
-        .chain(
-            time.iter()
-                .map(|(column, _)| ("time".to_owned(), column.clone())),
-        )
-        .collect();
-    let time: Option<f64> = time.map(|(column, unit)| match unit {
-        Some(unit) => unit_factor(&unit, Quantity::Time).unwrap_or(1.0),
-        None => {
-            let stamps = values(beginning, &column);
-            time_unit(&stamps, IMU_STEP).map_or(1.0, |(_, factor)| factor)
-        }
-    });
-    let stamp = time.map(|scale| Stamp {
-        place: columns.len() - 1,
-        column: String::new(),
-        scale,
-        date: None,
-    });
-    let wanted = TableOptions {
-        columns,
-        stamp,
-        optional,
-        ..TableOptions::default()
-    };
-    Ok(RecordColumns {
-        axes,
-        time,
-        zero,
-        wanted,
-        guessed,
-    })
-}
-
-/// The first numbers of a column.
-fn values(beginning: &Preview, column: &Column) -> Vec<f64> {
-    let place = match column {
-        Column::Number(number) => number.checked_sub(1),
-        Column::Name(name) => beginning.header.iter().position(|known| known == name),
-    };
-    let rows = beginning.rows.iter();
-    rows.filter_map(|row| row.get(place?).copied()).collect()
-}
-
-/// A column as an option takes it.
-fn bare(column: &Column) -> String {
-    match column {
-        Column::Name(name) => name.clone(),
-        Column::Number(number) => number.to_string(),
-    }
-}
-
-/// The columns of the axes: as stated, else by the names in the header.
-fn find_axes(header: &[String], format: &RecordFormat) -> Result<Vec<AxisColumn>, String> {
-    let named = |column: &Column| match column {
-        Column::Name(name) => named_axis(name),
-        Column::Number(n) => named_axis(header.get(n.wrapping_sub(1))?),
-    };
-    let axis = |index, column: &Column, unit| AxisColumn {
-        index,
-        column: column.clone(),
-        unit,
-        scale: 1.0,
-    };
-    match format.columns.as_slice() {
-        [] => {
-            let columns = (1..=header.len()).map(Column::Number);
-            let found: Vec<AxisColumn> = columns
-                .filter_map(|column| named(&column).map(|(index, unit)| axis(index, &column, unit)))
-                .collect();
-            let twice = (0..AXES.len()).any(|k| found.iter().filter(|a| a.index == k).count() > 1);
-            if !found.is_empty() && !twice {
-                return Ok(found);
-            }
-            let there = match header {
-                [] => "it has no header".to_owned(),
-                names => format!("it has: {}", names.join(", ")),
-            };
-            Err(format!(
-                "the header does not identify the columns of the six axes ({there}); specify them with --columns gx,gy,gz,ax,ay,az"
-            ))
-        }
-        [one] => {
-            let known = named(one);
-            let index = match &format.axis {
-                Some(name) => AXES.iter().position(|a| a == name).ok_or_else(|| {
-                    format!("unknown axis \"{name}\"; available: {}", AXES.join(", "))
-                })?,
-                None => known.as_ref().map(|n| n.0).ok_or_else(|| {
-                    let axes = AXES.join(", ");
-                    format!("specify the axis of column {one} with --axis, one of {axes}")
-                })?,
-            };
-            Ok(vec![axis(index, one, known.and_then(|n| n.1))])
-        }
-        six if six.len() == AXES.len() => {
-            let axes = six.iter().enumerate();
-            let axes = axes.map(|(k, column)| axis(k, column, named(column).and_then(|n| n.1)));
-            Ok(axes.collect())
-        }
-        other => Err(format!(
-            "{} columns specified; expected six (gyro x, y, z, accelerometer x, y, z) or one",
-            other.len()
-        )),
-    }
-}
-
-/// The factor from an axis's unit, stated, by its name or guessed, to SI.
-fn scale(axis: &mut AxisColumn, format: &RecordFormat) -> Result<f64, String> {
-    let (quantity, stated) = match (axis.index < 3, &format.units) {
-        (true, units) => (Quantity::AngularRate, units.as_ref().map(|(gyro, _)| gyro)),
-        (false, units) => (
-            Quantity::Acceleration,
-            units.as_ref().map(|(_, accel)| accel),
-        ),
-    };
-    axis.unit = stated.or(axis.unit.as_ref()).cloned();
-    let unit = axis.unit.as_ref().ok_or_else(|| {
-        let column = &axis.column;
-        format!("the unit of column {column} is unknown; set --units, for instance \"deg/s,g\"")
-    })?;
-    unit_factor(unit, quantity).map_err(|e| format!("--units \"{unit}\": {e}"))
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{columns::as_axis, *};
+    use crate::columns::meaning;
+    use undrift_io::table::Preview;
 
     #[test]
     fn gaps_become_missing_samples() {
@@ -568,10 +441,10 @@ mod tests {
 
     #[test]
     fn names_and_units_of_columns() {
-        assert_eq!(named_axis("gx_dps"), Some((0, Some("deg/s".into()))));
-        assert_eq!(named_axis("AZ_g"), Some((5, Some("g".into()))));
-        assert_eq!(named_axis("gyro_y"), Some((1, None)));
-        assert_eq!(named_axis("t_s"), None);
+        assert_eq!(as_axis(meaning("gx_dps")), Some((0, Some("deg/s".into()))));
+        assert_eq!(as_axis(meaning("AZ_g")), Some((5, Some("g".into()))));
+        assert_eq!(as_axis(meaning("gyro_y")), Some((1, None)));
+        assert_eq!(as_axis(meaning("t_s")), None);
         let zero = |name: &str, value| {
             let beginning = Preview {
                 header: vec!["t_s".into(), name.into()],
@@ -586,5 +459,34 @@ mod tests {
         assert_eq!(zero("temp", 298.0), Some(273.15));
         assert_eq!(zero("t_kelvin", 2.0), Some(273.15));
         assert_eq!((zero("t_s", 1.0), zero("gx_dps", 1.0)), (None, None));
+    }
+
+    /// Gyros at 100 Hz that alternate, forces in every fourth row or between the rows.
+    #[test]
+    fn each_sensor_is_identified_from_its_own_rows() {
+        for own_rows in [false, true] {
+            let mut text = String::from("t_s,gx_dps,gy_dps,gz_dps,ax_mps2,ay_mps2,az_mps2\n");
+            for k in 0..4000 {
+                let (t, w) = (0.01 * f64::from(k), f64::from(k % 7 - 3));
+                let force = format!("{w},0.5,-9.81");
+                match (k % 4 == 0, own_rows) {
+                    (true, false) => text += &format!("{t:.3},{w},1,2,{force}\n"),
+                    (true, true) => {
+                        text += &format!("{:.3},,,,{force}\n{t:.3},{w},1,2,,,\n", t - 0.003);
+                    }
+                    _ => text += &format!("{t:.3},{w},1,2,,,\n"),
+                }
+            }
+            let stream = std::io::Cursor::new(text.into_bytes());
+            let opened = Opened::stream(Path::new("imu.csv"), stream).unwrap();
+            let record = read(opened, &RecordFormat::default()).unwrap();
+            assert!(record.skipped.is_empty(), "{}", record.skipped);
+            assert_eq!((record.length(), record.samples[5].len()), (4000, 4000));
+            assert!((record.timing.as_ref().unwrap().rate_hz - 100.0).abs() < 1e-6);
+            let (values, _, every) = own_values(&record.samples[3]).unwrap();
+            assert_eq!((values.len(), every), (1000, 4.0));
+            let slower = record.slower().unwrap();
+            assert!(!slower.gyro && (slower.rate_hz - 25.0).abs() < 1e-6);
+        }
     }
 }

@@ -45,6 +45,9 @@ pub struct ImuFormat {
     pub date: Option<Column>,
     /// Factor from the time column to seconds; 1 for a log.
     pub time_scale: f64,
+    /// Gyros and accelerometers have values in rows of their own, and blanks in the others': a sample is a row of the gyros,
+    /// with the force interpolated to its time.
+    pub apart: bool,
     /// Factor from the gyro columns to rad/s, or to rad for increments; 1 for a log in order.
     pub gyro_scale: f64,
     /// Factor from the accelerometer columns to m/s², or to m/s for increments; 1 for a log in order.
@@ -105,6 +108,7 @@ impl ImuFormat {
             source,
             date: None,
             time_scale: 1.0,
+            apart: false,
             gyro_scale: 1.0,
             accel_scale: 1.0,
             increments: false,

@@ -380,3 +380,51 @@ fn unusable_samples_in_memory_are_counted_and_a_gap_has_the_mean_rate() {
         "{refused}"
     );
 }
+
+#[test]
+fn rows_of_one_sensor_alone_are_joined_where_that_is_asked_for() {
+    // Gyros at 100 Hz; forces at 25 Hz in rows of the gyros, or 3 ms after them in rows of their own.
+    let apart = ImuFormat {
+        apart: true,
+        ..format()
+    };
+    for own_rows in [false, true] {
+        let mut text = String::new();
+        for k in 0..400 {
+            let t = 0.01 * f64::from(k);
+            match (k % 4 == 0, own_rows) {
+                (true, false) => text += &format!("{t},1,2,{t},4,5,{t}\n"),
+                (true, true) => text += &format!("{t},1,2,{t},,,\n{0},,,,4,5,{0}\n", t + 0.003),
+                _ => text += &format!("{t},1,2,{t},,,nan\n"),
+            }
+        }
+        let mut reader = reader(&text, &apart);
+        let samples: Vec<ImuSample> = reader.by_ref().map(Result::unwrap).collect();
+        // From the first force to the last, at 3.96 s.
+        assert_eq!(samples.len(), if own_rows { 396 } else { 397 });
+        let before = reader.skipped().count(SkipKind::MissingField);
+        assert_eq!(before, u64::from(own_rows), "{}", reader.skipped());
+        for sample in &samples {
+            let expected = Vector3::new(4.0, 5.0, sample.time);
+            // Stamps of hundredths have a rounding of 1e-15 s, over intervals of 0.01 s.
+            assert!(
+                (sample.dvel / sample.dt - expected).amax() < 1e-9,
+                "{sample:?}"
+            );
+            assert!((sample.dtheta.z / sample.dt - sample.time).abs() < 1e-9);
+        }
+        // Rows that lack a sensor are skipped elsewhere.
+        if !own_rows {
+            assert_eq!(all(&text, &format()).len(), 100);
+        }
+    }
+    let rows =
+        (0..2000).map(|k| format!("{k},1,2,3,{}\n", if k % 40 == 0 { "4,5,6" } else { ",," }));
+    let error = reader(&rows.collect::<String>(), &apart).find_map(Result::err);
+    assert!(
+        error
+            .unwrap()
+            .to_string()
+            .contains("record both at the same rate")
+    );
+}

@@ -11,8 +11,10 @@ use crate::lines::Lines;
 use crate::source::Source;
 
 mod join;
+mod rows;
 
 pub(super) use join::Join;
+pub(crate) use rows::JoinedRows;
 
 /// Standard deviations of an axis in a radius that holds 68 %: √(−2 ln 0.32).
 pub(super) const RADIUS: f64 = 1.509_592_185_452;

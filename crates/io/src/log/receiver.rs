@@ -13,6 +13,7 @@ use crate::skipped::{SkipKind, Unfit};
 use crate::source::Source;
 
 /// Entries that are ready to be given out.
+#[derive(Default)]
 pub(super) struct Ready {
     entries: VecDeque<Entry>,
     /// Whether reference solutions are wanted, not fixes.
@@ -22,6 +23,16 @@ pub(super) struct Ready {
 impl Ready {
     pub(super) fn push(&mut self, at: u64, what: What) {
         self.entries.push_back(Entry { at, what });
+    }
+
+    /// Takes the first of them out.
+    pub(super) fn next(&mut self) -> Option<Entry> {
+        self.entries.pop_front()
+    }
+
+    /// Takes all of them out.
+    pub(super) fn take(&mut self) -> VecDeque<Entry> {
+        std::mem::take(&mut self.entries)
     }
 
     pub(super) fn skip(&mut self, at: u64, kind: SkipKind, detail: impl Into<String>) {

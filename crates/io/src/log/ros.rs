@@ -4,7 +4,8 @@
 //! Times are the messages' own stamps (`header.stamp`, Unix time), or where one is not set the time
 //! at which it was recorded. A topic of velocities that is not named is used, from the first position
 //! on, if its frame is that of the positions, so that it comes from the same receiver; commands and
-//! wheels have other frames.
+//! wheels have other frames. Gyroscopes and accelerometers that are topics of their own, as of some depth cameras, are
+//! joined where both are named, `/gyro + /accel`.
 //! nav_msgs/Odometry is in a frame that begins anywhere, so it is not read.
 
 mod container;
@@ -16,6 +17,7 @@ use std::ops::Range;
 
 use undrift_nav::sample::{FixQuality, Position};
 
+use super::phone::Join;
 use super::receiver::{Ready, by_steps};
 use crate::ReadError;
 use crate::entry::{Entries, Fix, ImuReading, Stream, StreamKind, Wanted, What};
@@ -64,11 +66,18 @@ pub(super) fn entries(
     wanted: &Wanted,
 ) -> Result<Entries, ReadError> {
     let choices = match wanted {
-        Wanted::Imu(topic) => Choices {
-            main: Choice::new("imu.topic", StreamKind::Imu, topic),
-            velocity: None,
-            frame: None,
-        },
+        Wanted::Imu(topic) => {
+            let apart = topic.as_ref().and_then(|topics| topics.split_once(AND));
+            let apart = apart.map(|(gyro, accel)| (gyro.to_owned(), accel.to_owned()));
+            let (gyro, accel) = apart.map_or((topic.clone(), None), |(g, a)| (Some(g), Some(a)));
+            let choice = |topic: &Option<String>| Choice::new("imu.topic", StreamKind::Imu, topic);
+            Choices {
+                main: choice(&gyro),
+                accel: accel.map(|accel| choice(&Some(accel))),
+                velocity: None,
+                frame: None,
+            }
+        }
         Wanted::Fixes {
             position, velocity, ..
         } => Choices {
@@ -78,6 +87,7 @@ pub(super) fn entries(
                 StreamKind::Velocity,
                 velocity,
             )),
+            accel: None,
             frame: None,
         },
         Wanted::Poses(_) => {
@@ -90,6 +100,7 @@ pub(super) fn entries(
     };
     let mut recording = Recording {
         events: Box::new(events),
+        join: choices.accel.is_some().then(Join::slower),
         wanted: choices,
         topics: Topics::default(),
         weeks: WeekClock::default(),
@@ -106,10 +117,15 @@ pub(super) fn entries(
     }))
 }
 
+/// Between the topics of gyroscopes and accelerometers that are apart.
+pub const AND: &str = " + ";
+
 /// The topics that are meant.
 struct Choices {
     /// Of inertial samples, or of positions.
     main: Choice,
+    /// Of accelerometers, where those samples are of gyroscopes alone.
+    accel: Option<Choice>,
     /// Of velocities, which go with positions.
     velocity: Option<Choice>,
     /// Frame of the positions.
@@ -138,6 +154,8 @@ impl Choices {
 
     fn verdict(&self, topics: &Topics) -> Result<(), ReadError> {
         self.main.verdict(topics, true)?;
+        let accel = self.accel.as_ref();
+        accel.map_or(Ok(()), |accel| accel.verdict(topics, true))?;
         let velocity = self.velocity.as_ref();
         velocity.map_or(Ok(()), |velocity| velocity.verdict(topics, false))
     }
@@ -147,6 +165,8 @@ impl Choices {
 struct Recording {
     events: Box<dyn Events>,
     wanted: Choices,
+    /// Of gyroscopes and accelerometers that are apart.
+    join: Option<Join>,
     topics: Topics,
     weeks: WeekClock,
     /// Whose the first stamp of a topic that is meant was.
@@ -162,6 +182,12 @@ impl Recording {
     fn step(&mut self, ready: &mut Ready) -> Result<bool, ReadError> {
         let Some(event) = self.events.next()? else {
             self.wanted.verdict(&self.topics)?;
+            if self.join.as_ref().is_some_and(|join| !join.given) {
+                let problem = "gyroscopes and accelerometers at no common time";
+                return Err(ReadError::nameless(problem)
+                    .key("imu.topic")
+                    .mend("name topics that were recorded together"));
+            }
             while let Some((at, fix)) = self.waiting.next() {
                 ready.push(at, What::Fix(fix));
             }
@@ -178,6 +204,9 @@ impl Recording {
                 bytes,
             } => {
                 self.messages += 1;
+                if self.of_accelerometers(number, time, bytes.clone(), ready)? {
+                    return Ok(true);
+                }
                 let read = self.message(number, time, bytes);
                 read.unwrap_or_else(|unfit| Some((self.messages, What::of(Err(unfit)))))
             }
@@ -186,7 +215,43 @@ impl Recording {
         if let Some((at, what)) = entry
             && !self.wanted.are_ambiguous()
         {
-            ready.push(at, what);
+            match (&mut self.join, what) {
+                (Some(join), What::Imu(of)) => join.gyro((at, of.time, of.gyro), ready)?,
+                (_, what) => ready.push(at, what),
+            }
+        }
+        Ok(true)
+    }
+
+    /// Takes a message of the topic of accelerometers; false of any other.
+    fn of_accelerometers(
+        &mut self,
+        number: u32,
+        recorded: (i64, u32),
+        range: Range<usize>,
+        ready: &mut Ready,
+    ) -> Result<bool, ReadError> {
+        let Some(accel) = &mut self.wanted.accel else {
+            return Ok(false);
+        };
+        let topic = self.topics.of(number);
+        if !topic.is_some_and(|(index, topic)| accel.takes(index, topic)) {
+            return Ok(false);
+        }
+        // Read as a message of the topic that is meant.
+        std::mem::swap(&mut self.wanted.main, accel);
+        let read = self.message(number, recorded, range);
+        if let Some(accel) = &mut self.wanted.accel {
+            std::mem::swap(&mut self.wanted.main, accel);
+        }
+        match read.unwrap_or_else(|unfit| Some((self.messages, What::of(Err(unfit))))) {
+            Some((at, What::Imu(of))) => {
+                if let Some(join) = &mut self.join {
+                    join.accel((at, of.time, of.accel), ready)?;
+                }
+            }
+            Some((at, what)) => ready.push(at, what),
+            None => {}
         }
         Ok(true)
     }
@@ -261,5 +326,7 @@ impl Recording {
     }
 }
 
+#[cfg(test)]
+mod apart;
 #[cfg(test)]
 mod tests;

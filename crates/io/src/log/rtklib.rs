@@ -1,6 +1,7 @@
 //! RTKLIB solution files (`.pos`).
 //!
-//! The header line that starts with `%` and the time system names the columns. Understood are
+//! The header line that starts with `%` and the time system names the columns; rows without one, as receivers log
+//! them, have RTKLIB's columns in their order, in GPST. Understood are
 //! latitude/longitude/height in degrees or degrees-minutes-seconds, ECEF coordinates and
 //! east-north-up baselines; times as date or as week and second; GPST, UTC and JST. Times are
 //! given out as GPS seconds of the week in which the file starts, counting on past its end.
@@ -27,26 +28,62 @@ use header::{Axes, Components, Layout};
 
 const STREAM: &str = "solution";
 
-/// Whether a comment line before the first data names the columns of a solution.
+/// Whether a comment line before the first data names the columns of a solution, or the first rows have RTKLIB's.
 pub(crate) fn detect(start: &[u8]) -> bool {
-    let lines = start.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
-    let mut comments = lines.take_while(|line| line.is_empty() || line.starts_with(b"%"));
-    comments.any(|line| Layout::of(line).is_some())
+    layout(start).is_some()
+}
+
+/// Whether rows that begin so have no header that names their columns.
+pub(crate) fn lacks_header(start: &[u8]) -> bool {
+    layout(start).is_some_and(|(_, named)| !named)
+}
+
+/// Rows without a header that have to look like a solution.
+const ROWS: usize = 3;
+
+/// The columns of rows that begin so, and whether a header names them.
+fn layout(start: &[u8]) -> Option<(Layout, bool)> {
+    let start = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start);
+    let complete = start.iter().rposition(|byte| *byte == b'\n')?;
+    let lines = start.get(..complete)?.split(|byte| *byte == b'\n');
+    let mut rows = 0;
+    let mut of_rows = None;
+    for line in lines
+        .map(<[u8]>::trim_ascii)
+        .filter(|line| !line.is_empty())
+    {
+        if line.starts_with(b"%") {
+            match Layout::of(line) {
+                Some(named) if rows == 0 => return Some((named, true)),
+                _ => continue,
+            }
+        }
+        let layout = Layout::of_row(line)?;
+        of_rows = of_rows.or(Some((layout, false)));
+        rows += 1;
+        if rows == ROWS {
+            break;
+        }
+    }
+    of_rows
 }
 
 pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
     check(wanted, "an RTKLIB solution", [&[], &[STREAM], &[]])?;
     let mut lines = Lines::new(source);
-    let layout = loop {
+    let (layout, first_row) = loop {
         let NextLine::Line(range) = lines.step() else {
             return Err(no_header());
         };
         let line = lines.bytes(range).trim_ascii();
         if let Some(layout) = Layout::of(line) {
-            break layout;
+            break (layout, None);
         }
         if !line.is_empty() && !line.starts_with(b"%") {
-            return Err(no_header().at(lines.number()));
+            match Layout::of_row(line) {
+                Some(layout) => break (layout, Some((lines.number(), line.to_vec()))),
+                None => return Err(no_header().at(lines.number())),
+            }
         }
     };
     let base = match wanted {
@@ -64,6 +101,7 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         base,
         weeks: WeekClock::default(),
         values: Vec::with_capacity(32),
+        first_row,
     };
     let too_long = format!("over {MAX_LINE} bytes");
     Ok(by_lines(
@@ -72,7 +110,10 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         Some(too_long),
         reader,
         Reader::line,
-        |_, _| Ok(()),
+        |reader, ready| {
+            reader.first(ready);
+            Ok(())
+        },
         |reader| reader.weeks.epoch(ClockSource::Gnss),
     ))
 }
@@ -98,10 +139,25 @@ struct Reader {
     weeks: WeekClock,
     /// The fields after the time; `None` is text.
     values: Vec<Option<f64>>,
+    /// The row that showed the columns, and its number.
+    first_row: Option<(u64, Vec<u8>)>,
 }
 
 impl Reader {
     fn line(&mut self, at: u64, line: &[u8], ready: &mut Ready) -> Result<(), ReadError> {
+        self.first(ready);
+        self.row(at, line, ready);
+        Ok(())
+    }
+
+    /// Reads the row that showed the columns.
+    fn first(&mut self, ready: &mut Ready) {
+        if let Some((at, row)) = self.first_row.take() {
+            self.row(at, &row, ready);
+        }
+    }
+
+    fn row(&mut self, at: u64, line: &[u8], ready: &mut Ready) {
         let line = line.trim_ascii();
         if line.starts_with(b"%") {
             // Solutions that were put one after the other have a header each.
@@ -122,7 +178,6 @@ impl Reader {
                 None => ready.skip(at, SkipKind::Text, shown(line)),
             }
         }
-        Ok(())
     }
 
     fn fix(&self, time: f64, at: u64, ready: &mut Ready) -> Option<Fix> {

@@ -1,5 +1,5 @@
-//! Septentrio Binary Format: fixes of PVTGeodetic with PosCovGeodetic and VelCovGeodetic, inertial samples
-//! of ExtSensorMeas, and the receiver's own inertial solution, INSNavGeod, as reference.
+//! Septentrio Binary Format: fixes of PVTGeodetic with PosCovGeodetic and VelCovGeodetic, or of the Cartesian blocks of
+//! the same names where there are none; inertial samples of ExtSensorMeas, and the receiver's own inertial solution, INSNavGeod, as reference.
 //!
 //! By the reference guides of the AsteRx and mosaic receivers. Blocks with the same time make one fix; what
 //! is between the blocks, NMEA or anything else, is passed over. Times are GPS seconds of the week in
@@ -24,18 +24,21 @@ use blocks::Pvt;
 use frames::LAYOUT;
 
 const PVT: &str = "PVTGeodetic";
+const CARTESIAN: &str = "PVTCartesian";
 const INS: &str = "INSNavGeod";
 const SENSORS: &str = "ExtSensorMeas";
 
 /// Blocks that logs often have.
-const NAMES: [(u16, &str); 14] = [
+const NAMES: [(u16, &str); 16] = [
     (blocks::PVT, PVT),
     (blocks::POSITION_COVARIANCE, "PosCovGeodetic"),
     (blocks::VELOCITY_COVARIANCE, "VelCovGeodetic"),
     (blocks::END_OF_PVT, "EndOfPVT"),
     (blocks::SENSORS, SENSORS),
     (blocks::INS, INS),
-    (4006, "PVTCartesian"),
+    (blocks::CARTESIAN, CARTESIAN),
+    (blocks::CARTESIAN_POSITION_COVARIANCE, "PosCovCartesian"),
+    (blocks::CARTESIAN_VELOCITY_COVARIANCE, "VelCovCartesian"),
     (4027, "MeasEpoch"),
     (4013, "ChannelStatus"),
     (4014, "ReceiverStatus"),
@@ -48,12 +51,16 @@ const NAMES: [(u16, &str); 14] = [
 /// Whether the first bytes of a file hold a block that is read here; a log of NMEA may have others in
 /// between.
 pub(crate) fn detect(start: &[u8]) -> bool {
-    let read = [blocks::PVT, blocks::SENSORS, blocks::INS];
+    let read = [blocks::PVT, blocks::CARTESIAN, blocks::SENSORS, blocks::INS];
     any(start, &LAYOUT, |number| read.contains(number))
 }
 
 pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
-    check(wanted, "SBF", [&[SENSORS], &[PVT, INS], &[PVT, INS]])?;
+    check(
+        wanted,
+        "SBF",
+        [&[SENSORS], &[PVT, CARTESIAN, INS], &[PVT, CARTESIAN, INS]],
+    )?;
     let purpose = match wanted {
         Wanted::Imu(_) => Purpose::Imu { source: None },
         Wanted::Poses(None) => Purpose::Ins {
@@ -92,19 +99,27 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
     let described = |number: &u16| (name(*number), described(*number));
-    Ok(super::frames::streams(
-        source,
-        &LAYOUT,
-        |number| *number,
-        described,
-    ))
+    let mut streams = super::frames::streams(source, &LAYOUT, |number| *number, described);
+    // Of two that say the same, the one whose fixes are read.
+    if streams.iter().any(|stream| stream.name == PVT) {
+        let cartesian = streams.iter_mut().find(|stream| stream.name == CARTESIAN);
+        cartesian
+            .into_iter()
+            .for_each(|stream| stream.kind = StreamKind::Other);
+    }
+    Ok(streams)
 }
 
 fn described(number: u16) -> (StreamKind, &'static str) {
     match number {
         blocks::PVT => (StreamKind::Fixes, "position and velocity"),
-        blocks::POSITION_COVARIANCE => (StreamKind::Other, "covariances of the position"),
-        blocks::VELOCITY_COVARIANCE => (StreamKind::Other, "covariances of the velocity"),
+        blocks::CARTESIAN => (StreamKind::Fixes, "Earth-fixed position and velocity"),
+        blocks::POSITION_COVARIANCE | blocks::CARTESIAN_POSITION_COVARIANCE => {
+            (StreamKind::Other, "covariances of the position")
+        }
+        blocks::VELOCITY_COVARIANCE | blocks::CARTESIAN_VELOCITY_COVARIANCE => {
+            (StreamKind::Other, "covariances of the velocity")
+        }
         blocks::SENSORS => (StreamKind::Imu, "rates and specific forces of a sensor"),
         blocks::INS => (StreamKind::Poses, "position, velocity and attitude"),
         _ => (StreamKind::Other, ""),
@@ -142,6 +157,13 @@ enum Purpose {
 struct Epoch {
     at: u64,
     time: f64,
+    geodetic: Blocks,
+    cartesian: Blocks,
+}
+
+/// A PVT, and the covariances along its axes.
+#[derive(Default)]
+struct Blocks {
     /// `None` inside without a fix.
     pvt: Option<Option<Pvt>>,
     /// Of position and velocity.
@@ -173,6 +195,9 @@ impl Reader {
             blocks::PVT,
             blocks::POSITION_COVARIANCE,
             blocks::VELOCITY_COVARIANCE,
+            blocks::CARTESIAN,
+            blocks::CARTESIAN_POSITION_COVARIANCE,
+            blocks::CARTESIAN_VELOCITY_COVARIANCE,
             blocks::END_OF_PVT,
             blocks::SENSORS,
             blocks::INS,
@@ -216,7 +241,7 @@ impl Reader {
                     })
                 })
             }
-            (Purpose::Ins { fixes, .. }, blocks::PVT) => {
+            (Purpose::Ins { fixes, .. }, blocks::PVT | blocks::CARTESIAN) => {
                 *fixes += 1;
                 Some(Some(()))
             }
@@ -270,18 +295,24 @@ fn end(epoch: &mut Option<Epoch>, ready: &mut Ready) {
     let Some(Epoch {
         at,
         time,
-        pvt,
-        covariances,
+        geodetic,
+        cartesian,
     }) = epoch.take()
     else {
         return;
     };
+    let (Blocks { pvt, covariances }, name) = match geodetic.pvt {
+        Some(_) => (geodetic, PVT),
+        None => (cartesian, CARTESIAN),
+    };
     let pvt = match pvt {
         Some(Some(pvt)) => pvt,
-        Some(None) => return ready.skip(at, SkipKind::NoFix, PVT),
+        Some(None) => return ready.skip(at, SkipKind::NoFix, name),
         None => return,
     };
-    let [of_position, of_velocity] = covariances;
+    let turn = pvt.ned_from_axes;
+    let turned = |own: Option<Matrix3>| own.map(|own| turn * own * turn.transpose());
+    let [of_position, of_velocity] = covariances.map(turned);
     let position = pvt.position.and_then(|place| {
         let place = ready.usable(at, on_earth(place))?;
         Some((Position::Geodetic(place), of_position.or(pvt.covariance)))
@@ -306,17 +337,26 @@ impl Epoch {
         Self {
             at,
             time,
-            pvt: None,
-            covariances: [None; 2],
+            geodetic: Blocks::default(),
+            cartesian: Blocks::default(),
         }
     }
 
     /// Takes in a block; `None` if it is too short.
     fn add(&mut self, number: u16, body: &[u8]) -> Option<()> {
         match number {
-            blocks::PVT => self.pvt = Some(blocks::pvt(body)?),
-            blocks::POSITION_COVARIANCE => self.covariances[0] = blocks::covariance(body)?,
-            _ => self.covariances[1] = blocks::covariance(body)?,
+            blocks::PVT => self.geodetic.pvt = Some(blocks::pvt(body)?),
+            blocks::POSITION_COVARIANCE => {
+                self.geodetic.covariances[0] = blocks::covariance(body)?;
+            }
+            blocks::VELOCITY_COVARIANCE => {
+                self.geodetic.covariances[1] = blocks::covariance(body)?;
+            }
+            blocks::CARTESIAN => self.cartesian.pvt = Some(blocks::cartesian_pvt(body)?),
+            blocks::CARTESIAN_POSITION_COVARIANCE => {
+                self.cartesian.covariances[0] = blocks::own_covariance(body)?;
+            }
+            _ => self.cartesian.covariances[1] = blocks::own_covariance(body)?,
         }
         Some(())
     }

@@ -4,7 +4,8 @@
 //! [`folder`] makes one text of those that are read, in the order of their times, each row behind the name of
 //! its file; so all else reads it as any log. `time` is Unix time in nanoseconds. A sample is a rate of
 //! Gyroscope or GyroscopeUncalibrated, with the force of TotalAcceleration or AccelerometerUncalibrated on the
-//! straight line at its time. Accelerometer alone is refused: the app has taken gravity out of it.
+//! straight line at its time; without these two the sum of Accelerometer, from which the app has taken gravity, and Gravity.
+//! Accelerometer alone is refused.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
@@ -15,7 +16,7 @@ use undrift_nav::Vector3;
 use super::phone::{self, Join, Location};
 use super::receiver::{Ready, by_lines, check};
 use crate::ReadError;
-use crate::entry::{Entries, Stream, StreamKind, Wanted};
+use crate::entry::{Entries, Entry, Stream, StreamKind, Wanted, What};
 use crate::epoch::ClockSource;
 use crate::lines::{Lines, MAX_LINE};
 use crate::number;
@@ -31,6 +32,8 @@ const ACCELS: [&str; 2] = ["TotalAcceleration", "AccelerometerUncalibrated"];
 const PLACES: [&str; 2] = ["LocationGps", "Location"];
 /// Without gravity.
 const LINEAR: &str = "Accelerometer";
+/// What was taken out of it.
+const GRAVITY: &str = "Gravity";
 const AXES: [&str; 4] = ["time", "x", "y", "z"];
 const PLACE: [&str; 10] = [
     "time",
@@ -52,18 +55,26 @@ const PLACE: [&str; 10] = [
 pub(crate) fn folder(path: &Path) -> Result<Option<Source>, ReadError> {
     let mut text = format!("{MARK}\n");
     let mut files = Vec::new();
-    for names in [GYROS, ACCELS, PLACES] {
-        let there = names
-            .into_iter()
-            .find(|name| path.join(format!("{name}.csv")).is_file());
-        let Some(name) = there else { continue };
+    let is_there = |name: &&str| path.join(format!("{name}.csv")).is_file();
+    let first = |names: [&'static str; 2]| names.into_iter().find(is_there);
+    let summands = match first(ACCELS) {
+        Some(whole) => vec![whole],
+        None if is_there(&GRAVITY) && is_there(&LINEAR) => vec![GRAVITY, LINEAR],
+        None => Vec::new(),
+    };
+    let linear = is_there(&LINEAR) && !summands.contains(&LINEAR);
+    let names = first(GYROS)
+        .into_iter()
+        .chain(summands)
+        .chain(first(PLACES));
+    for name in names {
         let mut rows = SensorFile::open(path, name)?;
         text += &format!("# {name},{}\n", rows.header);
         rows.step()
             .map_err(|error| source::cannot_open(path, error))?;
         files.push(rows);
     }
-    if path.join(format!("{LINEAR}.csv")).is_file() {
+    if linear {
         text += &format!("# {LINEAR}\n");
     }
     if files.is_empty() {
@@ -167,6 +178,8 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         weeks: WeekClock::default(),
         linear: false,
         join: matches!(wanted, Wanted::Imu(_)).then(Join::default),
+        sum: Join::default(),
+        sums: Ready::default(),
     };
     Ok(by_lines(
         wanted,
@@ -184,6 +197,7 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
     let known = [
         GYROS.map(|name| (name, StreamKind::Imu, rates)),
         ACCELS.map(|name| (name, StreamKind::Other, "specific forces")),
+        [LINEAR, GRAVITY].map(|name| (name, StreamKind::Other, "a part of the specific forces")),
         PLACES.map(|name| (name, StreamKind::Fixes, "fixes")),
     ];
     Ok(phone::streams(source, known.as_flattened(), |line| {
@@ -200,6 +214,9 @@ struct Reader {
     /// Whether there are accelerations without gravity.
     linear: bool,
     join: Option<Join>,
+    /// The specific forces that are the sum of two sensors.
+    sum: Join,
+    sums: Ready,
 }
 
 impl Reader {
@@ -222,7 +239,7 @@ impl Reader {
         } else if !names.is_empty() {
             self.sensors.push((file.to_owned(), AXES.map(place)));
         }
-        self.linear |= file == LINEAR;
+        self.linear |= header == LINEAR;
     }
 
     fn row(&mut self, at: u64, line: &str, ready: &mut Ready) -> Result<(), ReadError> {
@@ -282,11 +299,20 @@ impl Reader {
                     return Ok(());
                 };
                 let value = (at, time, Vector3::new(x, y, z));
-                return if GYROS.contains(&file) {
-                    join.gyro(value, ready)
-                } else {
-                    join.accel(value, ready)
-                };
+                match file {
+                    LINEAR => self.sum.gyro(value, &mut self.sums)?,
+                    GRAVITY => self.sum.accel(value, &mut self.sums)?,
+                    _ if GYROS.contains(&file) => join.gyro(value, ready)?,
+                    _ => join.accel(value, ready)?,
+                }
+                for Entry { at, what } in self.sums.take() {
+                    match what {
+                        What::Imu(both) => {
+                            join.accel((at, both.time, both.gyro + both.accel), ready)?;
+                        }
+                        other => ready.push(at, other),
+                    }
+                }
             }
             _ => {}
         }
@@ -295,14 +321,15 @@ impl Reader {
 
     /// Whether there was what is wanted.
     fn end(&mut self, _: &mut Ready) -> Result<(), ReadError> {
-        let has = |names: [&str; 2]| {
+        let has = |names: &[&str]| {
             self.sensors
                 .iter()
                 .any(|(name, _)| names.contains(&name.as_str()))
         };
+        let has_force = has(&ACCELS) || has(&[LINEAR]) && has(&[GRAVITY]);
         match &self.join {
             Some(join) if !join.given => {
-                let problem = match (has(GYROS), has(ACCELS)) {
+                let problem = match (has(&GYROS), has_force) {
                     (true, false) if self.linear => {
                         "Accelerometer.csv is without gravity, which an inertial solution needs"
                     }
@@ -310,7 +337,7 @@ impl Reader {
                     (false, _) => "no gyroscopes in this folder",
                     (true, true) => "gyroscopes and accelerometers at no common time",
                 };
-                let mend = "record Gyroscope and Total Acceleration or Accelerometer Uncalibrated";
+                let mend = "record Gyroscope, and Total Acceleration, Accelerometer Uncalibrated, or Accelerometer and Gravity";
                 Err(ReadError::nameless(problem).mend(mend))
             }
             _ => Ok(()),

@@ -1,5 +1,7 @@
 //! Finds the header of a table and the places of the wanted columns.
 
+use std::collections::VecDeque;
+
 use super::fields::{self, Delimiter, Fields};
 use super::stamps;
 use super::wanted::{Column, Keep, Preview, TableOptions, starts_a_row};
@@ -16,8 +18,8 @@ pub(super) struct TextLayout {
     pub(super) delimiter: Delimiter,
     /// Sorted by place: (index of the column, index in the row read).
     pub(super) wanted: Vec<(usize, usize)>,
-    /// The line stepped to last, if it is data.
-    pub(super) first_row: Option<Vec<u8>>,
+    /// The lines read so far that are data, with their numbers.
+    pub(super) rows: VecDeque<(u64, Vec<u8>)>,
     /// Number of names in the header, where columns are found by name.
     pub(super) names: Option<usize>,
 }
@@ -28,20 +30,69 @@ struct Header {
     names: Vec<String>,
 }
 
+/// Columns with a number in them, beside text, for a text to be a table.
+const NUMBERS: usize = 3;
+
+/// Whether a text begins with a line of names, and the row below has a field for each of them and some numbers.
+pub(crate) fn has_named_numbers(start: &[u8]) -> bool {
+    let lines = start.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+    let mut lines = lines.filter(|line| starts_a_row(line) && separator(line).is_none());
+    let (Some(names), Some(row)) = (lines.next(), lines.next()) else {
+        return false;
+    };
+    let delimiter = Delimiter::detect(names);
+    let fields = |line| Fields::new(line, delimiter);
+    let is_number = |field: &[u8]| number::parse(field).is_some();
+    // A sentence without quotes is many fields.
+    let before = |field: &&[u8]| !field.starts_with(b"$") || field.contains(&b',');
+    !fields(names).any(is_number)
+        && fields(names).count() <= fields(row).count()
+        && fields(row)
+            .take_while(before)
+            .filter(|field| is_number(field))
+            .count()
+            >= NUMBERS
+        && !fields(names).any(|name| name.starts_with(b"$"))
+}
+
+/// The separator that a first line `sep=;` names, as spreadsheets write it.
+fn separator(line: &[u8]) -> Option<u8> {
+    let line = line.trim_ascii();
+    let line = line.strip_prefix(b"\"").unwrap_or(line);
+    let (name, value) = line.split_at_checked(4)?;
+    match value {
+        [byte] | [byte, b'"', ..] if name.eq_ignore_ascii_case(b"sep=") => Some(*byte),
+        // Behind it the fields of a table that was saved once more.
+        [byte, rest @ ..] if name.eq_ignore_ascii_case(b"sep=") => {
+            rest.iter().all(|other| other == byte).then_some(*byte)
+        }
+        // A tab, trimmed away.
+        [] if name.eq_ignore_ascii_case(b"sep=") => Some(b'\t'),
+        _ => None,
+    }
+}
+
 pub(super) fn find(
     lines: &mut Lines,
     options: &TableOptions,
     skipped: &mut Skipped,
 ) -> Result<TextLayout, ReadError> {
-    let (first, comment) = first_line(lines, skipped)?;
+    let FirstLine {
+        number,
+        line: first,
+        comment,
+        separator,
+        mut rows,
+    } = first_line(lines, skipped)?;
     let delimiter = options
         .delimiter
+        .or(separator)
         .map_or_else(|| Delimiter::detect(&first), Delimiter::of);
     let by_name = |(_, column): &(String, Column)| matches!(column, Column::Name(_));
     let named = options.columns.iter().chain(options.date()).any(by_name);
     let has_text = Fields::new(&first, delimiter).any(is_text);
     let own = has_text.then(|| Header {
-        line: lines.number(),
+        line: number,
         names: names_of(&first, delimiter),
     });
     let above = comment.filter(|_| named).map(|(line, text)| Header {
@@ -62,23 +113,41 @@ pub(super) fn find(
             (wanted, is_row, named.then_some(own.names.len()))
         }
         (None, None) => {
-            let wanted = places(None, options).map_err(|error| error.at(lines.number()))?;
+            let wanted = places(None, options).map_err(|error| error.at(number))?;
             (wanted, true, None)
         }
     };
+    if is_row {
+        rows.push_front((number, first));
+    }
     Ok(TextLayout {
         delimiter,
         wanted,
-        first_row: is_row.then_some(first),
+        rows,
         names,
     })
 }
 
-/// The first line that is neither blank nor comment, and the comment directly before it.
-type FirstLine = (Vec<u8>, Option<(u64, Vec<u8>)>);
+/// The first line that is neither blank nor comment.
+struct FirstLine {
+    number: u64,
+    line: Vec<u8>,
+    /// The comment directly before it, and its number.
+    comment: Option<(u64, Vec<u8>)>,
+    /// The separator that a line before it names.
+    separator: Option<u8>,
+    /// The lines behind it that were read.
+    rows: VecDeque<(u64, Vec<u8>)>,
+}
 
+/// Lines before the first row of numbers that may be words: what a program says when it starts.
+const WORDS: usize = 50;
+
+/// Finds the first line. Lines of words before the header or the first row of numbers are passed over and counted.
 fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, ReadError> {
     let mut comment = None;
+    let mut named = None;
+    let mut above: VecDeque<(u64, Vec<u8>)> = VecDeque::new();
     loop {
         match lines.step() {
             NextLine::Line(range) => {
@@ -90,10 +159,28 @@ fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, Rea
                     }
                     line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
                 }
-                if starts_a_row(line) {
-                    return Ok((line.to_vec(), comment));
+                if let (None, true, Some(byte)) = (named, above.is_empty(), separator(line)) {
+                    named = Some(byte);
+                    continue;
                 }
-                if !line.trim_ascii().is_empty() {
+                if starts_a_row(line) {
+                    above.push_back((number, line.to_vec()));
+                    let delimiter = named.map_or_else(|| Delimiter::detect(line), Delimiter::of);
+                    let is_number = |field: &&[u8]| number::parse(field).is_some();
+                    let fields = |line| Fields::new(line, delimiter);
+                    let is_row = fields(line).filter(is_number).count() >= NUMBERS;
+                    if !is_row && above.len() < WORDS {
+                        continue;
+                    }
+                    let width = if is_row { fields(line).count() } else { 0 };
+                    let words = words(&above, delimiter, width);
+                    for (number, line) in above.drain(..words) {
+                        skipped.add(SkipKind::Text, number, shown(&line));
+                    }
+                    break;
+                }
+                // Comments below the first line are no names.
+                if !line.trim_ascii().is_empty() && above.is_empty() {
                     comment = Some((number, line.to_vec()));
                 }
             }
@@ -101,6 +188,7 @@ fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, Rea
                 let detail = format_args!("over {MAX_LINE} bytes");
                 skipped.add(SkipKind::TooLong, lines.number(), detail);
             }
+            NextLine::End if !above.is_empty() => break,
             NextLine::End => {
                 let problem = match lines.failure() {
                     Some(failure) => format!("cannot be read: {failure}"),
@@ -114,6 +202,31 @@ fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, Rea
             }
         }
     }
+    let (number, line) = above.pop_front().unwrap_or_default();
+    Ok(FirstLine {
+        number,
+        line,
+        comment,
+        separator: named,
+        rows: above,
+    })
+}
+
+/// How many of the lines above a row of so many fields are words: those before the first with as many fields; without one
+/// those that have less than half.
+fn words(above: &VecDeque<(u64, Vec<u8>)>, delimiter: Delimiter, width: usize) -> usize {
+    let fields = |(_, line): &(u64, Vec<u8>)| Fields::new(line, delimiter).count();
+    let before = above.len().saturating_sub(1);
+    let header = above
+        .iter()
+        .take(before)
+        .position(|line| fields(line) == width);
+    header.unwrap_or_else(|| {
+        above
+            .iter()
+            .take_while(|line| 2 * fields(line) < width)
+            .count()
+    })
 }
 
 fn is_text(field: &[u8]) -> bool {
@@ -121,9 +234,15 @@ fn is_text(field: &[u8]) -> bool {
 }
 
 fn names_of(line: &[u8], delimiter: Delimiter) -> Vec<String> {
-    Fields::new(line, delimiter)
-        .map(|name| String::from_utf8_lossy(name).into_owned())
-        .collect()
+    Fields::new(line, delimiter).map(name_of).collect()
+}
+
+/// A name as text: UTF-8, else Latin-1.
+fn name_of(name: &[u8]) -> String {
+    match std::str::from_utf8(name) {
+        Ok(name) => name.to_owned(),
+        Err(_) => name.iter().map(|byte| char::from(*byte)).collect(),
+    }
 }
 
 /// The names in a comment line; its delimiter may be another than that of the data.
@@ -228,8 +347,14 @@ fn listing(names: &[String]) -> String {
 /// If there is no line.
 pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError> {
     let mut lines = Lines::new(source);
-    let (first, comment) = first_line(&mut lines, &mut Skipped::default())?;
-    let delimiter = Delimiter::detect(&first);
+    let FirstLine {
+        line: first,
+        comment,
+        separator,
+        rows: behind,
+        ..
+    } = first_line(&mut lines, &mut Skipped::default())?;
+    let delimiter = separator.map_or_else(|| Delimiter::detect(&first), Delimiter::of);
     let own = names_of(&first, delimiter);
     let above = comment.map_or(Vec::new(), |(_, text)| comment_names(&text, None));
     let of_time = |field: &[u8]| stamps::any(&mut WeekClock::default(), field);
@@ -252,6 +377,9 @@ pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError>
     };
     if !is_header {
         preview.rows.push(numbers(&first));
+    }
+    for (_, row) in &behind {
+        preview.rows.push(numbers(row));
     }
     while preview.rows.len() < rows {
         match lines.step() {

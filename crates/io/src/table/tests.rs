@@ -2,6 +2,7 @@ use std::io::{Cursor, Read, Write};
 
 use super::*;
 use crate::Opened;
+use crate::format::Format;
 use crate::skipped::SkipKind;
 
 fn options(columns: &[Column]) -> TableOptions {
@@ -281,4 +282,118 @@ fn times_of_day_count_on_and_take_their_date_from_a_column() {
     };
     let refused = Table::new("x".as_ref(), super::TableSource::Columns(memory), &options);
     assert!(refused.err().unwrap().to_string().contains("imu.date"));
+}
+
+#[test]
+fn a_first_line_may_name_the_separator() {
+    for (line, byte) in [
+        ("sep=,", ","),
+        ("sep=;", ";"),
+        ("SEP=;;;;", ";"),
+        ("\"sep=,\"", ","),
+        ("\u{feff}sep=\t", "\t"),
+        ("sep=|", "|"),
+    ] {
+        let table = "t,a,b\n1,2,3\n4,5,6\n".replace(',', byte);
+        let text = format!("{line}\r\n{table}");
+        let (rows, skipped) = rows(&text, &named(&["b", "t"]));
+        assert!(skipped.is_empty(), "{line}");
+        assert_eq!(rows, [(3, vec![3.0, 1.0]), (4, vec![6.0, 4.0])], "{line}");
+        let mut opened =
+            Opened::stream(Path::new("imu.csv"), Cursor::new(text.into_bytes())).unwrap();
+        assert_eq!(opened.preview(5).unwrap().names, ["t", "a", "b"], "{line}");
+    }
+}
+
+#[test]
+fn a_column_of_sentences_leaves_a_table_a_table() {
+    let sum = |text: &str| text.bytes().fold(0, |sum, byte| sum ^ byte);
+    let sentence = |k: u32| {
+        let text = format!("GPGGA,2209{k:02}.00,4007.0,N,10508.0,W,1,9,0.9,1600.0,M,-20.0,M,,");
+        format!("${text}*{:02X}", sum(&text))
+    };
+    let format = |text: &str| {
+        let stream = Cursor::new(text.as_bytes().to_vec());
+        let opened = Opened::stream(Path::new("gps.csv"), stream).unwrap();
+        opened.format()
+    };
+    let rows = |row: &dyn Fn(u32) -> String| (10..20).map(row).collect::<String>();
+    let header = "t,frame,lat,lon,height,raw\n";
+    let quoted = rows(&|k| format!("{k},gps,40.1,-105.1,1600,\"{}\"\n", sentence(k)));
+    assert_eq!(format(&format!("{header}{quoted}")), Format::Csv);
+    let plain = rows(&|k| format!("{k},gps,40.1,-105.1,1600,{}\n", sentence(k)));
+    assert_eq!(format(&format!("{header}{plain}")), Format::Csv);
+    // Nothing but sentences, behind a time or under a line of words.
+    let stamped = rows(&|k| format!("{k},{}\n", sentence(k)));
+    assert_eq!(format(&format!("t,raw\n{stamped}")), Format::Nmea);
+    let bare = rows(&|k| format!("{}\n", sentence(k)));
+    assert_eq!(format(&format!("GPS log, started\n{bare}")), Format::Nmea);
+}
+
+#[test]
+fn times_of_a_counter_go_on_where_it_starts_again() {
+    let stamp = |k: u64| (4_294_967_296 - 25_000 + 10_000 * k) % 4_294_967_296;
+    let text: String = (0..6).map(|k| format!("{},{k}\n", stamp(k))).collect();
+    let mut wanted = TableOptions::default();
+    wanted.want_time("imu", &Column::Number(1), None, 1e-6);
+    wanted.want("imu.gyro", &[Column::Number(2)]);
+    let (rows, skipped) = rows(&text, &wanted);
+    let times: Vec<f64> = rows.iter().map(|(_, row)| row[0]).collect();
+    let expected: Vec<f64> = (0..6)
+        .map(|k| 4_294_942_296.0 + 1e4 * f64::from(k))
+        .collect();
+    assert_eq!(times, expected);
+    let restarts = skipped.restarts().unwrap();
+    assert_eq!(
+        (restarts.line, restarts.count, restarts.length),
+        (4, 1, 4_294_967_296.0)
+    );
+    assert!(skipped.is_empty());
+}
+
+#[test]
+fn what_a_program_says_before_its_rows_is_passed_over() {
+    let table = "t,a,b,c,d,e\n1,2,3,4,0,0\n5,6,7,8,0,0\n";
+    let expected = [(0, vec![3.0, 1.0]), (1, vec![7.0, 5.0])];
+    for words in [
+        "Ready!\n",
+        "IMU found, calibrating\nDATA_START\n",
+        "\nhello\n\n# note\n",
+    ] {
+        let text = format!("{words}{table}");
+        let first = text.lines().count() as u64 - 1;
+        let numbered = expected.clone().map(|(k, row)| (first + k, row));
+        let (found, skipped) = rows(&text, &named(&["b", "t"]));
+        assert_eq!(found, numbered, "{words}");
+        assert_eq!(skipped.count(SkipKind::Text), skipped.total());
+        // Without a header by number.
+        let bare = text.replace("t,a,b,c,d,e\n", "");
+        let (found, _) = rows(&bare, &numbered_columns());
+        assert_eq!(
+            found,
+            expected.clone().map(|(k, row)| (first - 1 + k, row)),
+            "{words}"
+        );
+        let mut opened =
+            Opened::stream(Path::new("imu.csv"), Cursor::new(text.into_bytes())).unwrap();
+        let preview = opened.preview(5).unwrap();
+        assert_eq!((preview.names.len(), preview.rows.len()), (6, 2), "{words}");
+    }
+    // A line of units is none of these, and a header that is too short stays one.
+    let (found, skipped) = rows("t,a,b\ns,g,g\n1,2,3\n", &named(&["b", "t"]));
+    assert_eq!((found.len(), skipped.count(SkipKind::Text)), (1, 1));
+    assert!(message("t,a\n1,2,3\n", &named(&["a"])).contains("the header has 2"));
+}
+
+fn numbered_columns() -> TableOptions {
+    numbered(&[3, 1])
+}
+
+#[test]
+fn names_in_latin_1_are_read() {
+    let text = b"t,w [\xb0/s],f [m/s\xb2]\n1,2,3\n";
+    let mut table = from(text, &named(&["w [\u{b0}/s]", "f [m/s\u{b2}]"])).unwrap();
+    assert_eq!(drain(&mut table).unwrap(), [(2, vec![2.0, 3.0])]);
+    let mut opened = Opened::stream(Path::new("imu.csv"), Cursor::new(text.to_vec())).unwrap();
+    assert_eq!(opened.preview(5).unwrap().names[1], "w [\u{b0}/s]");
 }

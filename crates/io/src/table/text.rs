@@ -1,5 +1,7 @@
 //! Delimited text, row by row.
 
+use std::collections::VecDeque;
+
 use super::fields::{self, Delimiter};
 use super::header;
 use super::stamps::Stamps;
@@ -16,8 +18,8 @@ pub(super) struct TextTable {
     delimiter: Delimiter,
     /// Wanted columns by place in the line: (index of the column, index in the row read).
     wanted: Vec<(usize, usize)>,
-    /// The first line of data, found while looking for the header.
-    held: Option<Vec<u8>>,
+    /// The first lines of data, found while looking for the header, with their numbers.
+    held: VecDeque<(u64, Vec<u8>)>,
     /// Number of names in the header, until a row was compared with it.
     names: Option<usize>,
     /// Makes times of texts.
@@ -40,7 +42,7 @@ impl TextTable {
             lines,
             delimiter: layout.delimiter,
             wanted: layout.wanted,
-            held: layout.first_row,
+            held: layout.rows,
             names: layout.names,
             stamps: Stamps::of(options),
         })
@@ -58,7 +60,10 @@ impl TextTable {
     #[inline]
     pub(super) fn step(&mut self, keep: Keep, out: &mut [f64]) -> Result<NextRow, ReadError> {
         let delimiter = self.delimiter;
-        if let Some(first) = self.held.take() {
+        if let Some((line, first)) = self.held.pop_front() {
+            if let Some(names) = self.names.take() {
+                fits(&first, delimiter, names).map_err(|error| error.at(line))?;
+            }
             let parsed = fields::parse_row(
                 &first,
                 delimiter,
@@ -67,7 +72,7 @@ impl TextTable {
                 self.stamps.as_mut(),
                 out,
             );
-            return Ok(NextRow::Row(self.lines.number(), parsed));
+            return Ok(NextRow::Row(line, parsed));
         }
         loop {
             let range = match self.lines.step() {

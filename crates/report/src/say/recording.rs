@@ -2,7 +2,7 @@
 
 use undrift::{
     identify::{Likely, NotStatic},
-    record::Record,
+    record::{Record, Slower},
 };
 
 /// What nobody stated and no name says of a record, as the options that would state it.
@@ -11,6 +11,18 @@ pub fn guessed(record: &Record) -> Option<String> {
     let options = options.map(|(option, value)| format!(" {option} \"{value}\""));
     let options: String = options.collect();
     (!options.is_empty()).then(|| format!("guessed from the values:{options}"))
+}
+
+/// That a sensor of a record has fewer samples than the other, or none.
+pub fn slower(record: &Record) -> Option<String> {
+    let Slower { gyro, rate_hz } = record.slower()?;
+    let sensor = if gyro { "gyroscopes" } else { "accelerometers" };
+    Some(match rate_hz > 0.0 {
+        true => format!(
+            "{sensor} have values at {rate_hz:.1} Hz alone, and are identified at that rate"
+        ),
+        false => format!("no {sensor}: identified without them"),
+    })
 }
 
 /// Why a record that is no static recording is refused, and what to do.

@@ -120,7 +120,8 @@ pub(super) fn wrong_turn_rate(ratio: f64) -> String {
         "the GNSS course turns at {} times the rate of the gyros: check {}",
         short(ratio),
         match ratio {
-            -1.7..-0.6 => "the signs of imu.gyro and imu.axes",
+            -1.7..-0.6 =>
+                "the sign of the specific force (reversed: imu.accel_unit = \"-m/s^2\" or \"-g\") and the signs of imu.gyro and imu.axes",
             0.01..0.03 => "imu.gyro_unit (the numbers look like deg/s)",
             34.0..97.0 => "imu.gyro_unit (the numbers look like rad/s)",
             0.0006..0.0017 => "imu.gyro_unit (the numbers are a thousand times too large)",

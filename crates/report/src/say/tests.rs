@@ -180,7 +180,7 @@ fn every_finding_has_its_sentence() {
         ),
         (
             Finding::WrongTurnRate { ratio: -1.0 },
-            "the GNSS course turns at -1.00 times the rate of the gyros: check the signs of imu.gyro and imu.axes",
+            "the GNSS course turns at -1.00 times the rate of the gyros: check the sign of the specific force (reversed: imu.accel_unit = \"-m/s^2\" or \"-g\") and the signs of imu.gyro and imu.axes",
         ),
         (
             Finding::WrongTurnAxis { axis: 0 },
@@ -444,7 +444,10 @@ fn a_ratio_of_gravity_or_turns_hints_at_the_unit() {
         assert!(text.starts_with(&start) && text.ends_with(hint), "{text}");
     }
     for (ratio, hint) in [
-        (-1.7, "the signs of imu.gyro and imu.axes"),
+        (
+            -1.7,
+            "the sign of the specific force (reversed: imu.accel_unit = \"-m/s^2\" or \"-g\") and the signs of imu.gyro and imu.axes",
+        ),
         (-0.6, "imu.gyro_unit and imu.axes"),
         (0.017, "imu.gyro_unit (the numbers look like deg/s)"),
         (57.3, "imu.gyro_unit (the numbers look like rad/s)"),

@@ -61,9 +61,12 @@ pub(crate) fn read_imu(
 ) -> Result<((PathBuf, ImuFormat), ImuOptions), DriveError> {
     let path = logs.named(section)?;
     let mut format = match logs.format(section, &path, "gyro")?.0 {
-        Format::KfGins => layouts::kf_gins_imu(),
-        Format::Euroc => layouts::euroc_imu(),
-        log if log.is_log() => ImuFormat::log(log, section.text("topic")?.map(str::to_owned)),
+        Format::KfGins => with_units(section, layouts::kf_gins_imu())?,
+        Format::Euroc => with_units(section, layouts::euroc_imu())?,
+        log if log.is_log() => {
+            let topic = section.text("topic")?.map(str::to_owned);
+            with_units(section, ImuFormat::log(log, topic))?
+        }
         _ => read_columns(section)?,
     };
     format.rate_hz = section.quantity("rate", Quantity::Frequency)?;
@@ -140,6 +143,22 @@ fn read_vibration(section: &Section) -> Result<Option<[f64; AXES]>, ConfigError>
     Ok(follows.then_some(factors))
 }
 
+/// The format with the units that its numbers are in, where these are stated instead of SI.
+fn with_units(section: &Section, mut format: ImuFormat) -> Result<ImuFormat, ConfigError> {
+    let (gyro, accel) = quantities(&format);
+    format.gyro_scale = section.unit("gyro_unit", gyro, 1.0)?;
+    format.accel_scale = section.unit("accel_unit", accel, 1.0)?;
+    Ok(format)
+}
+
+/// What the numbers of gyros and accelerometers measure.
+fn quantities(format: &ImuFormat) -> (Quantity, Quantity) {
+    match format.increments {
+        true => (Quantity::Angle, Quantity::Velocity),
+        false => (Quantity::AngularRate, Quantity::Acceleration),
+    }
+}
+
 /// The samples in named columns of a table.
 fn read_columns(section: &Section) -> Result<ImuFormat, ConfigError> {
     let need = |key, columns: Option<_>| {
@@ -152,11 +171,7 @@ fn read_columns(section: &Section) -> Result<ImuFormat, ConfigError> {
     format.increments = section
         .word("data", &[("rates", false), ("increments", true)])?
         .unwrap_or(false);
-    let (gyro_quantity, accel_quantity) = if format.increments {
-        (Quantity::Angle, Quantity::Velocity)
-    } else {
-        (Quantity::AngularRate, Quantity::Acceleration)
-    };
+    let (gyro_quantity, accel_quantity) = quantities(&format);
     // A unit wrongly taken for granted is the commonest silent error of this field: it must be said.
     for key in ["gyro_unit", "accel_unit"] {
         if section.get(key).is_none() {
@@ -171,10 +186,11 @@ fn read_columns(section: &Section) -> Result<ImuFormat, ConfigError> {
             ));
         }
     }
-    format.gyro_scale = section.unit("gyro_unit", gyro_quantity, 1.0)?;
-    format.accel_scale = section.unit("accel_unit", accel_quantity, 1.0)?;
+    let mut format = with_units(section, format)?;
     format.time_scale = section.unit("time_unit", Quantity::Time, 1.0)?;
     format.date = section.column("date")?;
+    let blanks = section.word("blanks", &[("skip", false), ("interpolate", true)])?;
+    format.apart = blanks.unwrap_or(false);
     Ok(format)
 }
 
@@ -208,5 +224,58 @@ fn rotation_of_axes(axes: &str) -> Result<Matrix3, String> {
         ))
     } else {
         Err(format!("\"{axes}\" contains an axis twice"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(keys: &str) -> Result<ImuFormat, String> {
+        let text = format!("[imu]\nfile = \"log\"\n{keys}");
+        let parsed = parse(&text, "drive.toml").unwrap();
+        let top = Section::top(parsed.get_ref(), &text, "drive.toml");
+        let section = top.section("imu").unwrap();
+        let read = read_imu(&section, &mut Logs::default());
+        read.map(|((_, format), _)| format)
+            .map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn units_of_logs_that_describe_themselves_may_be_stated() {
+        for format in ["ubx", "rosbag", "ulog", "sensor-logger", "sbf"] {
+            let of = read(&format!(
+                "format = \"{format}\"\ngyro_unit = \"deg/s\"\naccel_unit = \"-g\"\n"
+            ));
+            let of = of.unwrap();
+            assert_eq!(of.gyro_scale, 1f64.to_radians(), "{format}");
+            assert_eq!(of.accel_scale, -9.806_65, "{format}");
+            let si = read(&format!("format = \"{format}\"\n")).unwrap();
+            assert_eq!((si.gyro_scale, si.accel_scale), (1.0, 1.0), "{format}");
+        }
+        let euroc = read("format = \"euroc\"\naccel_unit = \"g\"\n").unwrap();
+        assert_eq!(euroc.accel_scale, 9.806_65);
+        let wrong = read("format = \"ubx\"\naccel_unit = \"deg/s\"\n").unwrap_err();
+        assert!(
+            wrong.starts_with("drive.toml line 4, imu.accel_unit: "),
+            "{wrong}"
+        );
+    }
+
+    #[test]
+    fn only_what_a_sensor_measures_may_be_reversed() {
+        let columns = "time = 1\ngyro = [2, 3, 4]\naccel = [5, 6, 7]\ngyro_unit = \"rad/s\"\n";
+        let of = read(&format!("{columns}accel_unit = \"- m/s^2\"\n")).unwrap();
+        assert_eq!((of.gyro_scale, of.accel_scale), (1.0, -1.0));
+        assert!(
+            read(&format!(
+                "{columns}accel_unit = \"g\"\ntime_unit = \"-s\"\n"
+            ))
+            .is_err()
+        );
+        let ticks = read(&format!(
+            "{columns}accel_unit = \"g\"\ntime_unit = \"0.1 ms/LSB\"\n"
+        ));
+        assert!((ticks.unwrap().time_scale - 1e-4).abs() < 1e-18);
     }
 }

@@ -597,7 +597,8 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The factor to SI of a unit without number, `default` where the key is absent.
+    /// The factor to SI of a unit without number, `default` where the key is absent. Of what an inertial sensor measures
+    /// a minus before the unit, `-g`, reverses the sign.
     ///
     /// # Errors
     /// If the value is no string, or its text no unit of `quantity`.
@@ -606,16 +607,26 @@ impl<'a> Section<'a> {
         self.note(key, Takes::Unit(quantity));
         match self.string(key)? {
             None => Ok(default),
-            Some(unit) => units::unit_factor(unit, quantity).map_err(|e| {
-                let message = match per_second(unit, quantity) {
-                    Some(meant) => format!(
-                        "\"{unit}\" is not {}; did you mean \"{meant}\"?",
-                        quantity.name()
-                    ),
-                    None => format!("\"{unit}\": {e}"),
+            Some(text) => {
+                use Quantity::{Acceleration, Angle, AngularRate, Velocity};
+                let signed = matches!(quantity, Acceleration | Angle | AngularRate | Velocity);
+                let minus = text.trim_start().strip_prefix(['-', '\u{2212}']);
+                let (unit, sign) = match minus.filter(|_| signed) {
+                    Some(unit) => (unit.trim_start(), -1.0),
+                    None => (text, 1.0),
                 };
-                self.error(key, message)
-            }),
+                let factor = units::unit_factor(unit, quantity).map_err(|e| {
+                    let message = match per_second(unit, quantity) {
+                        Some(meant) => format!(
+                            "\"{unit}\" is not {}; did you mean \"{meant}\"?",
+                            quantity.name()
+                        ),
+                        None => format!("\"{unit}\": {e}"),
+                    };
+                    self.error(key, message)
+                })?;
+                Ok(sign * factor)
+            }
         }
     }
 

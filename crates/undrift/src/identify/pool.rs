@@ -4,10 +4,11 @@ use super::{
     AxisError, Identified, RecordSeries, RecordingError,
     settings::{Prepared, Settings, common_rate},
 };
+use crate::record::own_values;
 use crate::results::{self, AxisPool, Differing, Number, PooledRecord, RecordShare, by_name};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use undrift_noise::{
-    identify::{self as noise, Between, IdentifyError, Sampled, Share},
+    identify::{self as noise, Between, IdentifyError, Options, Sampled, Share},
     number::rounded,
     parallel,
 };
@@ -67,9 +68,23 @@ pub(super) fn run_pool(
         (0..records.len()).max_by_key(|k| (records[*k].record.length(), records.len() - k));
     let longest = longest.unwrap_or(0);
     let found = parallel::map(names.len(), |axis| {
-        let sampled = records.iter().map(|pooled| Sampled {
-            samples: &pooled.record.samples[axis],
-            options: settings.options(&pooled.record, rate_hz),
+        let own = records
+            .iter()
+            .map(|pooled| own_values(&pooled.record.samples[axis]));
+        let own: Vec<_> = own.collect();
+        let sampled = records.iter().zip(&own).map(|(pooled, own)| match own {
+            // A sensor slower than its record.
+            Some((values, _, every)) => Sampled {
+                samples: values,
+                options: Options {
+                    temperature: None,
+                    ..settings.options(&pooled.record, rate_hz / every)
+                },
+            },
+            None => Sampled {
+                samples: &pooled.record.samples[axis],
+                options: settings.options(&pooled.record, rate_hz),
+            },
         });
         let sampled: Vec<Sampled<'_>> = sampled.collect();
         let found = noise::identify_pool(&sampled, names[axis].starts_with("accel"), level);
@@ -77,8 +92,8 @@ pub(super) fn run_pool(
             .as_ref()
             .ok()
             .and_then(|(axis, _)| axis.normality.quantisation);
-        let samples = sampled[longest].samples;
-        let series = RecordSeries::of(samples, rate_hz, grid.map(|grid| grid.step));
+        let Sampled { samples, options } = &sampled[longest];
+        let series = RecordSeries::of(samples, options.rate_hz, grid.map(|grid| grid.step));
         done();
         (names[axis], found, series)
     });

@@ -1,6 +1,9 @@
 //! Whether a record is one of a sensor at rest, in the units that it is said to be in.
 
-use crate::{inspect::about_gravity, record::Record};
+use crate::{
+    inspect::about_gravity,
+    record::{Record, own_values},
+};
 use std::ops::Range;
 use undrift_nav::{
     earth::STANDARD_GRAVITY,
@@ -95,18 +98,29 @@ pub enum NotStatic {
 /// Why a record at a rate \[Hz\] is no static recording, if it is none. Of the axes that there are, those that
 /// tell are looked at: gravity takes three accelerometers.
 pub fn not_static(record: &Record, rate_hz: f64) -> Option<NotStatic> {
-    let named = |sensor: &str| -> Vec<(&'static str, &[f64])> {
-        let axes = record.axes.iter().zip(&record.samples);
+    // Of a sensor that is slower than the record its own samples.
+    let own = record.samples.iter().map(|samples| own_values(samples));
+    let own: Vec<_> = own.collect();
+    let named = |sensor: &str| -> (Vec<(&'static str, &[f64])>, f64) {
+        let axes = record.axes.iter().zip(record.samples.iter().zip(&own));
         let axes = axes.filter(|(name, _)| name.starts_with(sensor));
-        axes.map(|(name, samples)| (*name, samples.as_slice()))
-            .collect()
+        let mut own_hz = rate_hz;
+        let axes = axes.map(|(name, (samples, own))| match own {
+            Some((values, _, every)) => {
+                own_hz = rate_hz / every;
+                (*name, values.as_slice())
+            }
+            None => (*name, samples.as_slice()),
+        });
+        let axes = axes.collect();
+        (axes, own_hz)
     };
-    let (gyros, accels) = (named("gyro"), named("accel"));
+    let ((gyros, gyro_hz), (accels, accel_hz)) = (named("gyro"), named("accel"));
     let (gyro_unit, accel_unit) = record.units.clone().unwrap_or_default();
-    force(&accels, &accel_unit, &gyro_unit, rate_hz)
+    force(&accels, &accel_unit, &gyro_unit, accel_hz)
         .or_else(|| counts(&gyros, &gyro_unit, &accel_unit))
         .or_else(|| turning(&gyros))
-        .or_else(|| motion(&gyros, &accels, rate_hz))
+        .or_else(|| motion(&gyros, &accels, [gyro_hz, accel_hz]))
 }
 
 fn force(
@@ -249,18 +263,19 @@ impl Levels {
 fn motion(
     gyros: &[(&'static str, &[f64])],
     accels: &[(&'static str, &[f64])],
-    rate_hz: f64,
+    [rate_hz, accel_hz]: [f64; 2],
 ) -> Option<NotStatic> {
-    let width = (rate_hz.round() as usize).clamp(WINDOW, LONGEST);
-    let levels = |axes: &[(&'static str, &[f64])], least: f64| -> Vec<Levels> {
+    let width = |rate_hz: f64| (rate_hz.round() as usize).clamp(WINDOW, LONGEST);
+    let levels = |axes: &[(&'static str, &[f64])], least: f64, width: usize| -> Vec<Levels> {
         let axes = axes
             .iter()
             .filter(|(_, samples)| samples.len() >= 3 * width);
         axes.map(|(_, samples)| Levels::of(samples, width, least))
             .collect()
     };
-    let mut all = levels(gyros, TURN);
-    all.extend(levels(accels, FORCE));
+    let mut all = levels(gyros, TURN, width(rate_hz));
+    all.extend(levels(accels, FORCE, width(accel_hz)));
+    let width = width(rate_hz);
     let windows = all.iter().map(|axis| axis.means.len()).min()?;
     let mut moving = vec![false; windows];
     for axis in &all {

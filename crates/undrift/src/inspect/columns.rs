@@ -5,7 +5,7 @@ use super::{
     parts::{Line, Part, quoted},
     units::{self, Force},
 };
-use crate::columns::{FIX_STEP, IMU_STEP, Meaning, meaning, ordinary_step, time_unit};
+use crate::columns::{FIX_STEP, IMU_STEP, Meaning, meanings, ordinary_step, time_unit_of};
 use undrift_io::{Opened, ReadError, table::Preview};
 
 /// By the names of several columns.
@@ -43,13 +43,20 @@ pub(super) fn parts(mut opened: Opened, notes: &mut Vec<Note>) -> Result<Vec<Par
 /// The same of a table's beginning.
 pub(super) fn parts_of(table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
     let mut found = by_names(&table);
-    if [&found.gyro, &found.place, &found.ecef].map(all) == [None; 3] {
+    // Columns of latitudes are never turned into gyros.
+    let is_place = found.place[0].or(found.place[1]).is_some();
+    if !is_place && [&found.gyro, &found.ecef].map(all) == [None; 2] {
         let by_numbers = by_numbers(&table);
         if by_numbers.accel[0].is_some() || by_numbers.place[0].is_some() {
             found = by_numbers;
         }
     }
-    let columns = Columns { table, found };
+    let meanings = meanings(&table.names);
+    let columns = Columns {
+        table,
+        meanings,
+        found,
+    };
     let mut parts = Vec::new();
     if let (Some(gyro), Some(accel)) = (all(&columns.found.gyro), all(&columns.found.accel)) {
         parts.push(Part::new("imu", columns.imu(gyro, accel, notes)));
@@ -67,7 +74,10 @@ pub(super) fn parts_of(table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
             0 => Note::UnknownColumns,
             _ => Note::Columns(names.clone()),
         });
-    } else if columns.found.time.is_none() {
+    } else if parts
+        .iter()
+        .any(|part| part.lines.iter().all(|line| line.key != "time"))
+    {
         notes.push(Note::NoTimes);
     }
     parts
@@ -85,8 +95,8 @@ fn by_names(table: &Preview) -> Found {
         known: Known::Name { several: false },
         ..Found::default()
     };
-    for (place, name) in table.names.iter().enumerate() {
-        let slot = match meaning(name) {
+    for (place, meaning) in meanings(&table.names).into_iter().enumerate() {
+        let slot = match meaning {
             Some((Meaning::Time, _)) => &mut found.time,
             Some((Meaning::Gyro(axis), _)) => &mut found.gyro[axis],
             Some((Meaning::Accel(axis), _)) => &mut found.accel[axis],
@@ -110,6 +120,21 @@ fn by_names(table: &Preview) -> Found {
         slot.get_or_insert(place);
     }
     found
+}
+
+/// The column that is the time by its numbers alone: the first of those without another meaning that only grows, and
+/// not by one from row to row, as a counter does.
+fn time_by_numbers(table: &Preview) -> Option<usize> {
+    let known = meanings(&table.names);
+    let unknown = |place: &usize| known.get(*place).is_none_or(Option::is_none);
+    let grows = |place: &usize| {
+        let column = |row: &Vec<f64>| row.get(*place).copied().unwrap_or(f64::NAN);
+        let stamps: Vec<f64> = table.rows.iter().map(column).collect();
+        let steps = || stamps.windows(2).map(|pair| pair[1] - pair[0]);
+        stamps.len() > 2 && steps().all(|step| step > 0.0) && steps().any(|step| step != 1.0)
+    };
+    let width = table.rows.first().map_or(0, Vec::len);
+    (0..width).filter(unknown).find(grows)
 }
 
 /// Finds the time by that it only grows, accelerometers by that gravity gives three columns a
@@ -186,8 +211,27 @@ fn three_of(rows: &[Vec<f64>], places: [usize; 3]) -> Vec<[f64; 3]> {
         .collect()
 }
 
+/// Whether gyroscopes and accelerometers have values in rows of their own.
+pub(crate) fn apart(rows: &[Vec<f64>], gyro: [usize; 3], accel: [usize; 3]) -> bool {
+    let has = |row: &&Vec<f64>, places: [usize; 3]| {
+        let mut places = places.iter();
+        places.all(|place| row.get(*place).is_some_and(|x| x.is_finite()))
+    };
+    let count = |gyros: bool, accels: bool| {
+        let those = rows
+            .iter()
+            .filter(|row| has(row, gyro) == gyros && has(row, accel) == accels);
+        those.count()
+    };
+    let (alone, both) = ([count(true, false), count(false, true)], count(true, true));
+    let some = |alone: usize| alone + both > 0;
+    some(alone[0]) && some(alone[1]) && 5 * (alone[0] + alone[1]) >= rows.len()
+}
+
 struct Columns {
     table: Preview,
+    /// Of the columns, by their names.
+    meanings: Vec<Option<(Meaning, Option<String>)>>,
     found: Found,
 }
 
@@ -216,10 +260,7 @@ impl Columns {
 
     /// The unit that the name of a column tells.
     fn unit(&self, place: usize) -> Option<String> {
-        self.table
-            .names
-            .get(place)
-            .and_then(|name| meaning(name)?.1)
+        self.meanings.get(place)?.as_ref()?.1.clone()
     }
 
     fn stamps(&self, place: usize) -> Vec<f64> {
@@ -229,19 +270,26 @@ impl Columns {
 
     /// The lines of the time, and the ordinary interval \[s\].
     fn time(&self, longest: f64) -> (Vec<Line>, Option<f64>) {
-        let Some(place) = self.found.time else {
+        let by_numbers = || {
+            Some((
+                time_by_numbers(&self.table)?,
+                Known::Numbers { several: false },
+            ))
+        };
+        let named = self
+            .found
+            .time
+            .map(|place| (place, self.found.known.clone()));
+        let Some((place, known)) = named.or_else(by_numbers) else {
             return (Vec::new(), None);
         };
-        let mut lines = vec![Line::new(
-            "time",
-            self.name(place),
-            self.found.known.clone(),
-        )];
+        let mut lines = vec![Line::new("time", self.name(place), known)];
         if let Some(date) = self.found.date {
             lines.push(Line::new("date", self.name(date), self.found.known.clone()));
         }
         let stamps = self.stamps(place);
-        let guess = time_unit(&stamps, longest);
+        let name = self.table.names.get(place).map_or("", String::as_str);
+        let guess = time_unit_of(name, &stamps, longest);
         let (unit, known) = match (self.unit(place), guess) {
             (Some(unit), _) => (unit, Known::Name { several: false }),
             (None, Some((unit, _))) => (unit.to_owned(), Known::StampStep),
@@ -309,6 +357,9 @@ impl Columns {
         lines.push(Line::text("gyro_unit", &gyro_unit, gyro_why));
         lines.push(self.three("accel", accel));
         lines.push(Line::text("accel_unit", &accel_unit, accel_why));
+        if apart(&self.table.rows, gyro, accel) {
+            lines.push(Line::text("blanks", "interpolate", Known::Apart));
+        }
         lines
     }
 

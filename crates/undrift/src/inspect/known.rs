@@ -56,6 +56,12 @@ pub enum Known {
     NotInNmea,
     /// The first of several streams; the others.
     FirstOf(Vec<String>),
+    /// The first of several streams that measures gravity and turns; the others.
+    Measures(Vec<String>),
+    /// Gyroscopes and accelerometers are streams of their own, which are joined.
+    Apart,
+    /// Guessed by the magnitude \[m/s²\] of the specific force, of a telephone whose accelerometers have the opposite sign.
+    Telephone(f64),
     /// The z axis points down; x forward and y right are assumed.
     PointsDown,
     /// The z axis points up; x forward and y left are assumed.
@@ -95,6 +101,8 @@ pub enum Note {
     Columns(Vec<String>),
     /// There is no column of times.
     NoTimes,
+    /// A solution of RTKLIB has no header: its columns and time system are taken to be RTKLIB's own.
+    NoHeader,
     /// The names state another unit of accelerations than their size.
     UnitBySize {
         /// By the names.
@@ -103,6 +111,13 @@ pub enum Note {
         size: &'static str,
         /// Median magnitude.
         median: f64,
+    },
+    /// Streams that are declared and have no message.
+    Empty {
+        /// The table of a drive file that would read them.
+        table: String,
+        /// Their names.
+        streams: Vec<String>,
     },
     /// Neither inertial samples nor positions.
     Nothing,

@@ -3,7 +3,7 @@
 use super::sensor::Steps;
 use super::{
     known::{Content, Known},
-    parts::{Line, Measured, Part, Start, quoted},
+    parts::{CounterRestarts, Line, Measured, Part, Start, quoted},
 };
 use crate::drive::{DriveError, Logs, Section, gnss, imu, parse, tables};
 use std::path::Path;
@@ -37,12 +37,39 @@ pub(super) fn measure(path: &Path, logs: &mut Logs, format: Format, part: &mut P
         }
         match result {
             Ok((measured, axes)) => {
+                if let Some(unit) = unit_of_force(&measured, format, part) {
+                    part.lines.push(unit);
+                    continue;
+                }
                 part.lines.extend(axes);
                 part.measured = Some(measured);
             }
             Err(error) => part.problem = Some(error.to_string()),
         }
         return;
+    }
+}
+
+/// The unit of the forces of a log that should have them in m/s², where gravity shows that it has another. A telephone that
+/// has them in g is an iPhone, whose signs are opposite.
+fn unit_of_force(measured: &Measured, format: Format, part: &Part) -> Option<Line> {
+    let stated = part.lines.iter().any(|line| line.key == "accel_unit");
+    let Some(Content::Force(force)) = measured.content.as_ref().filter(|_| !stated) else {
+        return None;
+    };
+    let size = Vector3::from(*force).norm();
+    let units = [("g", 1.0), ("mg", 1000.0)];
+    let (unit, _) = units
+        .into_iter()
+        .find(|(_, gravity)| (0.85..1.15).contains(&(size / gravity)))?;
+    match format {
+        _ if !format.is_log() => None,
+        Format::SensorLogger => Some(Line::text(
+            "accel_unit",
+            &format!("-{unit}"),
+            Known::Telephone(size),
+        )),
+        _ => Some(Line::text("accel_unit", unit, Known::Gravity(size))),
     }
 }
 
@@ -233,6 +260,11 @@ impl Span {
             skipped: skipped.to_string(),
             untold_velocities: 0,
             steps_of: None,
+            counter: skipped.restarts().map(|restarts| CounterRestarts {
+                line: restarts.line,
+                count: restarts.count,
+                length: restarts.length,
+            }),
             content: None,
             remarks: Vec::new(),
         }

@@ -86,10 +86,25 @@ pub struct Measured {
     pub untold_velocities: u64,
     /// Preset of the sensor whose values have such steps.
     pub steps_of: Option<&'static str>,
+    /// The counter in the column of times, where it started again and was counted on.
+    pub counter: Option<CounterRestarts>,
     /// What else it holds.
     pub content: Option<Content>,
     /// The same in sentences; who shows it fills them in.
     pub remarks: Vec<String>,
+}
+
+/// A counter of limited bits in a column of times that started again.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(rename = "InspectedCounter"))]
+pub struct CounterRestarts {
+    /// Line of the first time.
+    pub line: u64,
+    /// How often.
+    pub count: u64,
+    /// Added each time, in the column's unit.
+    pub length: f64,
 }
 
 /// When something starts.

@@ -1,6 +1,5 @@
 //! What an inspection guesses of a table's columns and units.
 
-use super::AxisColumn;
 use crate::{
     drive::{Section, parse},
     inspect,
@@ -12,7 +11,7 @@ pub(super) struct Guess {
     gyro: [Column; 3],
     accel: [Column; 3],
     /// Of gyros and accelerometers.
-    pub(super) units: [String; 2],
+    units: [String; 2],
     pub(super) time: Option<Column>,
     increments: bool,
 }
@@ -41,26 +40,19 @@ impl Guess {
         })
     }
 
-    /// The columns as the axes of a record.
-    pub(super) fn axes(&self) -> Result<Vec<AxisColumn>, String> {
-        let columns = self.gyro.iter().chain(&self.accel).enumerate();
-        let axes = columns.map(|(index, column)| AxisColumn {
-            index,
-            column: column.clone(),
-            unit: None,
-            scale: 1.0,
-        });
-        Ok(axes.collect())
+    /// The columns of the axes of a record, in their order.
+    pub(super) fn columns(&self) -> impl Iterator<Item = &Column> {
+        self.gyro.iter().chain(&self.accel)
     }
 
-    /// Gives the axes without a unit the one that was guessed.
-    pub(super) fn fill_units(&self, axes: &mut [AxisColumn]) -> Result<(), String> {
-        if self.increments {
-            return Err(INCREMENTS.into());
+    /// The units of gyros and accelerometers.
+    ///
+    /// # Errors
+    /// If the columns are increments.
+    pub(super) fn units(&self) -> Result<&[String; 2], String> {
+        match self.increments {
+            true => Err(INCREMENTS.into()),
+            false => Ok(&self.units),
         }
-        for axis in axes.iter_mut().filter(|axis| axis.unit.is_none()) {
-            axis.unit = Some(self.units[usize::from(axis.index > 2)].clone());
-        }
-        Ok(())
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! A sample is a rate of the gyroscopes, with the specific force at its time on the straight line
 //! between the accelerometers' values before and after it. That is done only where both have about the same
-//! rate, so that the line spans one interval of motion, not several.
+//! rate, so that the line spans one interval of motion, not several; [`Join::slower`] lets it span several, for sensors
+//! whose accelerometers are made slower than their gyroscopes.
 
 use std::collections::VecDeque;
 
@@ -16,6 +17,10 @@ use crate::skipped::SkipKind;
 
 /// Rates that differ by no more than this factor are alike.
 const ALIKE: f64 = 2.0;
+/// The same of accelerometers that are made slower.
+const SLOWER: f64 = 16.0;
+/// Of rates by stamps that are rounded.
+const ROUNDING: f64 = 1.05;
 /// Values of each that their rates are judged by.
 const JUDGED: u64 = 50;
 /// Accelerometer values further apart than so many of their usual intervals are a gap.
@@ -31,6 +36,7 @@ pub(in crate::log) struct Join {
     gyro: VecDeque<Value>,
     accel: VecDeque<Value>,
     rates: [Rate; 2],
+    slower: bool,
     pub(in crate::log) given: bool,
 }
 
@@ -68,6 +74,14 @@ impl Rate {
 }
 
 impl Join {
+    /// Of accelerometers that may be several times slower than the gyroscopes.
+    pub(in crate::log) fn slower() -> Self {
+        Self {
+            slower: true,
+            ..Self::default()
+        }
+    }
+
     /// A rate [rad/s] of the gyroscopes.
     ///
     /// # Errors
@@ -101,7 +115,8 @@ impl Join {
             return Ok(());
         }
         if rate.count == JUDGED && gyro.count.min(accel.count) >= JUDGED {
-            alike(gyro.interval(), accel.interval()).map_err(|error| error.at(at))?;
+            let slowest = if self.slower { SLOWER } else { ALIKE };
+            alike(gyro.interval(), accel.interval(), slowest).map_err(|error| error.at(at))?;
         }
         let queue = if which == 0 {
             &mut self.gyro
@@ -162,9 +177,9 @@ impl Join {
     }
 }
 
-fn alike(gyro: f64, accel: f64) -> Result<(), ReadError> {
+fn alike(gyro: f64, accel: f64, slowest: f64) -> Result<(), ReadError> {
     let ratio = gyro / accel;
-    if (1.0 / ALIKE..=ALIKE).contains(&ratio) {
+    if (1.0 / (ROUNDING * slowest)..=ROUNDING * ALIKE).contains(&ratio) {
         return Ok(());
     }
     let problem = format!(

@@ -63,6 +63,12 @@ impl Topics {
         self.by_number.insert(number, (index, encoding));
     }
 
+    /// The topic of a message's number, and its place in the list.
+    pub(super) fn of(&self, number: u32) -> Option<(usize, &Topic)> {
+        let &(index, _) = self.by_number.get(&number)?;
+        Some((index, self.list.get(index)?))
+    }
+
     /// Counts a message: the place of its topic in the list, the topic and the encoding.
     pub(super) fn count(&mut self, number: u32) -> Option<(usize, &mut Topic, Option<Encoding>)> {
         let &(index, encoding) = self.by_number.get(&number)?;

@@ -1,6 +1,7 @@
 //! What the header line of a solution file says.
 
-use crate::time::TimeSystem;
+use crate::number;
+use crate::time::{TimeSystem, WeekClock};
 
 /// What the position columns are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,7 +37,64 @@ pub(super) struct Layout {
     pub(super) quality: Option<usize>,
 }
 
+/// The columns of a solution in degrees, as RTKLIB orders them; behind them stand those of velocities, if it has any.
+const COLUMNS: &str = "latitude longitude height Q ns sdn sde sdu sdne sdeu sdun age ratio";
+const ECEF_COLUMNS: &str = "x-ecef y-ecef z-ecef Q ns sdx sdy sdz sdxy sdyz sdzx age ratio";
+const BASELINE_COLUMNS: &str =
+    "e-baseline n-baseline u-baseline Q ns sde sdn sdu sden sdnu sdue age ratio";
+const VELOCITY_COLUMNS: &str = "vn ve vu sdvn sdve sdvu sdvne sdveu sdvun";
+const ECEF_VELOCITY_COLUMNS: &str = "vx vy vz sdvx sdvy sdvz sdvxy sdvyz sdvzx";
+/// Fields of a row behind its time, without and with velocities.
+const WIDTHS: [usize; 2] = [13, 22];
+/// Decimals of a coordinate: at least so many of degrees, at most so many of metres.
+const DECIMALS_DEG: usize = 7;
+const DECIMALS_M: usize = 6;
+/// Distances from the Earth's centre \[m\].
+const RADII: std::ops::Range<f64> = 6.3e6..6.5e6;
+
 impl Layout {
+    /// Of a row without a header above it, which has RTKLIB's columns in their order; the time system is taken to be
+    /// GPST, RTKLIB's own. `None` of any other line.
+    pub(super) fn of_row(line: &[u8]) -> Option<Self> {
+        let text = std::str::from_utf8(line).ok()?;
+        let words = text.split([' ', '\t', ',', ';']);
+        let mut words = words.filter(|word| !word.is_empty());
+        let (first, second) = (words.next()?, words.next()?);
+        let times = (first.as_bytes(), second.as_bytes());
+        WeekClock::default().seconds(times.0, times.1, TimeSystem::Gps)?;
+        let words: Vec<&str> = words.collect();
+        let numbers = words
+            .iter()
+            .map(|word| number::parse_finite(word.as_bytes()));
+        let numbers = numbers.collect::<Option<Vec<f64>>>()?;
+        let [x, y, z, quality, satellites, stds @ ..] = numbers.as_slice() else {
+            return None;
+        };
+        let plausible = WIDTHS.contains(&numbers.len())
+            && (1.0..=7.0).contains(quality)
+            && (0.0..100.0).contains(satellites)
+            && quality.fract() + satellites.fract() == 0.0
+            && stds.iter().take(3).all(|std| *std >= 0.0);
+        let decimals = |word: &str| word.split_once('.').map_or(0, |(_, behind)| behind.len());
+        let geodetic = decimals(words[0]).min(decimals(words[1])) >= DECIMALS_DEG
+            && x.abs() <= 90.0
+            && y.abs() <= 180.0;
+        let in_metres = decimals(words[0]).max(decimals(words[1])) <= DECIMALS_M;
+        let (columns, velocity) = match RADII.contains(&(x * x + y * y + z * z).sqrt()) {
+            _ if !plausible => return None,
+            true => (ECEF_COLUMNS, ECEF_VELOCITY_COLUMNS),
+            false if geodetic => (COLUMNS, VELOCITY_COLUMNS),
+            false if in_metres => (BASELINE_COLUMNS, VELOCITY_COLUMNS),
+            false => return None,
+        };
+        let velocity = if numbers.len() == WIDTHS[1] {
+            velocity
+        } else {
+            ""
+        };
+        Self::of(format!("% GPST {columns} {velocity}").as_bytes())
+    }
+
     /// From a line that starts with `%`, a time system and the names of the columns; `None` for
     /// any other line.
     pub(super) fn of(line: &[u8]) -> Option<Self> {
@@ -125,6 +183,34 @@ mod tests {
         assert_eq!((dms.axes, dms.system), (Axes::GeodeticDms, TimeSystem::Utc));
         assert_eq!(dms.position, [(0, 3), (3, 3), (6, 1)]);
         assert_eq!((dms.quality, dms.position_sd), (Some(7), None));
+    }
+
+    #[test]
+    fn rows_without_a_header_have_the_columns_of_rtklib() {
+        let rest = "2 12 0.01 0.01 0.02 0.001 0.001 0.001 0.50 5.0";
+        let axes = |row: String| Layout::of_row(row.as_bytes()).map(|layout| layout.axes);
+        let time = "2024/02/07 12:00:01.000";
+        for (place, expected) in [
+            ("50.123456789 4.123456789 120.1234", Some(Axes::Geodetic)),
+            ("4027881.1234 306998.1234 4919499.1234", Some(Axes::Ecef)),
+            ("12.1234 -7.1234 0.1234", Some(Axes::Baseline)),
+            ("91.123456789 4.123456789 120.1234", None),
+        ] {
+            assert_eq!(axes(format!("{time} {place} {rest}")), expected, "{place}");
+            assert_eq!(axes(format!("2300,302401.000,{place},{rest}")), expected);
+        }
+        let place = "50.123456789 4.123456789 120.1234";
+        let row = format!("{time} {place} {rest} 1 2 3 0.1 0.1 0.1 0 0 0");
+        let velocity = Layout::of_row(row.as_bytes()).unwrap().velocity;
+        assert_eq!(velocity, Some([13, 14, 15]));
+        // No kind of solution, too few columns, no time.
+        for row in [
+            format!("{time} {place} 2.5 12 0.01 0.01 0.02 0 0 0 0 0"),
+            format!("{time} {place} 2 12 0.01 0.01 0.02"),
+            format!("12.5 13.5 {place} {rest}"),
+        ] {
+            assert_eq!(Layout::of_row(row.as_bytes()), None, "{row}");
+        }
     }
 
     #[test]

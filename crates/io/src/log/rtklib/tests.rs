@@ -154,3 +154,31 @@ fn a_file_without_header_is_refused() {
         assert!(error.unwrap().to_string().contains("header"), "{text}");
     }
 }
+
+#[test]
+fn rows_without_a_header_are_a_solution() {
+    let row = |k: u32| {
+        format!(
+            "2024/02/07 12:00:{k:02}.000   50.123456789  4.123456789   120.1234   {}  12   0.0100   0.0200   0.0300   0.0010   0.0010   0.0010   0.50    5.0\n",
+            if k == 0 { 2 } else { 1 }
+        )
+    };
+    let text: String = (0..5).map(row).collect();
+    assert!(detect(text.as_bytes()) && lacks_header(text.as_bytes()));
+    assert!(detect(HEADER.as_bytes()) && !lacks_header(HEADER.as_bytes()));
+    let (fixes, skipped) = rows(&text, &options());
+    assert!(skipped.is_empty(), "{skipped}");
+    assert_eq!((fixes.len(), fixes[0].time), (5, 302_400.0));
+    assert_eq!(fixes[0].quality, FixQuality::Float);
+    let (_, covariance) = fixes[4].position.unwrap();
+    // The squares of the standard deviations, and of the root of the covariance north-east.
+    let expected = [1e-4, 4e-4, 9e-4, 1e-6];
+    let found = [(0, 0), (1, 1), (2, 2), (0, 1)].map(|place| covariance[place]);
+    assert!(
+        found
+            .iter()
+            .zip(expected)
+            .all(|(a, b)| (a - b).abs() < ROUNDING),
+        "{covariance}"
+    );
+}

@@ -11,6 +11,10 @@ pub(super) const PVT: u16 = 4007;
 pub(super) const POSITION_COVARIANCE: u16 = 5906;
 pub(super) const VELOCITY_COVARIANCE: u16 = 5908;
 pub(super) const END_OF_PVT: u16 = 5921;
+/// The same along the axes of the Earth.
+pub(super) const CARTESIAN: u16 = 4006;
+pub(super) const CARTESIAN_POSITION_COVARIANCE: u16 = 5905;
+pub(super) const CARTESIAN_VELOCITY_COVARIANCE: u16 = 5907;
 pub(super) const SENSORS: u16 = 4050;
 pub(super) const INS: u16 = 4226;
 
@@ -62,25 +66,63 @@ pub(super) struct Pvt {
     /// By the block's own accuracies \[m²\].
     pub(super) covariance: Option<Matrix3>,
     pub(super) velocity: Option<Vector3>,
+    /// From the axes of the blocks of covariances to north-east-down.
+    pub(super) ned_from_axes: Matrix3,
 }
 
 /// Of PVTGeodetic: `None` if it is too short, `None` inside without a fix.
 pub(super) fn pvt(body: &[u8]) -> Option<Option<Pvt>> {
+    let solution = solution(body)?;
+    Some(solution.map(|of| Pvt {
+        quality: of.quality,
+        position: (of.place.filter(|_| !of.flat)).map(|[lat, lon, height]| Geodetic {
+            lat,
+            lon,
+            height,
+        }),
+        covariance: accuracies(body),
+        velocity: of.velocity.map(|[n, e, u]| Vector3::new(n, e, -u)),
+        ned_from_axes: Matrix3::identity(),
+    }))
+}
+
+/// Of PVTCartesian: `None` if it is too short, `None` inside without a fix or a place.
+pub(super) fn cartesian_pvt(body: &[u8]) -> Option<Option<Pvt>> {
+    let solution = solution(body)?;
+    Some(solution.and_then(|of| {
+        let place = Geodetic::from_ecef(&Vector3::from(of.place?));
+        let ned_from_axes = place.ned_from_ecef();
+        Some(Pvt {
+            quality: of.quality,
+            position: (!of.flat).then_some(place),
+            covariance: accuracies(body),
+            velocity: of.velocity.map(|v| ned_from_axes * Vector3::from(v)),
+            ned_from_axes,
+        })
+    }))
+}
+
+/// What both kinds of PVT have at the same places.
+struct Solution {
+    quality: FixQuality,
+    place: Option<[f64; 3]>,
+    /// Of two dimensions only: the height is an old one.
+    flat: bool,
+    velocity: Option<[f64; 3]>,
+}
+
+/// `None` if it is too short, `None` inside without a fix.
+fn solution(body: &[u8]) -> Option<Option<Solution>> {
     let mut fields = behind(body)?;
     let (mode, error) = (fields.u8()?, fields.u8()?);
     let place = fields.array::<3>()?;
-    let [_, north, east, up] = floats(&mut fields)?;
-    let Some(quality) = quality(mode).filter(|_| error == 0) else {
-        return Some(None);
-    };
-    // Of two dimensions only: the height is an old one.
-    let flat = mode & 0x80 != 0;
-    let place = known(place).filter(|_| !flat);
-    Some(Some(Pvt {
+    let [_, velocity @ ..]: [f64; 4] = floats(&mut fields)?;
+    let quality = quality(mode).filter(|_| error == 0);
+    Some(quality.map(|quality| Solution {
         quality,
-        position: place.map(|[lat, lon, height]| Geodetic { lat, lon, height }),
-        covariance: accuracies(body),
-        velocity: known([north, east, up]).map(|[n, e, u]| Vector3::new(n, e, -u)),
+        place: known(place),
+        flat: mode & 0x80 != 0,
+        velocity: known(velocity),
     }))
 }
 
@@ -96,12 +138,19 @@ fn accuracies(body: &[u8]) -> Option<Matrix3> {
 /// Of PosCovGeodetic and VelCovGeodetic, north-east-down: `None` if it is too short, `None` inside where
 /// it cannot be one.
 pub(super) fn covariance(body: &[u8]) -> Option<Option<Matrix3>> {
+    let up_is_down = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0));
+    let own = own_covariance(body)?;
+    Some(own.map(|own| up_is_down * own * up_is_down))
+}
+
+/// Along the block's own axes, north-east-up or those of the Earth.
+pub(super) fn own_covariance(body: &[u8]) -> Option<Option<Matrix3>> {
     let mut fields = behind(body)?;
     let error = [fields.u8()?, fields.u8()?][1];
-    // North, east, up, clock; then pairs.
-    let [nn, ee, uu, _, ne, nu, _, eu, _, _] = floats(&mut fields)?;
-    let full = Matrix3::new(nn, ne, -nu, ne, ee, -eu, -nu, -eu, uu);
-    let is_known = error == 0 && known([nn, ee, uu, ne, nu, eu]).is_some();
+    // Three axes, clock; then pairs.
+    let [xx, yy, zz, _, xy, xz, _, yz, _, _] = floats(&mut fields)?;
+    let full = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    let is_known = error == 0 && known([xx, yy, zz, xy, xz, yz]).is_some();
     Some(Some(full).filter(|full| is_known && is_covariance(full)))
 }
 

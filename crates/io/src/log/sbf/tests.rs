@@ -199,3 +199,76 @@ fn damage_costs_only_itself() {
         }
     }
 }
+
+/// A block of SBF: its number and what comes behind its head.
+fn block(number: u16, body: &[u8]) -> Vec<u8> {
+    let padded = body.len().next_multiple_of(4);
+    let mut covered = number.to_le_bytes().to_vec();
+    covered.extend((8 + padded as u16).to_le_bytes());
+    covered.extend(body);
+    covered.resize(4 + padded, 0);
+    // CRC of CCITT from 0.
+    let crc = covered.iter().fold(0u16, |crc, byte| {
+        (0..8).fold(crc ^ u16::from(*byte) << 8, |crc, _| match crc & 0x8000 {
+            0 => crc << 1,
+            _ => crc << 1 ^ 0x1021,
+        })
+    });
+    [b"$@".as_slice(), &crc.to_le_bytes(), &covered].concat()
+}
+
+#[test]
+fn cartesian_blocks_are_fixes_where_there_are_no_geodetic_ones() {
+    let place = undrift_nav::earth::Geodetic::from_degrees(50.85, 4.35, 120.0);
+    let turn = place.ned_from_ecef();
+    let v_n = Vector3::new(3.0, -4.0, 0.5);
+    let floats = |values: &[f64]| -> Vec<u8> {
+        values
+            .iter()
+            .flat_map(|value| (*value as f32).to_le_bytes())
+            .collect()
+    };
+    let head = |k: u32| {
+        let milli = 302_400_000 + 1000 * k;
+        [&milli.to_le_bytes()[..], &2300u16.to_le_bytes(), &[4, 0]].concat()
+    };
+    // Twice as certain along the z axis of the Earth.
+    let covariance = [4e-4, 4e-4, 1e-4, 4e-4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let mut bytes = Vec::new();
+    for k in 0..10 {
+        let x = place.to_ecef();
+        let doubles: Vec<u8> = x.iter().flat_map(|value| value.to_le_bytes()).collect();
+        let v = turn.transpose() * v_n;
+        let rest = floats(&[45.0, v.x, v.y, v.z, 0.0]);
+        bytes.extend(block(4006, &[head(k), doubles, rest, vec![0; 40]].concat()));
+        for number in [5905, 5907] {
+            bytes.extend(block(number, &[head(k), floats(&covariance)].concat()));
+        }
+    }
+    assert!(super::detect(&bytes));
+    let (fixes, skipped) = fixes(entries, &bytes);
+    assert!(skipped.is_empty(), "{skipped}");
+    assert_eq!((fixes.len(), fixes[3].time), (10, 302_403.0));
+    let Some((Position::Geodetic(found), Some(own))) = fixes[0].position else {
+        panic!("{fixes:?}");
+    };
+    // 1e-9 rad is 6 mm.
+    assert!((found.lat - place.lat).abs() < 1e-9 && (found.height - 120.0).abs() < 1e-6);
+    let earth = undrift_nav::Matrix3::from_diagonal(&Vector3::new(4e-4, 4e-4, 1e-4));
+    // Single precision.
+    assert!(
+        (own - turn * earth * turn.transpose()).norm() < 1e-10,
+        "{own}"
+    );
+    let (velocity, covariance) = fixes[0].velocity.unwrap();
+    assert!((velocity - v_n).norm() < 1e-6 && covariance == Some(own));
+    let listed = streams(source_of(&bytes)).unwrap();
+    let of = |name: &str| {
+        listed
+            .iter()
+            .find(|stream| stream.name == name)
+            .unwrap()
+            .kind
+    };
+    assert_eq!(of("PVTCartesian"), StreamKind::Fixes);
+}

@@ -106,3 +106,53 @@ fn forces_without_gravity_and_folders_of_something_else_are_refused() {
         std::fs::remove_dir_all(path).unwrap();
     }
 }
+
+#[test]
+fn accelerations_and_gravity_are_summed() {
+    let path = folder("sum", &["Gyroscope.csv"]);
+    let total = std::fs::read_to_string(golden().join("TotalAcceleration.csv")).unwrap();
+    let mut lines = total.lines();
+    let header = lines.next().unwrap();
+    let [mut linear, mut gravity] = [0, 1].map(|_| format!("{header}\n"));
+    let names: Vec<&str> = header.split(',').collect();
+    let z = names.iter().position(|name| *name == "z").unwrap();
+    for line in lines {
+        let fields: Vec<&str> = line.split(',').collect();
+        let row = |force: &dyn Fn(usize) -> String| {
+            let of = |(k, field): (usize, &&str)| match names[k] {
+                "x" | "y" | "z" => force(k),
+                _ => (*field).to_owned(),
+            };
+            fields
+                .iter()
+                .enumerate()
+                .map(of)
+                .collect::<Vec<_>>()
+                .join(",")
+                + "\n"
+        };
+        linear += &row(&|k| {
+            let value: f64 = fields[k].parse().unwrap();
+            (value - if k == z { 9.75 } else { 0.0 }).to_string()
+        });
+        gravity += &row(&|k| if k == z { "9.75" } else { "0" }.to_owned());
+    }
+    std::fs::write(path.join("Accelerometer.csv"), linear).unwrap();
+    let imu = ImuFormat::log(Format::SensorLogger, None);
+    let alone = ImuReader::open(&path, &imu).unwrap().find_map(Result::err);
+    assert!(alone.unwrap().to_string().contains("without gravity"));
+    std::fs::write(path.join("Gravity.csv"), gravity).unwrap();
+    let read = |path: &Path| -> Vec<_> {
+        let reader = ImuReader::open(path, &imu).unwrap();
+        reader.map(Result::unwrap).collect()
+    };
+    let (summed, whole) = (read(&path), read(&golden()));
+    assert_eq!(summed.len(), whole.len());
+    for (a, b) in summed.iter().zip(&whole) {
+        assert!(
+            a.time == b.time && (a.dvel - b.dvel).amax() < 1e-9,
+            "{a:?} {b:?}"
+        );
+    }
+    std::fs::remove_dir_all(path).unwrap();
+}

@@ -1,0 +1,195 @@
+use super::*;
+
+#[test]
+fn units_of_time() {
+    let every = |step: f64| -> Vec<f64> { (0..20).map(|k| 7.0 + step * f64::from(k)).collect() };
+    for (step, unit) in [
+        (0.01, "s"),
+        (0.001, "s"),
+        (1.0, "ms"),
+        (10.0, "ms"),
+        (1000.0, "us"),
+        (2.5e6, "ns"),
+    ] {
+        assert_eq!(time_unit(&every(step), IMU_STEP).unwrap().0, unit, "{step}");
+    }
+    for (step, unit) in [
+        (0.2, "s"),
+        (1.0, "s"),
+        (200.0, "ms"),
+        (1e5, "us"),
+        (2e8, "ns"),
+    ] {
+        assert_eq!(time_unit(&every(step), FIX_STEP).unwrap().0, unit, "{step}");
+    }
+    assert_eq!(time_unit(&[1.0], IMU_STEP), None);
+}
+
+#[test]
+fn names_of_many_programs() {
+    use Meaning::*;
+    let rows: [(&str, Option<Meaning>, Option<&str>); 43] = [
+        ("gx_dps", Some(Gyro(0)), Some("deg/s")),
+        ("AZ_g", Some(Accel(2)), Some("g")),
+        ("gyro_y", Some(Gyro(1)), None),
+        ("t_s", Some(Time), Some("s")),
+        ("#timestamp [ns]", Some(Time), Some("ns")),
+        ("w_RS_S_x [rad s^-1]", Some(Gyro(0)), Some("rad/s")),
+        ("a_RS_S_z [m s^-2]", Some(Accel(2)), Some("m/s^2")),
+        ("angular_velocity.x", Some(Gyro(0)), None),
+        ("linear_acceleration.y", Some(Accel(1)), None),
+        ("AccX", Some(Accel(0)), None),
+        ("Gyroscope Z (deg/s)", Some(Gyro(2)), Some("deg/s")),
+        ("q", Some(Gyro(1)), None),
+        ("Latitude", Some(Latitude), None),
+        ("lon_deg", Some(Longitude), Some("deg")),
+        ("height(m)", Some(Height), Some("m")),
+        ("alt_m", Some(Height), Some("m")),
+        ("vn_mps", Some(Velocity(0)), Some("m/s")),
+        ("vel_e", Some(Velocity(1)), None),
+        ("velocity_down", Some(Velocity(2)), None),
+        ("vu", Some(VelocityUp), None),
+        ("sdn(m)", Some(PositionStd(0)), Some("m")),
+        ("std_east", Some(PositionStd(1)), None),
+        ("north_std_m", Some(PositionStd(0)), Some("m")),
+        ("sdvn", Some(VelocityStd(0)), None),
+        ("ve_std_mps", Some(VelocityStd(1)), Some("m/s")),
+        ("svd_mps", Some(VelocityStd(2)), Some("m/s")),
+        ("speed", None, None),
+        ("roll_deg", Some(Attitude(0)), Some("deg")),
+        ("heading", Some(Attitude(2)), None),
+        ("temp", Some(Temperature), None),
+        ("board_C", Some(Temperature), Some("degC")),
+        ("T_degC", Some(Temperature), Some("degC")),
+        ("Date", Some(Date), None),
+        ("UTC_time", Some(Time), None),
+        ("ecefX", Some(Ecef(0)), None),
+        ("y-ecef(m)", Some(Ecef(1)), Some("m")),
+        ("ecef_z_m", Some(Ecef(2)), Some("m")),
+        ("vx_ecef", Some(EcefVelocity(0)), None),
+        ("ecefVZ", Some(EcefVelocity(2)), None),
+        ("magx", None, None),
+        ("", None, None),
+        ("é", None, None),
+        ("x", None, None),
+    ];
+    for (name, expected, unit) in rows {
+        let found = meaning(name);
+        assert_eq!(found.as_ref().map(|f| f.0), expected, "{name}");
+        assert_eq!(found.and_then(|f| f.1).as_deref(), unit, "{name}");
+    }
+}
+
+#[test]
+fn times_by_many_names() {
+    for (name, unit) in [
+        ("millis", Some("ms")),
+        ("micros()", Some("us")),
+        ("elapsed_ms", Some("ms")),
+        ("Elapsed Time", None),
+        ("SampleTimeFine", None),
+        ("Time since start in ms (from the first sample)", Some("ms")),
+        ("Time since start in ms", Some("ms")),
+        ("TimeUS", Some("us")),
+        ("timestamp_usec", Some("us")),
+        ("seconds_elapsed", None),
+        ("ts", None),
+    ] {
+        let expected = (Meaning::Time, unit.map(str::to_owned));
+        assert_eq!(meaning(name), Some(expected), "{name}");
+    }
+    // Ticks that are no unit: 100 Hz of an MTi, 120 Hz of a DOT.
+    let every = |step: f64| -> Vec<f64> { (0..20).map(|k| 7.0 + step * f64::from(k)).collect() };
+    let ticks = |step| {
+        time_unit_of("SampleTimeFine", &every(step), IMU_STEP)
+            .unwrap()
+            .0
+    };
+    assert_eq!((ticks(100.0), ticks(8333.0)), ("0.1 ms/LSB", "us"));
+    assert_eq!(time_unit_of("t", &every(10.0), IMU_STEP).unwrap().0, "ms");
+}
+
+#[test]
+fn alpha_beside_omega_is_the_specific_force() {
+    let of = |names: &str| {
+        let names: Vec<String> = names.split(' ').map(str::to_owned).collect();
+        let accel = |of: Option<(Meaning, _)>| matches!(of, Some((Meaning::Accel(_), _)));
+        Vec::from_iter(meanings(&names).into_iter().map(accel))
+    };
+    let kalibr = "timestamp omega_x omega_y omega_z alpha_x alpha_y alpha_z";
+    assert_eq!(of(kalibr), [false, false, false, false, true, true, true]);
+    // An angular acceleration beside another specific force, or alone.
+    let both = "omega_x omega_y omega_z alpha_x alpha_y alpha_z ax ay az";
+    let last = [false, false, false, false, false, false, true, true, true];
+    assert_eq!(of(both), last);
+    assert_eq!(of("gx gy gz alpha_x alpha_y alpha_z"), [false; 6]);
+}
+
+#[test]
+fn every_ending_and_spelling_is_the_unit_that_it_says() {
+    use Quantity::*;
+    let (degree, g) = (std::f64::consts::PI / 180.0, 9.806_65);
+    let endings = [
+        ("_radps", AngularRate, 1.0),
+        ("_rad_s", AngularRate, 1.0),
+        ("_degps", AngularRate, degree),
+        ("_deg_s", AngularRate, degree),
+        ("_dps", AngularRate, degree),
+        ("_mps2", Acceleration, 1.0),
+        ("_m_s2", Acceleration, 1.0),
+        ("_mps", Velocity, 1.0),
+        ("_m_s", Velocity, 1.0),
+        ("_mg", Acceleration, 1e-3 * g),
+        ("_g", Acceleration, g),
+        ("_deg", Angle, degree),
+        ("_rad", Angle, 1.0),
+        ("_sec", Time, 1.0),
+        ("_msec", Time, 1e-3),
+        ("_usec", Time, 1e-6),
+        ("_nsec", Time, 1e-9),
+        ("_ms", Time, 1e-3),
+        ("_us", Time, 1e-6),
+        ("_ns", Time, 1e-9),
+        ("_s", Time, 1.0),
+        ("_m", Length, 1.0),
+        ("_hz", Frequency, 1.0),
+    ];
+    let temperatures = ["_kelvin", "_celsius", "_degc", "_c"];
+    let spellings = [
+        ("dps", AngularRate, degree),
+        ("°/s", AngularRate, degree),
+        ("degrees/s", AngularRate, degree),
+        ("rad s^-1", AngularRate, 1.0),
+        ("rad·s^-1", AngularRate, 1.0),
+        ("rps", AngularRate, 1.0),
+        ("m s^-2", Acceleration, 1.0),
+        ("m/s2", Acceleration, 1.0),
+        ("m/s²", Acceleration, 1.0),
+        ("mps2", Acceleration, 1.0),
+        ("m/s/s", Acceleration, 1.0),
+        ("m s^-1", Velocity, 1.0),
+        ("mps", Velocity, 1.0),
+        ("°", Angle, degree),
+        ("degrees", Angle, degree),
+        ("µs", Time, 1e-6),
+        ("usec", Time, 1e-6),
+        ("msec", Time, 1e-3),
+        ("milliseconds", Time, 1e-3),
+        ("sec", Time, 1.0),
+        ("seconds", Time, 1.0),
+    ];
+    for (ending, _) in SUFFIXES {
+        let known = endings.iter().any(|row| row.0 == ending) || temperatures.contains(&ending);
+        assert!(known, "{ending}: what is it?");
+    }
+    let names = endings.map(|(ending, quantity, si)| (format!("x{ending}"), quantity, si));
+    let bracketed = spellings.map(|(unit, quantity, si)| (format!("x [{unit}]"), quantity, si));
+    for (name, quantity, si) in names.into_iter().chain(bracketed) {
+        let (stem, unit) = split_unit(&name);
+        assert_eq!(stem, "x");
+        let factor = unit_factor(&unit.unwrap(), quantity);
+        let factor = factor.unwrap_or_else(|error| panic!("{name}: {error}"));
+        // Roundings of the factor.
+        assert!((factor / si - 1.0).abs() < 1e-15, "{name}: {factor}");
+    }
+}

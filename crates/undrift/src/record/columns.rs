@@ -1,0 +1,230 @@
+//! Which columns of a table are the axes of a record, in which units.
+
+use super::{RecordFormat, guess::Guess};
+use crate::{
+    columns::{IMU_STEP, Meaning, meaning, meanings, time_unit_of},
+    temperature,
+};
+use undrift_io::table::{Column, Preview, Stamp, TableOptions};
+use undrift_nav::units::{Quantity, unit_factor};
+use undrift_noise::model_file::AXES;
+
+/// The axis, of [`AXES`], that the meaning of a column is, and its unit.
+pub(super) fn as_axis(
+    meaning: Option<(Meaning, Option<String>)>,
+) -> Option<(usize, Option<String>)> {
+    match meaning? {
+        (Meaning::Gyro(axis), unit) => Some((axis, unit)),
+        (Meaning::Accel(axis), unit) => Some((3 + axis, unit)),
+        _ => None,
+    }
+}
+
+/// A column of a record.
+pub(super) struct AxisColumn {
+    /// Its place in [`AXES`].
+    pub(super) index: usize,
+    pub(super) column: Column,
+    /// Its unit: stated, by its name, or guessed.
+    pub(super) unit: Option<String>,
+    /// From its unit to SI.
+    pub(super) scale: f64,
+}
+
+/// Where a table has what of a record.
+pub(super) struct RecordColumns {
+    pub(super) axes: Vec<AxisColumn>,
+    /// Factor from the time column, the last that is wanted, to seconds.
+    pub(super) time: Option<f64>,
+    /// What the column of temperatures has at 0 °C, if there is one.
+    pub(super) zero: Option<f64>,
+    /// The axes, the temperature, the time.
+    pub(super) wanted: TableOptions,
+    pub(super) guessed: Vec<(&'static str, String)>,
+}
+
+/// Finds the columns; `Err` says what is missing. What neither the format nor the header says is guessed of six
+/// axes.
+pub(super) fn find(beginning: &Preview, format: &RecordFormat) -> Result<RecordColumns, String> {
+    let header = &beginning.header;
+    let mut guessed = Vec::new();
+    let mut guess = None;
+    let mut axes = match find_axes(header, format) {
+        Err(problem) if format.columns.is_empty() => {
+            guess = Guess::of(beginning);
+            let of_guess = guess.as_ref().ok_or(problem)?.columns().enumerate();
+            let found = of_guess.map(|(index, column)| AxisColumn {
+                index,
+                column: column.clone(),
+                unit: None,
+                scale: 1.0,
+            });
+            let found: Vec<AxisColumn> = found.collect();
+            let columns: Vec<String> = found.iter().map(|axis| bare(&axis.column)).collect();
+            guessed.push(("--columns", columns.join(",")));
+            found
+        }
+        found => found?,
+    };
+    let unknown = axes.iter().any(|axis| axis.unit.is_none()) && format.units.is_none();
+    if unknown && axes.len() == AXES.len() && format.columns.is_empty() {
+        guess = guess.or_else(|| Guess::of(beginning));
+        if let Some(guess) = &guess {
+            let units = guess.units()?;
+            for axis in axes.iter_mut().filter(|axis| axis.unit.is_none()) {
+                axis.unit = Some(units[usize::from(axis.index > 2)].clone());
+            }
+            guessed.push(("--units", units.join(",")));
+        }
+    }
+    for axis in &mut axes {
+        axis.scale = scale(axis, format)?;
+    }
+    let named = header
+        .iter()
+        .enumerate()
+        .find_map(|(k, name)| match meaning(name) {
+            Some((Meaning::Time, unit)) => Some((Column::Number(k + 1), unit)),
+            _ => None,
+        });
+    let time = named.or_else(|| Some((guess?.time?, None)));
+    let temperature = temperature::of_beginning(beginning);
+    let zero = temperature.as_ref().map(|column| column.zero);
+    let keyed = axes
+        .iter()
+        .map(|axis| (AXES[axis.index].to_owned(), axis.column.clone()));
+    let optional = temperature.as_ref().map(|_| axes.len());
+    let temperature = temperature.map(|temperature| temperature.column);
+    let columns: Vec<_> = keyed
+        .chain(temperature.map(|column| ("temperature".to_owned(), column)))
+        .chain(
+            time.iter()
+                .map(|(column, _)| ("time".to_owned(), column.clone())),
+        )
+        .collect();
+    let time: Option<f64> = time.map(|(column, unit)| match unit {
+        Some(unit) => unit_factor(&unit, Quantity::Time).unwrap_or(1.0),
+        None => {
+            let stamps = values(beginning, &column);
+            let name = match &column {
+                Column::Number(number) => header.get(number.wrapping_sub(1)),
+                Column::Name(name) => Some(name),
+            };
+            let name = name.map_or("", String::as_str);
+            time_unit_of(name, &stamps, IMU_STEP).map_or(1.0, |(_, factor)| factor)
+        }
+    });
+    let stamp = time.map(|scale| Stamp {
+        place: columns.len() - 1,
+        column: String::new(),
+        scale,
+        date: None,
+    });
+    let wanted = TableOptions {
+        columns,
+        stamp,
+        optional,
+        ..TableOptions::default()
+    };
+    Ok(RecordColumns {
+        axes,
+        time,
+        zero,
+        wanted,
+        guessed,
+    })
+}
+
+/// The first numbers of a column.
+fn values(beginning: &Preview, column: &Column) -> Vec<f64> {
+    let place = match column {
+        Column::Number(number) => number.checked_sub(1),
+        Column::Name(name) => beginning.header.iter().position(|known| known == name),
+    };
+    let rows = beginning.rows.iter();
+    rows.filter_map(|row| row.get(place?).copied()).collect()
+}
+
+/// A column as an option takes it.
+fn bare(column: &Column) -> String {
+    match column {
+        Column::Name(name) => name.clone(),
+        Column::Number(number) => number.to_string(),
+    }
+}
+
+/// The columns of the axes: as stated, else by the names in the header.
+fn find_axes(header: &[String], format: &RecordFormat) -> Result<Vec<AxisColumn>, String> {
+    let known = meanings(header);
+    let named = |column: &Column| match column {
+        Column::Name(name) => match header.iter().position(|known| known == name) {
+            Some(place) => as_axis(known.get(place)?.clone()),
+            None => as_axis(meaning(name)),
+        },
+        Column::Number(n) => as_axis(known.get(n.wrapping_sub(1))?.clone()),
+    };
+    let axis = |index, column: &Column, unit| AxisColumn {
+        index,
+        column: column.clone(),
+        unit,
+        scale: 1.0,
+    };
+    match format.columns.as_slice() {
+        [] => {
+            let columns = (1..=header.len()).map(Column::Number);
+            let found: Vec<AxisColumn> = columns
+                .filter_map(|column| named(&column).map(|(index, unit)| axis(index, &column, unit)))
+                .collect();
+            let twice = (0..AXES.len()).any(|k| found.iter().filter(|a| a.index == k).count() > 1);
+            if !found.is_empty() && !twice {
+                return Ok(found);
+            }
+            let there = match header {
+                [] => "it has no header".to_owned(),
+                names => format!("it has: {}", names.join(", ")),
+            };
+            Err(format!(
+                "the header does not identify the columns of the six axes ({there}); specify them with --columns gx,gy,gz,ax,ay,az"
+            ))
+        }
+        [one] => {
+            let known = named(one);
+            let index = match &format.axis {
+                Some(name) => AXES.iter().position(|a| a == name).ok_or_else(|| {
+                    format!("unknown axis \"{name}\"; available: {}", AXES.join(", "))
+                })?,
+                None => known.as_ref().map(|n| n.0).ok_or_else(|| {
+                    let axes = AXES.join(", ");
+                    format!("specify the axis of column {one} with --axis, one of {axes}")
+                })?,
+            };
+            Ok(vec![axis(index, one, known.and_then(|n| n.1))])
+        }
+        six if six.len() == AXES.len() => {
+            let axes = six.iter().enumerate();
+            let axes = axes.map(|(k, column)| axis(k, column, named(column).and_then(|n| n.1)));
+            Ok(axes.collect())
+        }
+        other => Err(format!(
+            "{} columns specified; expected six (gyro x, y, z, accelerometer x, y, z) or one",
+            other.len()
+        )),
+    }
+}
+
+/// The factor from an axis's unit, stated, by its name or guessed, to SI.
+fn scale(axis: &mut AxisColumn, format: &RecordFormat) -> Result<f64, String> {
+    let (quantity, stated) = match (axis.index < 3, &format.units) {
+        (true, units) => (Quantity::AngularRate, units.as_ref().map(|(gyro, _)| gyro)),
+        (false, units) => (
+            Quantity::Acceleration,
+            units.as_ref().map(|(_, accel)| accel),
+        ),
+    };
+    axis.unit = stated.or(axis.unit.as_ref()).cloned();
+    let unit = axis.unit.as_ref().ok_or_else(|| {
+        let column = &axis.column;
+        format!("the unit of column {column} is unknown; set --units, for instance \"deg/s,g\"")
+    })?;
+    unit_factor(unit, quantity).map_err(|e| format!("--units \"{unit}\": {e}"))
+}
