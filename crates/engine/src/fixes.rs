@@ -51,7 +51,7 @@ impl FixStudy {
         // Velocities are as good as the positions show them to be only where their latency is estimated.
         let is_late = self.velocity_late.is_some();
         if is_late && parameters.prior(Parameter::VelocityTimeOffset).is_none() {
-            errors.velocity_factor = errors.velocity_factor.max(1.0);
+            errors.velocity_factor = errors.velocity_factor.map(|factor| factor.max(1.0));
             errors.velocity_correlated = None;
         }
         errors.under(stated)
@@ -189,11 +189,14 @@ fn study_track(track: &Track) -> Option<FixStudy> {
     };
     let velocity_late = differences.take_out_latency(&track.velocity);
     let jitter = differences.jitter(&track.velocity);
-    let one = differences.gamma(1, jitter > 0.0)?;
-    // Variance of a velocity over that of a position; by the trapezoidal rule γ has a quarter of it times dt².
-    let pairs = track.stated_velocity.iter().zip(&differences.variance);
-    let ratio = median(&pairs.map(|(v, r)| v.sum() / r.sum()).collect::<Vec<_>>());
-    let from_velocity = 0.25 * interval * interval * ratio;
+    let axes = differences.gammas(1)?;
+    let (axis, one) = of_axes(&axes, jitter > 0.0);
+    // By the trapezoidal rule γ has a quarter of a velocity's variance times dt², over the variance of a position.
+    let from_velocities = Vector3::from_fn(|i, _| {
+        let pairs = track.stated_velocity.iter().zip(&differences.variance);
+        let ratios: Vec<f64> = pairs.map(|(v, r)| v[i] / r[i]).collect();
+        0.25 * interval * interval * median(&ratios)
+    });
     let mut errors = FixErrors {
         step,
         jitter,
@@ -201,17 +204,27 @@ fn study_track(track: &Track) -> Option<FixStudy> {
         known: true,
         ..FixErrors::default()
     };
-    // Were all of it the velocities' white noise.
-    let bound = (one / from_velocity).sqrt();
+    // Were all of it the velocities' white noise; the vertical one is measured in another way.
+    let level = (axes[0] + axes[1]) / (from_velocities.x + from_velocities.y);
+    let level = if jitter > 0.0 {
+        one / from_velocities[axis]
+    } else {
+        level
+    };
+    let down = axes[2] / from_velocities.z;
+    let bound = Vector3::new(level, level, down).map(f64::sqrt);
     let moving = track.velocity.iter().filter(|v| v.norm() > MOVES).count() as f64;
-    if bound < MODEST && moving * interval > MOVING {
-        errors.velocity_factor = bound.max(LEAST_VELOCITY);
+    if bound.min() < MODEST && moving * interval > MOVING {
+        errors.velocity_factor = bound.map(|bound| match bound < MODEST {
+            true => bound.max(LEAST_VELOCITY),
+            false => 1.0,
+        });
         errors.velocity_correlated = Some(Correlated {
             share: VELOCITY_SHARE,
             time: VELOCITY_TIME,
         });
     }
-    let white = (one - from_velocity).max(0.0);
+    let white = (one - from_velocities[axis]).max(0.0);
     if white > FACTOR * FACTOR {
         errors.position_factor = white.sqrt();
     } else if one < WHITE_SHARE {
@@ -280,6 +293,14 @@ impl Track {
     }
 }
 
+/// The axis with the median of the values, or the least, and its value.
+fn of_axes(values: &[f64; 3], least: bool) -> (usize, f64) {
+    let mut axes = [0, 1, 2];
+    axes.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let axis = axes[usize::from(!least)];
+    (axis, values[axis])
+}
+
 /// The step that coordinate `i` is a multiple of, in its unit; 0 where it is none that shows.
 fn grid(written: &[Vector3], i: usize) -> f64 {
     let moves = written.windows(2).map(|w| (w[1][i] - w[0][i]).abs());
@@ -315,8 +336,13 @@ impl Differences<'_> {
             .filter(move |(a, b)| (self.time[*b] - self.time[*a] - span).abs() < slack)
     }
 
-    /// Half the mean square of the differences over the stated variance; the median of the axes, or the least.
+    /// As [`Differences::gammas`]; the median of the axes, or the least.
     fn gamma(&self, lag: usize, least: bool) -> Option<f64> {
+        Some(of_axes(&self.gammas(lag)?, least).1)
+    }
+
+    /// Half the mean square of the differences over the stated variance, north, east, down.
+    fn gammas(&self, lag: usize) -> Option<[f64; 3]> {
         let mut axes: [Vec<f64>; 3] = Default::default();
         for (a, b) in self.pairs(lag) {
             let moved = self.error[b] - self.error[a];
@@ -328,9 +354,7 @@ impl Differences<'_> {
         if axes[0].len() < LEAST_PAIRS {
             return None;
         }
-        let mut gamma = axes.map(|axis| 0.5 * median(&axis) / MEDIAN);
-        gamma.sort_by(f64::total_cmp);
-        Some(gamma[usize::from(!least)])
+        Some(axes.map(|axis| 0.5 * median(&axis) / MEDIAN))
     }
 
     /// A velocity that holds `δ` later than the position makes `δ Δv` of a difference; taken out where it shows.

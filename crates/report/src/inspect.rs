@@ -336,7 +336,7 @@ fn write_part(text: &mut String, inspection: &Inspection, part: &Part, home: &Pa
         text.push('\n');
     }
     if part.table == "gnss" {
-        *text += "lever_arm = \"0, 0, 0 m\" # from the IMU to the antenna: forward, right, down; measure it\n";
+        *text += "# lever_arm = \"0, 0, 0 m\" # from the IMU to the antenna: forward, right, down; measured beats estimated\n";
     }
     for line in part.problem.iter().flat_map(|problem| problem.lines()) {
         *text += &format!("# {}\n", comment(line));

@@ -74,10 +74,10 @@ use undrift_noise::{ImuModel, number::rounded};
 ///
 /// let drive = Drive {
 ///     model: ImuModel::preset("adis16465"),
-///     lever_arm: Vector3::new(0.3, 0.0, -1.2),
 ///     adapt: true,
 ///     ..Drive::from_samples(&log.imu, &log.gnss)
 /// }
+/// .with_lever_arm(Vector3::new(0.3, 0.0, -1.2))
 /// .with_truth(&log.truth);
 /// let report = navigate_drive(&drive, BiasModel::Arma, Wanted::default())?;
 /// assert!(report.summary.fixes > 0 && report.rmse.is_some());
@@ -175,9 +175,8 @@ impl Drive {
         logs.span = tables::read_span(&top.section("span")?)?;
         let gnss = top.section("gnss")?;
         let gnss_use = gnss::read_use(&gnss)?;
-        let lever_arm = gnss
-            .vector("lever_arm", Quantity::Length)?
-            .unwrap_or_else(Vector3::zeros);
+        let antenna = gnss.vector("lever_arm", Quantity::Length)?;
+        let lever_arm = antenna.unwrap_or_else(Vector3::zeros);
         if lever_arm.norm() > MOST_LEVER_ARM {
             let message = format!(
                 "{:.0} m is longer than any vehicle: check the unit",
@@ -187,7 +186,8 @@ impl Drive {
         }
         let (constraints, parameters) = tables::read_vehicle(&top.section("vehicle")?)?;
         let (imu, options) = imu::read_imu(&top.section("imu")?, &mut logs)?;
-        let parameters = tables::read_states(&top.section("states")?, parameters)?;
+        let parameters =
+            tables::read_states(&top.section("states")?, parameters, antenna.is_some())?;
         let (scalars, parameters) = scalars::read(&top, &mut logs, parameters)?;
         let mut drive = Self {
             parameters,

@@ -31,7 +31,7 @@
 //! // A preset, a file (`ImuModel::load`), the numbers of a data sheet (`ImuModel::new`), or your own recording (`identify`).
 //! let model = ImuModel::preset("adis16465").ok_or("no such preset")?;
 //! let setup = Setup {
-//!     lever_arm: Vector3::new(0.3, 0.0, -1.2), // From the IMU to the antenna [m].
+//!     lever_arm: Some(Vector3::new(0.3, 0.0, -1.2)), // From the IMU to the antenna [m].
 //!     vehicle: Profile::Car,
 //!     ..Setup::default()
 //! };

@@ -25,8 +25,9 @@ use undrift_noise::{BiasModel, ImuModel, Provenance};
 /// What is known of a drive beside its samples, fixes and noise model. The default knows nothing.
 #[derive(Clone, Debug)]
 pub struct Setup {
-    /// From the IMU to the antenna, body axes forward, right, down \[m\].
-    pub lever_arm: Vector3,
+    /// From the IMU to the antenna, body axes forward, right, down \[m\]; where it is not known it is estimated, from
+    /// zero known to half a metre.
+    pub lever_arm: Option<Vector3>,
     /// What moves: its constraints are applied.
     pub vehicle: Profile,
     /// Whether the axes of the samples are the sensor's own, and how they sit in the vehicle is estimated from the drive.
@@ -42,7 +43,7 @@ pub struct Setup {
 impl Default for Setup {
     fn default() -> Self {
         Self {
-            lever_arm: Vector3::zeros(),
+            lever_arm: None,
             vehicle: Profile::None,
             estimate_mounting: false,
             align: AlignSettings::default(),
@@ -55,12 +56,15 @@ impl Default for Setup {
 impl Setup {
     /// The drive that [`navigate`](fn@navigate) runs, for whatever else takes a drive: outages, tuning.
     pub fn drive(&self, imu: &[ImuSample], fixes: &[GnssFix], model: &ImuModel) -> Drive {
-        Drive {
-            lever_arm: self.lever_arm,
+        let drive = Drive {
             estimate_mounting: self.estimate_mounting,
             align: self.align.clone(),
             model: Some(model.clone()),
             ..Drive::from_samples(imu, fixes).with_vehicle(self.vehicle)
+        };
+        match self.lever_arm {
+            Some(lever_arm) => drive.with_lever_arm(lever_arm),
+            None => drive,
         }
     }
 

@@ -86,8 +86,8 @@ impl Default for FromFixes {
 pub struct FixErrors {
     /// What the stated standard deviations of the position are multiplied by.
     pub position_factor: f64,
-    /// What the stated standard deviations of the velocity are multiplied by.
-    pub velocity_factor: f64,
+    /// What the stated standard deviations of the velocity north, east and down are multiplied by.
+    pub velocity_factor: Vector3,
     /// The time-correlated part of the position's error.
     pub correlated: Option<Correlated>,
     /// The time-correlated part of the velocity's error, of the variance that is left of the stated one.
@@ -106,7 +106,7 @@ impl Default for FixErrors {
     fn default() -> Self {
         Self {
             position_factor: 1.0,
-            velocity_factor: 1.0,
+            velocity_factor: Vector3::repeat(1.0),
             correlated: None,
             velocity_correlated: None,
             step: Vector3::zeros(),
@@ -134,9 +134,9 @@ impl FixErrors {
         let parts = [
             (
                 self.correlated,
-                self.position_factor,
+                Vector3::repeat(self.position_factor),
                 before.correlated,
-                before.position_factor,
+                Vector3::repeat(before.position_factor),
             ),
             (
                 self.velocity_correlated,
@@ -146,12 +146,14 @@ impl FixErrors {
             ),
         ];
         let shared = [self.split(position).1, Vector3::zeros()];
-        let std = |part: Correlated, factor: f64| part.share.sqrt() * factor;
+        let std = |part: Correlated, factor: Vector3| factor * part.share.sqrt();
         core::array::from_fn(|k| {
             let (part, factor, was, before) = parts[k];
             part.map(|part| Lasting {
                 prior: part.prior(),
-                grown: was.map_or(1.0, |was| std(part, factor) / std(was, before)),
+                grown: was.map_or(Vector3::repeat(1.0), |was| {
+                    std(part, factor).component_div(&std(was, before))
+                }),
                 shared: shared[k],
             })
         })
@@ -162,7 +164,8 @@ impl FixErrors {
         let mut fix = *fix;
         let velocity = fix.velocity.map(|(v, _)| v);
         if let Some((_, covariance)) = &mut fix.velocity {
-            *covariance *= self.velocity_factor * self.velocity_factor;
+            *covariance = covariance
+                .component_mul(&(self.velocity_factor * self.velocity_factor.transpose()));
             *covariance += self.velocity_bias * self.velocity_bias.transpose();
         }
         if let Some((_, covariance)) = &mut fix.position {
@@ -179,19 +182,19 @@ impl FixErrors {
     /// With the two parts of the errors multiplied.
     pub fn scaled(&self, factors: &StdFactors) -> Self {
         let mut errors = *self;
-        let parts = [
-            (&mut errors.position_factor, &mut errors.correlated),
-            (&mut errors.velocity_factor, &mut errors.velocity_correlated),
-        ];
-        for (k, (factor, part)) in parts.into_iter().enumerate() {
+        let parts = [&mut errors.correlated, &mut errors.velocity_correlated];
+        let mut grown = [1.0; 2];
+        for (k, part) in parts.into_iter().enumerate() {
             let share = part.map_or(0.0, |part| part.share);
             let white = (1.0 - share) * factors.white[k] * factors.white[k];
             let correlated = share * factors.correlated[k] * factors.correlated[k];
-            *factor *= (white + correlated).sqrt();
+            grown[k] = (white + correlated).sqrt();
             if let Some(part) = part {
                 part.share = correlated / (white + correlated);
             }
         }
+        errors.position_factor *= grown[0];
+        errors.velocity_factor *= grown[1];
         errors
     }
 

@@ -14,8 +14,8 @@ use nalgebra::SMatrix;
 pub struct Lasting {
     /// What is known of it, in units of its standard deviation [–].
     pub prior: Prior,
-    /// Its standard deviation over the one it was estimated with before, where it was [–].
-    pub grown: f64,
+    /// Its standard deviations over those it was estimated with before, where it was [–].
+    pub grown: Vector3,
     /// Standard deviation of that part of the solution's own error, north, east, down [m or m/s]: what its fixes were
     /// wrong by, the solution is too. For a part that was not estimated before.
     pub shared: Vector3,
@@ -116,7 +116,7 @@ impl<const N: usize> Filter<N> {
             };
             let was = carried.parameters.start(kind).map(|was| behind + was);
             for i in 0..kind.width() {
-                before[at + i] = was.map(|was| (was + i, 1.0 / lasting.grown));
+                before[at + i] = was.map(|was| (was + i, 1.0 / lasting.grown[i]));
                 if was.is_none() {
                     let variance = lasting.prior.std * lasting.prior.std;
                     let (own, across) = (3 * k + i, lasting.shared[i] * variance);

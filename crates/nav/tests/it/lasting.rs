@@ -21,7 +21,7 @@ fn lasting(grown: f64) -> Lasting {
             time: 60.0,
             ..Prior::constant(1.0)
         },
-        grown,
+        grown: Vector3::repeat(grown),
         shared: STD,
     }
 }

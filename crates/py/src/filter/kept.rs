@@ -40,7 +40,6 @@ impl Made {
         }
         let errors = &mut self.fix_errors;
         each(&mut errors.position_factor);
-        each(&mut errors.velocity_factor);
         for part in [&mut errors.correlated, &mut errors.velocity_correlated] {
             // A share of 0 is none.
             let nothing = Correlated {
@@ -52,7 +51,11 @@ impl Made {
             each(&mut found.time);
             *part = (found.share != 0.0).then_some(found);
         }
-        let vectors = [&mut errors.step, &mut errors.velocity_bias];
+        let vectors = [
+            &mut errors.velocity_factor,
+            &mut errors.step,
+            &mut errors.velocity_bias,
+        ];
         vectors.into_iter().flatten().for_each(&mut *each);
         each(&mut errors.jitter);
         each(&mut self.begun);

@@ -15,6 +15,7 @@ use undrift_io::{
 use undrift_nav::{
     Vector3,
     covariance::AXES,
+    parameters::Parameter,
     sample::{GnssFix, ImuSample, Scalar, TruthSample},
 };
 
@@ -74,6 +75,13 @@ impl Drive {
     /// The drive of a vehicle: what it cannot do, and the constants that this asks for.
     pub fn with_vehicle(mut self, profile: Profile) -> Self {
         (self.constraints, self.parameters) = tables::vehicle_by_default(profile, self.parameters);
+        self
+    }
+
+    /// The drive with the antenna at a place that is known, from the IMU, body axes \[m\]: it is no longer estimated.
+    pub fn with_lever_arm(mut self, lever_arm: Vector3) -> Self {
+        self.lever_arm = lever_arm;
+        self.parameters = self.parameters.without(Parameter::LeverArm);
         self
     }
 

@@ -212,6 +212,8 @@ const TIME_OFFSET_STD: f64 = 0.1;
 const TIME_OFFSET_WALK: f64 = 6e-3;
 /// By how much a host's clock or a sensor's own is fast or slow [s/s]: crystals 50e-6, those of cheap sensors more.
 const CLOCK_RATE_STD: f64 = 3e-4;
+/// Where an antenna may be of which nothing is said, each way \[m\].
+const LEVER_ARM_STD: f64 = 0.5;
 /// What data sheets of cheap inertial sensors allow their scale factors, one standard deviation.
 const SCALE_FACTOR_STD: f64 = 0.02;
 /// How much a scale factor of a gyro changes with temperature, rate and vibration [1/√s]. A constant would be believed to
@@ -311,13 +313,15 @@ pub(super) fn vehicle_by_default(
 pub(super) fn states_by_default() -> Parameters {
     let (offset, rate) = (Some(TIME_OFFSET_STD), Some(CLOCK_RATE_STD));
     let scales = [Some(SCALE_FACTOR_STD), None];
-    estimated(Parameters::none(), scales, [None; 2], offset, rate)
+    let constants = [None, Some(LEVER_ARM_STD)];
+    estimated(Parameters::none(), scales, constants, offset, rate)
 }
 
-/// The parameters estimated beside those given, by their standard deviations.
+/// The parameters estimated beside those given, by their standard deviations; `antenna` where it is known where that is.
 pub(super) fn read_states(
     section: &Section,
     parameters: Parameters,
+    antenna: bool,
 ) -> Result<Parameters, ConfigError> {
     let std = |key, quantity, otherwise| read_std(section, key, quantity, otherwise);
     let scale = std("scale_factor", Quantity::Dimensionless, None)?;
@@ -327,7 +331,8 @@ pub(super) fn read_states(
     let misalignment = std("misalignment", Quantity::Angle, None)?;
     let offset = std("time_offset", Quantity::Time, Some(TIME_OFFSET_STD))?;
     let rate = std("clock_rate", Quantity::Dimensionless, Some(CLOCK_RATE_STD))?;
-    let lever_arm = std("lever_arm", Quantity::Length, None)?;
+    let unknown = (!antenna).then_some(LEVER_ARM_STD);
+    let lever_arm = std("lever_arm", Quantity::Length, unknown)?;
     section.only_known()?;
     let constants = [misalignment, lever_arm];
     Ok(estimated(

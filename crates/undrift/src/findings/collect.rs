@@ -265,8 +265,8 @@ pub fn of_fixes(study: &FixStudy, errors: &FixErrors) -> Vec<Finding> {
     if let Some(Correlated { share, time }) = errors.correlated {
         found.push(Finding::CorrelatedFixes { share, time });
     }
-    if (errors.velocity_factor - 1.0).abs() > WORTH_REPORTING {
-        let factor = errors.velocity_factor;
+    let factor = errors.velocity_factor.x;
+    if (factor - 1.0).abs() > WORTH_REPORTING {
         found.push(Finding::ModestVelocity { factor });
     }
     if errors.position_factor - 1.0 > WORTH_REPORTING {
@@ -595,14 +595,14 @@ mod tests {
         // A twentieth of a standard deviation, more or less; of positions only more.
         for factor in [0.94, 1.06] {
             let modest = FixErrors {
-                velocity_factor: factor,
+                velocity_factor: undrift_nav::Vector3::repeat(factor),
                 ..plain
             };
             assert_eq!(told(modest), [Finding::ModestVelocity { factor }]);
         }
         for factor in [0.96, 1.04] {
             let usual = FixErrors {
-                velocity_factor: factor,
+                velocity_factor: undrift_nav::Vector3::repeat(factor),
                 position_factor: factor,
                 ..plain
             };

@@ -278,11 +278,30 @@ fn velocities_count_as_better_than_they_state_only_after_a_minute_of_motion() {
                 *covariance = Matrix3::identity() * 9.0;
             }
         }
-        study(shown).unwrap().errors.velocity_factor
+        study(shown).unwrap().errors.velocity_factor.max()
     };
     for (moves_until, better) in [(0.0, false), (55.0, false), (65.0, true), (100.0, true)] {
         let found = factor(moves_until);
         assert_eq!(found < 0.5, better, "{moves_until} {found}");
         assert!(better || found == 1.0);
+    }
+}
+
+/// A vertical velocity of which nothing is known says nothing of the horizontal ones.
+#[test]
+fn velocities_are_judged_axis_by_axis() {
+    let errors = Errors {
+        seconds: 100.0,
+        ..CLEAN
+    };
+    for vertical in [0.1, 20.0] {
+        let mut shown = fixes(&errors, 1);
+        for fix in &mut shown {
+            let (_, covariance) = fix.velocity.as_mut().unwrap();
+            *covariance = Matrix3::from_diagonal(&Vector3::new(0.01, 0.01, vertical * vertical));
+        }
+        let factor = study(shown).unwrap().errors.velocity_factor;
+        assert_eq!(factor.xy(), Vector3::repeat(1.0).xy(), "{vertical}");
+        assert_eq!(factor.z == 1.0, vertical < 1.0, "{vertical} {factor}");
     }
 }

@@ -33,10 +33,10 @@ fn in_memory(files: &Drive) -> Drive {
     let fixes: Result<Vec<_>, _> = files.open_gnss().unwrap().collect();
     let drive = Drive {
         model: files.model.clone(),
-        lever_arm: files.lever_arm,
         align: files.align.clone(),
         ..Drive::from_samples(&imu.unwrap(), &fixes.unwrap())
-    };
+    }
+    .with_lever_arm(files.lever_arm);
     match files.open_truth().unwrap() {
         Some(truth) => drive.with_truth(&truth.collect::<Result<Vec<_>, _>>().unwrap()),
         None => drive,
@@ -178,7 +178,7 @@ fn the_front_door_has_the_verdict_of_the_command() {
     let fixes: Vec<_> = files.open_gnss().unwrap().map(Result::unwrap).collect();
     let model = files.model.clone().unwrap();
     let setup = Setup {
-        lever_arm: files.lever_arm,
+        lever_arm: Some(files.lever_arm),
         ..Setup::default()
     };
     let done = navigate(&imu, &fixes, &model, &setup).unwrap();

@@ -31,6 +31,6 @@ fn each_part_of_the_variance_is_multiplied_by_the_square_of_its_factor() {
     let part = found.correlated.unwrap();
     assert!((part.share - 12.0 / 13.0).abs() < 1e-12 && part.time == 60.0);
     // All of the velocity's is white.
-    assert!((found.velocity_factor - 3.0).abs() < 1e-12 && found.velocity_correlated.is_none());
+    assert!((found.velocity_factor.x - 3.0).abs() < 1e-12 && found.velocity_correlated.is_none());
     assert_eq!(parts(0.75).scaled(&StdFactors::ONE), parts(0.75));
 }
