@@ -176,8 +176,6 @@ pub trait Estimator: Send + Sync {
     fn doubt(&mut self, position: f64, velocity: f64, tilt: f64);
     /// Sets the variance of the white noise of a sample of each axis \[rad²/s², m²/s⁴\] from now on.
     fn set_white_noise(&mut self, variance: &[f64; AXES]);
-    /// Multiplies the covariance by a factor.
-    fn fade(&mut self, factor: f64);
     /// Adds uncertainty to the heading \[rad\] and the error of gyro z \[rad/s\], one sigma.
     fn doubt_heading(&mut self, heading: f64, gyro: f64);
     /// Adds uncertainty in the turn \[rad²\] and the change of velocity \[m²/s²\] of what was just passed, body axes.
@@ -477,10 +475,6 @@ impl<const N: usize> Estimator for Sized<N> {
 
     fn set_white_noise(&mut self, variance: &[f64; AXES]) {
         self.filter.set_white_noise(variance);
-    }
-
-    fn fade(&mut self, factor: f64) {
-        self.filter.fade(factor);
     }
 
     fn doubt_heading(&mut self, heading: f64, gyro: f64) {

@@ -3,7 +3,7 @@
 //! A sample's way: [`Navigator::imu`] keeps it until the next one shows that it can be right (`inertial`), carries the
 //! solution over it ([`estimator`]), and stops on the way at each measurement that falls due (`measurement`): a fix is
 //! judged by `receiver`, any other is used in its room of `aid`, what the vehicle cannot do when `constraints` says so. Before there
-//! is a solution both go to the alignment ([`align`]). What the watches may do to the filter (widen, doubt, fade,
+//! is a solution both go to the alignment ([`align`]). What the watches may do to the filter (widen, doubt,
 //! restart) they do through [`estimator::Estimator`] alone; what happened is in [`Summary`].
 //!
 //! Measurements may come late, up to a horizon ([`Navigator::with_horizon`]): the solution is always that of the
@@ -47,7 +47,6 @@ mod course;
 pub mod derived;
 pub mod estimator;
 mod events;
-mod fading;
 pub mod fixes;
 mod gate;
 mod health;

@@ -3,7 +3,6 @@
 use super::{
     aid::Aid,
     events::Part,
-    fading::{Fading, MOST_HEADING},
     gate::{FixGate, Scale, Verdict},
     summary::{MOST_EVENTS, Summary},
     watch::LeanWatch,
@@ -67,7 +66,6 @@ struct FixPart {
     part: Part,
     gate: FixGate,
     scale: Scale,
-    fading: Fading,
     lean: LeanWatch,
 }
 
@@ -95,7 +93,6 @@ impl Receiver {
             part,
             gate: FixGate::new(part, time),
             scale: Scale::new(),
-            fading: Fading::new(),
             lean: LeanWatch::new(part),
         };
         Self {
@@ -370,12 +367,6 @@ impl FixPart {
         }
         if settings.adapt {
             self.scale.learn(&update);
-        } else if settings.gating {
-            let factor = self.fading.factor(&update, settings.fix_errors.known);
-            if factor > 1.0 && filter.nav_std()[8] < MOST_HEADING {
-                filter.fade(factor);
-                summary.faded += 1;
-            }
         }
         self.lean.add(time, &innovation, &update, summary);
         match self.part {

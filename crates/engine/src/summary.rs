@@ -146,8 +146,6 @@ pub struct Summary {
     pub doubts: Vec<Doubt>,
     /// Parameters that ended far from what was known of them: estimate, and prior standard deviations that it is off.
     pub far: Vec<(Parameter, f64, f64)>,
-    /// Updates after which the covariance was made larger, because innovations were larger than it predicts.
-    pub faded: u64,
     /// Where the course has contradicted the heading; the first [`MOST_EVENTS`].
     pub heading_off: Vec<HeadingOff>,
     /// What all of the fixes show of themselves; at the end, where they are looked at.

@@ -606,28 +606,6 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// Multiplies the covariance by `factor`, at least 1, that of sensors' states up to what they had before the first
-    /// sample and that of parameters not at all, which are constants: for a solution whose innovations are larger than
-    /// it predicts. What is past then counts for less (fading memory: Sorenson & Sacks 1971; Gelb 1974, section 8.1).
-    pub fn fade(&mut self, factor: f64) {
-        let mut scales = [1.0; N];
-        for scale in &mut scales[..NAV] {
-            *scale = libm::sqrt(factor);
-        }
-        for axis in 0..AXES {
-            let (sensor, at) = (self.sensors.axis(axis), self.sensors.start(axis));
-            for i in 0..sensor.order {
-                let room = sensor.p0[i][i] / self.p[(at + i, at + i)];
-                scales[at + i] = libm::sqrt(factor.min(room).max(1.0));
-            }
-        }
-        for i in 0..N {
-            for j in 0..N {
-                self.p[(i, j)] *= scales[i] * scales[j];
-            }
-        }
-    }
-
     /// Adds uncertainty to the heading \[rad\] and to the error of gyro z [rad/s], one standard deviation: for a
     /// heading that the course contradicts.
     pub fn doubt_heading(&mut self, heading: f64, gyro: f64) {

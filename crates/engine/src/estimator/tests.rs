@@ -175,9 +175,6 @@ fn same_run<const N: usize>(states: usize) {
     own.doubt(1.0, 2.0, 0.1);
     filter.doubt(1.0, 2.0, 0.1);
     assert_same(&*own, &filter);
-    own.fade(1.5);
-    filter.fade(1.5);
-    assert_same(&*own, &filter);
     own.doubt_heading(0.2, 0.01);
     filter.doubt_heading(0.2, 0.01);
     assert_same(&*own, &filter);

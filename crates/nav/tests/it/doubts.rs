@@ -4,7 +4,7 @@ use nalgebra::SMatrix;
 use undrift_nav::{
     Matrix3, Vector3,
     attitude::from_rpy,
-    covariance::{AXES, NAV},
+    covariance::AXES,
     earth::Geodetic,
     filter::{Filter, Gate, InitialStd},
     mechanisation::NavState,
@@ -86,55 +86,6 @@ fn added(filter: &mut Filter<N>, doubt: impl FnOnce(&mut Filter<N>)) -> SMatrix<
 fn assert_is(added: &SMatrix<f64, N, N>, expected: &SMatrix<f64, N, N>) {
     let off = (added - expected).amax();
     assert!(off < EXACT, "off by {off:e}: {added:.3e} {expected:.3e}");
-}
-
-#[test]
-fn fading_multiplies_the_covariance_by_the_factor_itself() {
-    let mut filter = aided();
-    let before = *filter.covariance();
-    let factor = 1.5;
-    filter.fade(factor);
-    let after = *filter.covariance();
-    for i in 0..NAV {
-        for j in 0..NAV {
-            let ratio = after[(i, j)] / before[(i, j)];
-            assert!((ratio - factor).abs() < EXACT, "{i} {j}: {ratio}");
-        }
-    }
-    // A sensor's error is known at least as well as before the first sample, …
-    let (mut limited, mut free) = (0, 0);
-    for axis in 0..AXES {
-        let (sensor, at) = (filter.sensors().axis(axis), filter.sensors().start(axis));
-        for i in 0..sensor.order {
-            let (now, room) = (before[(at + i, at + i)], sensor.p0[i][i]);
-            let expected = (factor * now).min(room).max(now);
-            assert!(
-                (after[(at + i, at + i)] / expected - 1.0).abs() < EXACT,
-                "{axis} {i}"
-            );
-            *(if expected < factor * now {
-                &mut limited
-            } else {
-                &mut free
-            }) += 1;
-        }
-    }
-    assert!(
-        limited > 0 && free > 0,
-        "both cases are to be seen: {limited} {free}"
-    );
-    // … a constant is not forgotten, …
-    let at = filter.parameter_start(Parameter::LeverArm).unwrap();
-    for i in at..N {
-        assert_eq!(after[(i, i)], before[(i, i)]);
-    }
-    // … and what is correlated stays so to the same degree.
-    for i in 0..N {
-        for j in 0..N {
-            let of = |p: &SMatrix<f64, N, N>| p[(i, j)] / (p[(i, i)] * p[(j, j)]).sqrt();
-            assert!((of(&after) - of(&before)).abs() < EXACT, "{i} {j}");
-        }
-    }
 }
 
 #[test]

@@ -44,11 +44,10 @@ fn check_a_diverged_solution_begins_anew(mut log: Log) {
     let end = log.gnss[log.gnss.len() - 1].time;
     let (distance, angle, _) = apart(&track, &clean, end - 30.0);
     println!(
-        "a gyro gone wild: {:?}; suspect {:?}; heading {:?}; faded {}; {} spans left out; at the end {distance:.3} m, {angle:.3} deg",
+        "a gyro gone wild: {:?}; suspect {:?}; heading {:?}; {} spans left out; at the end {distance:.3} m, {angle:.3} deg",
         summary.restarts,
         summary.suspect,
         summary.heading_off,
-        summary.faded,
         summary.contradictions.len()
     );
     let mut courses = summary.heading_off.iter();
