@@ -172,8 +172,8 @@ pub trait Estimator: Send + Sync {
     fn advance(&mut self, time: Option<f64>);
     /// Adds uncertainty for `duration` \[s\] without samples, one sigma of turn rate and acceleration.
     fn grow(&mut self, duration: f64, rate: f64, accel: f64);
-    /// Adds uncertainty to position \[m\], velocity \[m/s\] and tilt \[rad\], one sigma.
-    fn doubt(&mut self, position: f64, velocity: f64, tilt: f64);
+    /// Adds uncertainty to position north, east, down \[m\], velocity \[m/s\] and tilt \[rad\], one sigma.
+    fn doubt(&mut self, position: &Vector3, velocity: f64, tilt: f64);
     /// Sets the variance of the white noise of a sample of each axis \[rad²/s², m²/s⁴\] from now on.
     fn set_white_noise(&mut self, variance: &[f64; AXES]);
     /// Adds uncertainty to the heading \[rad\] and the error of gyro z \[rad/s\], one sigma.
@@ -469,7 +469,7 @@ impl<const N: usize> Estimator for Sized<N> {
         self.filter.grow(duration, rate, accel);
     }
 
-    fn doubt(&mut self, position: f64, velocity: f64, tilt: f64) {
+    fn doubt(&mut self, position: &Vector3, velocity: f64, tilt: f64) {
         self.filter.doubt(position, velocity, tilt);
     }
 

@@ -88,6 +88,9 @@ pub enum Part {
 pub struct Contradiction {
     /// Which part of them.
     pub part: Part,
+    /// Whether it was the height alone; the rest of the positions was used.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub height: bool,
     /// Time of the first \[s\].
     pub start: f64,
     /// Time of the last \[s\], with those soon after the solution accepted the fixes.

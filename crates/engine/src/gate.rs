@@ -75,6 +75,8 @@ pub(super) enum Verdict {
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct FixGate {
     part: Part,
+    /// Whether it judges the height of positions alone.
+    height: bool,
     #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::array"))]
     recent: [f64; WINDOW],
     count: usize,
@@ -95,6 +97,7 @@ impl FixGate {
     pub(super) fn new(part: Part, time: f64) -> Self {
         Self {
             part,
+            height: false,
             recent: [0.0; WINDOW],
             count: 0,
             seen: time,
@@ -103,6 +106,14 @@ impl FixGate {
             agreeing: None,
             open: None,
             gave_way: [f64::NEG_INFINITY; 3],
+        }
+    }
+
+    /// A gate of the height of positions alone.
+    pub(super) fn of_height(time: f64) -> Self {
+        Self {
+            height: true,
+            ..Self::new(Part::Position, time)
         }
     }
 
@@ -178,6 +189,7 @@ impl FixGate {
         let size = innovation.norm();
         let open = self.open.get_or_insert(Contradiction {
             part: self.part,
+            height: self.height,
             start: time,
             end: time,
             fixes: 0,

@@ -1,5 +1,8 @@
 //! A fix into the filter: gated, scaled, watched.
 
+mod height;
+
+use self::height::HeightGate;
 use super::{
     aid::Aid,
     events::Part,
@@ -75,6 +78,7 @@ struct FixPart {
 pub(super) struct Receiver {
     position: FixPart,
     velocity: FixPart,
+    height: HeightGate,
     /// The last position, since when it has been the same \[s\], and the velocity then.
     same: Option<(Position, f64, Option<Vector3>)>,
     /// By how much the same fix has pulled at the velocity of late, north and east \[m/s\], and when last \[s\].
@@ -98,6 +102,7 @@ impl Receiver {
         Self {
             position: channel(Part::Position),
             velocity: channel(Part::Velocity),
+            height: HeightGate::new(time),
             same: None,
             pull: (Vector2::zeros(), time),
             tilted: f64::INFINITY,
@@ -168,24 +173,31 @@ impl Receiver {
             && settings.gnss_use != GnssUse::Velocity
             && part != Some(Part::Velocity)
         {
-            let (white, correlated) = settings.fix_errors.split(&r);
+            let (mut white, correlated) = settings.fix_errors.split(&r);
+            let aiding = Aiding::Position {
+                position,
+                lever_arm,
+                correlated,
+                due,
+            };
+            let patience = match (frozen, with_velocity) {
+                (true, _) => PATIENCE_FROZEN,
+                (_, false) => PATIENCE_NO_VELOCITY,
+                _ if self.velocity.gate.is_in_doubt() => PATIENCE,
+                _ => PATIENCE_POSITION_ALONE,
+            };
+            let judged = !open && !frozen && !self.position.gate.is_in_doubt();
+            if judged && let Some(innovation) = filter.innovation(&aiding) {
+                white[(2, 2)] +=
+                    (self.height).judge(filter, fix.time, &innovation, &r, patience, summary);
+            }
             let offer = Offer {
-                aiding: Aiding::Position {
-                    position,
-                    lever_arm,
-                    correlated,
-                    due,
-                },
+                aiding,
                 stated: white,
                 time: fix.time,
                 open,
                 frozen,
-                patience: match (frozen, with_velocity) {
-                    (true, _) => PATIENCE_FROZEN,
-                    (_, false) => PATIENCE_NO_VELOCITY,
-                    _ if self.velocity.gate.is_in_doubt() => PATIENCE,
-                    _ => PATIENCE_POSITION_ALONE,
-                },
+                patience,
                 speed_doubted: !with_velocity,
             };
             updates[0] = Some(self.position.update(filter, &offer, settings, summary));
@@ -258,7 +270,8 @@ impl Receiver {
         if self.keeps_back(filter) {
             let (pull, time) = (self.pull.0.norm(), PULL_TIME);
             let tilt = pull / (STANDARD_GRAVITY * time);
-            filter.doubt(pull * time, pull, tilt.min(MOST_TILT));
+            let moved = Vector3::repeat(pull * time);
+            filter.doubt(&moved, pull, tilt.min(MOST_TILT));
             return true;
         }
         let velocity = filter.antenna_velocity(lever).xy();
@@ -286,6 +299,7 @@ impl Receiver {
 
     /// Writes down what goes on at the end.
     pub(super) fn close(&mut self, summary: &mut Summary) {
+        self.height.close(summary);
         for (i, channel) in [&mut self.position, &mut self.velocity]
             .into_iter()
             .enumerate()
@@ -344,7 +358,7 @@ impl FixPart {
                         (Part::Position, false) => (size, 0.0),
                     };
                     let tilt = (velocity / (STANDARD_GRAVITY * duration)).min(MOST_TILT);
-                    filter.doubt(position, velocity, tilt);
+                    filter.doubt(&Vector3::repeat(position), velocity, tilt);
                     if velocity > 0.0 && summary.doubts.len() < MOST_EVENTS {
                         summary.doubts.push(Doubt {
                             start: time - duration,

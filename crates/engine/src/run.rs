@@ -633,7 +633,7 @@ impl Run {
                     let share = (span / (doubt.end - doubt.start)).sqrt();
                     let [position, velocity, tilt] =
                         [doubt.position, doubt.velocity, doubt.tilt].map(|std| std * share);
-                    solution.filter.doubt(position, velocity, tilt);
+                    solution.filter.doubt(&Vector3::repeat(position), velocity, tilt);
                 }
             }
             self.vehicle.end_sample(

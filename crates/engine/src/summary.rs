@@ -309,7 +309,7 @@ impl Summary {
     /// Notes a run of rejected fixes; where the solution has accepted others of the kind less than `goes_on` \[s\]
     /// before, it is the same one that goes on.
     pub(super) fn contradicted(&mut self, what: Contradiction, goes_on: f64) {
-        let same = |c: &&mut Contradiction| c.part == what.part;
+        let same = |c: &&mut Contradiction| (c.part, c.height) == (what.part, what.height);
         if let Some(last) = self.contradictions.iter_mut().rev().find(same)
             && last.gave_way
             && what.start - last.end < goes_on

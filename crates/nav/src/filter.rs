@@ -596,9 +596,9 @@ impl<const N: usize> Filter<N> {
 
     /// Adds uncertainty to position \[m\], velocity [m/s] and tilt \[rad\], one standard deviation each axis:
     /// for a solution that fixes have contradicted for a while.
-    pub fn doubt(&mut self, position: f64, velocity: f64, tilt: f64) {
+    pub fn doubt(&mut self, position: &Vector3, velocity: f64, tilt: f64) {
         for i in 0..3 {
-            self.p[(i, i)] += position * position;
+            self.p[(i, i)] += position[i] * position[i];
             self.p[(3 + i, 3 + i)] += velocity * velocity;
         }
         for i in 6..8 {

@@ -429,6 +429,8 @@ impl Finding {
                 Severity::Unusable
             }
             Self::FarParameter { sigmas, .. } if *sigmas > VERY_FAR => Severity::Warning,
+            // Heights before and after do not fit together.
+            Self::Rejected(fixes) if fixes.height && fixes.gave_way => Severity::Warning,
             Self::NoisyFixes { factor } if *factor > WRONG_UNIT => Severity::Warning,
             Self::Held { length, .. } if *length > LONG => Severity::Warning,
             Self::NotDown { down } if down[2] < UPSIDE_DOWN => Severity::Warning,
@@ -482,6 +484,7 @@ impl Finding {
             | Self::SetBack { .. }
             | Self::VelocityBias { .. } => 2,
             Self::NoMounting { .. } => 2,
+            Self::Rejected(fixes) if fixes.height && fixes.gave_way => 2,
             Self::OptimisticModel { .. } | Self::FarParameter { .. } => 3,
             Self::CorrelatedInnovations { .. } | Self::OptimisticDrift { .. } => 4,
             Self::Restart { .. } | Self::HeadingOff { .. } | Self::LargeInnovations { .. } => 5,

@@ -172,8 +172,8 @@ fn same_run<const N: usize>(states: usize) {
     own.grow(2.0, 0.1, 1.0);
     filter.grow(2.0, 0.1, 1.0);
     assert_same(&*own, &filter);
-    own.doubt(1.0, 2.0, 0.1);
-    filter.doubt(1.0, 2.0, 0.1);
+    own.doubt(&Vector3::new(1.0, 2.0, 3.0), 2.0, 0.1);
+    filter.doubt(&Vector3::new(1.0, 2.0, 3.0), 2.0, 0.1);
     assert_same(&*own, &filter);
     own.doubt_heading(0.2, 0.01);
     filter.doubt_heading(0.2, 0.01);

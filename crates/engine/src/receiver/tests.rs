@@ -127,6 +127,34 @@ fn positions_that_contradict_alone_are_rejected_for_a_quarter_of_a_minute() {
     assert!(long.at(46.0).std[6] < 1.2 * long.at(45.0).std[6]);
 }
 
+/// Another height reference: the rest of the positions is used, and after a quarter of a minute the height alone is doubted.
+#[test]
+fn heights_that_contradict_alone_are_left_out_alone() {
+    let raised = |fix: &mut GnssFix| {
+        if let Some((Position::Geodetic(place), _)) = &mut fix.position {
+            place.height += 35.0;
+        }
+    };
+    for (end, follows) in [(44.0, false), (60.0, true)] {
+        let seen = drive(1).alter(30.0, end, raised).navigate();
+        let event = only(&seen.summary);
+        assert!(event.height && event.gave_way == follows, "{event:?}");
+        assert_near(event.start, 30.2, 1e-6);
+        assert_near(event.largest, 35.0, 3.0);
+        // Neither the horizontal part nor its standard deviations notice.
+        let sound = drive(1).navigate();
+        for time in [40.0, 50.0, 59.0] {
+            let (seen, sound) = (seen.at(time), sound.at(time));
+            for i in [0, 1, 3, 4, 6, 7, 8] {
+                assert!((seen.std[i] / sound.std[i] - 1.0).abs() < 0.02, "{time} {i}");
+                assert!((seen.error[i] - sound.error[i]).abs() < 0.2 * sound.std[i]);
+            }
+        }
+        assert!(seen.at(44.0).error[2].abs() < 4.0 * seen.at(44.0).std[2]);
+        assert_eq!(seen.last().error[2].abs() > 30.0, follows);
+    }
+}
+
 #[test]
 fn a_receiver_without_velocities_is_followed_after_five_seconds_and_the_velocity_is_doubted() {
     let drive = |end: f64| {
@@ -294,7 +322,7 @@ fn what_other_fixes_have_corrected_is_no_sign_that_the_present_one_is_held() {
     let mut receiver = Receiver::new(0.0);
     // A solution that is 3 m/s too fast, which the first fix corrects.
     let mut filter = driving_north(3.0);
-    filter.doubt(0.0, 5.0, 0.0);
+    filter.doubt(&Vector3::zeros(), 5.0, 0.0);
     for (time, north) in [(0.0, 0.0), (0.2, 0.01), (0.4, 0.01)] {
         let still = fix(time, north, 0.0, 0.5);
         receiver.update(&mut *filter, &still, None, 0.0, &settings, &mut summary);

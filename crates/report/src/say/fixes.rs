@@ -91,17 +91,27 @@ fn part(part: Part) -> (&'static str, &'static str) {
 }
 
 pub(super) fn rejected(fixes: &Contradiction) -> String {
-    let (part, unit) = part(fixes.part);
+    let (part, unit) = match (fixes.height, part(fixes.part)) {
+        (true, (_, unit)) => ("height", unit),
+        (false, named) => named,
+    };
     let size = |value: f64| match value {
         v if !(9.95..9999.5).contains(&v) => error(v),
         v => format!("{v:.0}"),
     };
     let what = match (fixes.fixes, fixes.part) {
         (1, _) => format!("1 {part}"),
+        (n, _) if fixes.height => format!("{n} heights"),
         (n, Part::Position) => format!("{n} positions"),
         (n, Part::Velocity) => format!("{n} velocities"),
     };
     let (first, last, largest) = (fixes.first, fixes.last, fixes.largest);
+    if fixes.height && fixes.gave_way {
+        return format!(
+            "the height of the fixes jumps by {largest:.1} m at {} s while nothing else does (above sea level against above the ellipsoid?): heights before and after do not fit together",
+            at(fixes.start)
+        );
+    }
     let (when, how) = if fixes.fixes == 1 {
         (at(fixes.start), format!("error {} {unit}", size(largest)))
     } else {

@@ -10,6 +10,7 @@ use undrift::{
 fn jump() -> Contradiction {
     Contradiction {
         part: Part::Position,
+        height: false,
         start: 243_311.0,
         end: 243_315.0,
         fixes: 15,
@@ -581,6 +582,20 @@ fn rejected_fixes_grow_or_fall_and_may_be_larger_amid() {
         text.contains("error fell from 12\u{202f}300 to 17 m") && !text.contains("at most"),
         "{text}"
     );
+    let height = Contradiction {
+        height: true,
+        ..jump()
+    };
+    let text = say(&Finding::Rejected(height));
+    assert!(
+        text.starts_with("the height of the fixes jumps by 17.0 m at 243311"),
+        "{text}"
+    );
+    let text = say(&Finding::Rejected(Contradiction {
+        gave_way: false,
+        ..height
+    }));
+    assert!(text.starts_with("rejected 15 heights"), "{text}");
 }
 
 #[test]

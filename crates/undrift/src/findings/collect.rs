@@ -663,6 +663,7 @@ mod tests {
             summary.contradictions = (0..count)
                 .map(|k| Contradiction {
                     part: Part::Position,
+                    height: false,
                     start: 1.0,
                     end: 2.0,
                     fixes: 3,
