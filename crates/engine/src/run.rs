@@ -30,6 +30,7 @@ use alloc::{boxed::Box, sync::Arc};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{
+    Vector3,
     filter::{FilterError, Outcome, Update},
     parameters::Parameter,
     sample::{GnssFix, ImuSample},
@@ -633,7 +634,9 @@ impl Run {
                     let share = (span / (doubt.end - doubt.start)).sqrt();
                     let [position, velocity, tilt] =
                         [doubt.position, doubt.velocity, doubt.tilt].map(|std| std * share);
-                    solution.filter.doubt(&Vector3::repeat(position), velocity, tilt);
+                    solution
+                        .filter
+                        .doubt(&Vector3::repeat(position), velocity, tilt);
                 }
             }
             self.vehicle.end_sample(

@@ -146,7 +146,10 @@ fn heights_that_contradict_alone_are_left_out_alone() {
         for time in [40.0, 50.0, 59.0] {
             let (seen, sound) = (seen.at(time), sound.at(time));
             for i in [0, 1, 3, 4, 6, 7, 8] {
-                assert!((seen.std[i] / sound.std[i] - 1.0).abs() < 0.02, "{time} {i}");
+                assert!(
+                    (seen.std[i] / sound.std[i] - 1.0).abs() < 0.02,
+                    "{time} {i}"
+                );
                 assert!((seen.error[i] - sound.error[i]).abs() < 0.2 * sound.std[i]);
             }
         }

@@ -139,7 +139,9 @@ fn unseen_motion_is_a_constant_acceleration_and_turn_rate() {
 #[test]
 fn a_contradicted_solution_doubts_position_velocity_and_level_but_not_its_heading() {
     let mut filter = aided();
-    let added = added(&mut filter, |filter| filter.doubt(&Vector3::new(20.0, 21.0, 22.0), 3.0, 0.05));
+    let added = added(&mut filter, |filter| {
+        filter.doubt(&Vector3::new(20.0, 21.0, 22.0), 3.0, 0.05)
+    });
     let mut expected = SMatrix::zeros();
     for i in 0..3 {
         expected[(i, i)] = [400.0, 441.0, 484.0][i];
