@@ -273,6 +273,28 @@ pub fn next(inspections: &[Inspection], drive: &Path) -> String {
     )
 }
 
+/// What is guessed in the drive file, from filled inspections, a line each.
+pub fn guesses(inspections: &[Inspection]) -> Vec<String> {
+    let model = model(inspections);
+    let mut lines = vec![format!("  model = {}: {}", model.value, known(&model.known))];
+    let mut tables = Vec::new();
+    for part in inspections.iter().flat_map(|file| &file.parts) {
+        if tables.contains(&part.table) {
+            continue;
+        }
+        tables.push(part.table);
+        let guessed = part.lines.iter().filter(|line| {
+            let certain = matches!(line.known, Known::Certain | Known::Name { .. });
+            !certain
+        });
+        lines.extend(guessed.map(|line| {
+            let entry = format!("  {}.{} = {}: {}", part.table, line.key, line.value, line.why);
+            visible(&entry).into_owned()
+        }));
+    }
+    lines
+}
+
 /// The drive file, from filled inspections, that reads the first IMU, the first fixes and the first reference of the files.
 /// `home` is the folder where it will lie: files below it are named relative to it. `vehicle` is its profile where that is
 /// known; where its `motion` is that of wheels the car's is proposed.
