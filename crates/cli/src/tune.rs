@@ -88,7 +88,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         inputs.chain(model.map(Path::new)),
         arguments.result.files().chain(written),
     )?;
-    sources.iter().try_for_each(|source| source.save(&files, &arguments.kept))?;
+    sources
+        .iter()
+        .try_for_each(|source| source.save(&files, &arguments.kept))?;
     let drives: Vec<Drive> = sources.iter().map(|source| source.drive.clone()).collect();
     let options = Options {
         start,

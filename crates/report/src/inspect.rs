@@ -276,7 +276,11 @@ pub fn next(inspections: &[Inspection], drive: &Path) -> String {
 /// What is guessed in the drive file, from filled inspections, a line each.
 pub fn guesses(inspections: &[Inspection]) -> Vec<String> {
     let model = model(inspections);
-    let mut lines = vec![format!("  model = {}: {}", model.value, known(&model.known))];
+    let mut lines = vec![format!(
+        "  model = {}: {}",
+        model.value,
+        known(&model.known)
+    )];
     let mut tables = Vec::new();
     for part in inspections.iter().flat_map(|file| &file.parts) {
         if tables.contains(&part.table) {
@@ -288,7 +292,10 @@ pub fn guesses(inspections: &[Inspection]) -> Vec<String> {
             !certain
         });
         lines.extend(guessed.map(|line| {
-            let entry = format!("  {}.{} = {}: {}", part.table, line.key, line.value, line.why);
+            let entry = format!(
+                "  {}.{} = {}: {}",
+                part.table, line.key, line.value, line.why
+            );
             visible(&entry).into_owned()
         }));
     }
