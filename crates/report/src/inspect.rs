@@ -64,6 +64,7 @@ fn known(known: &Known) -> String {
             );
         }
         Known::TooFew => "UNKNOWN: too few samples",
+        Known::Integers => "guessed: latitude and longitude are integers of 1e-7 deg, as of a receiver that counts mm",
         Known::SmallPlaces => "guessed: no latitude exceeds pi/2 and no longitude exceeds pi",
         Known::SmallAngles => "guessed: no angle exceeds 2 pi",
         Known::NoColumns => "guessed: no such columns; set the receiver's accuracy",

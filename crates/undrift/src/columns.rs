@@ -28,6 +28,12 @@ pub enum Meaning {
     Velocity(usize),
     /// Velocity up.
     VelocityUp,
+    /// Speed over ground.
+    Speed,
+    /// Course over ground.
+    Course,
+    /// Stated accuracy of the horizontal position, the height, the speed (0, 1, 2).
+    Accuracy(usize),
     /// Standard deviation of the position north, east, down.
     PositionStd(usize),
     /// Standard deviation of the velocity north, east, down.
@@ -44,18 +50,37 @@ impl Meaning {
             Self::Time => Quantity::Time,
             Self::Gyro(_) => Quantity::AngularRate,
             Self::Accel(_) => Quantity::Acceleration,
-            Self::Latitude | Self::Longitude | Self::Attitude(_) => Quantity::Angle,
-            Self::Height | Self::PositionStd(_) | Self::Ecef(_) => Quantity::Length,
-            Self::Velocity(_) | Self::VelocityUp | Self::VelocityStd(_) | Self::EcefVelocity(_) => {
-                Quantity::Velocity
+            Self::Latitude | Self::Longitude | Self::Attitude(_) | Self::Course => Quantity::Angle,
+            Self::Height | Self::PositionStd(_) | Self::Ecef(_) | Self::Accuracy(0 | 1) => {
+                Quantity::Length
             }
+            Self::Velocity(_)
+            | Self::VelocityUp
+            | Self::Speed
+            | Self::Accuracy(_)
+            | Self::VelocityStd(_)
+            | Self::EcefVelocity(_) => Quantity::Velocity,
             Self::Temperature | Self::Date => return None,
         })
     }
 }
 
 /// Endings of names that are units.
-const SUFFIXES: [(&str, &str); 27] = [
+const SUFFIXES: [(&str, &str); 41] = [
+    ("_dege7", "LSB/1e7 deg"),
+    ("_deg_1e7", "LSB/1e7 deg"),
+    ("_1e7", "LSB/1e7 deg"),
+    ("_e7", "LSB/1e7 deg"),
+    ("_mm_s", "mm/s"),
+    ("_mmps", "mm/s"),
+    ("_cm_s", "cm/s"),
+    ("_km_h", "km/h"),
+    ("_kmh", "km/h"),
+    ("_kph", "km/h"),
+    ("_knots", "kn"),
+    ("_kn", "kn"),
+    ("_mm", "mm"),
+    ("_cm", "cm"),
     ("_radps", "rad/s"),
     ("_rad_s", "rad/s"),
     ("_degps", "deg/s"),
@@ -85,7 +110,8 @@ const SUFFIXES: [(&str, &str); 27] = [
     ("_hz", "Hz"),
 ];
 
-const TIMES: [&str; 26] = [
+const TIMES: [&str; 27] = [
+    RECEIVED,
     "t",
     "ts",
     "elapsed",
@@ -113,6 +139,8 @@ const TIMES: [&str; 26] = [
     "secs",
     "seconds",
 ];
+/// The time at which a line came, which a serial monitor writes before it.
+pub const RECEIVED: &str = "received";
 /// Words that are a time and its unit, and endings of words for a time that are its unit.
 const TIME_UNITS: [(&str, &str); 6] = [
     ("millis", "ms"),
@@ -186,6 +214,49 @@ const HEIGHTS: [&str; 15] = [
     "hell",
 ];
 const VELOCITIES: [&str; 4] = ["v", "vel", "velocity", "vned"];
+const SPEEDS: [&str; 9] = [
+    "speed",
+    "gspeed",
+    "gpsspeed",
+    "groundspeed",
+    "gndspeed",
+    "speedoverground",
+    "sog",
+    "spd",
+    "speed2d",
+];
+const COURSES: [&str; 11] = [
+    "course",
+    "cog",
+    "courseoverground",
+    "truecourse",
+    "headmot",
+    "headingofmotion",
+    "headingmotion",
+    "track",
+    "bearing",
+    "gcrs",
+    "groundcourse",
+];
+/// Accuracies of the horizontal position, the height, the speed.
+const ACCURACIES: [&[&str]; 3] = [
+    &[
+        "hacc",
+        "horizontalaccuracy",
+        "hacchorizontal",
+        "accuracyhorizontal",
+        "horacc",
+        "accuracy",
+    ],
+    &["vacc", "verticalaccuracy", "accuracyvertical", "veracc"],
+    &[
+        "sacc",
+        "speedaccuracy",
+        "accuracyspeed",
+        "velocityaccuracy",
+        "spdacc",
+    ],
+];
 const POSITION_STDS: [&str; 7] = [
     "std",
     "sd",
@@ -295,6 +366,12 @@ fn of_letters(name: &str) -> Option<Meaning> {
         Some(Meaning::Gyro(axis))
     } else if let Some(axis) = axis(&ACCELS) {
         Some(Meaning::Accel(axis))
+    } else if let Some(of) = ACCURACIES.iter().position(|names| names.contains(&name)) {
+        Some(Meaning::Accuracy(of))
+    } else if SPEEDS.contains(&name) {
+        Some(Meaning::Speed)
+    } else if COURSES.contains(&name) {
+        Some(Meaning::Course)
     } else if LATITUDES.contains(&name) {
         Some(Meaning::Latitude)
     } else if LONGITUDES.contains(&name) {
@@ -378,6 +455,10 @@ fn spelled(unit: &str) -> String {
         "m s^-2" | "m/s2" | "m/s²" | "mps2" | "m/s/s" => "m/s^2".into(),
         "m s^-1" | "mps" => "m/s".into(),
         "°" | "degrees" => "deg".into(),
+        "1e-7 deg" | "deg*1e7" | "1e7 deg" | "dege7" | "deg e7" | "deg*10^7" => {
+            "LSB/1e7 deg".into()
+        }
+        "kmh" | "kph" | "km/hr" => "km/h".into(),
         "µs" | "usec" => "us".into(),
         "msec" | "milliseconds" => "ms".into(),
         "sec" | "seconds" => "s".into(),

@@ -5,6 +5,7 @@ mod known;
 mod measure;
 mod motion;
 mod parts;
+mod receiver;
 mod sensor;
 mod topics;
 mod units;

@@ -22,10 +22,12 @@ fn format() -> GnssFormat {
         place: Some(PositionColumns::Geodetic {
             columns: group(2),
             angle_scale: 1f64.to_radians(),
+            height_scale: 1.0,
         }),
         position_std: Some(group(8)),
         velocity: Some(group(5)),
         velocity_axes: VelocityAxes::Up,
+        velocity_scale: 1.0,
         velocity_std: None,
         quality: Some(Column::Number(11)),
         delimiter: None,
@@ -160,6 +162,7 @@ fn earth_fixed_columns() {
     let earth_fixed = GnssFormat {
         place: Some(PositionColumns::Ecef(group(2))),
         velocity_axes: VelocityAxes::Ecef,
+        velocity_scale: 1.0,
         velocity_std: Some(group(8)),
         fixes: FixOptions::default(),
         ..format()

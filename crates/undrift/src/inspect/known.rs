@@ -44,6 +44,8 @@ pub enum Known {
     Turns(f64),
     /// Not known: there are too few samples.
     TooFew,
+    /// Guessed: latitudes and longitudes are integers of 1e-7 degrees, as receivers count them.
+    Integers,
     /// Guessed: no latitude is beyond π/2 and no longitude beyond π.
     SmallPlaces,
     /// Guessed: no angle is beyond 2π.
