@@ -58,6 +58,22 @@ fn known(known: &Known) -> String {
                 "guessed: the lowest scatter is {scatter:.2e}; in deg/s it would be too low for such a sensor"
             );
         }
+        Known::Clocks {
+            correlation,
+            hours,
+            leap,
+        } => {
+            let zone = (*hours != 0.0).then(|| format!("{} h, a time zone", hours.abs()));
+            let leap = leap.then(|| "18 s between GPS time and UTC".to_owned());
+            let parts = Vec::from_iter(zone.into_iter().chain(leap));
+            let what = match parts.is_empty() {
+                true => "the clocks differ".to_owned(),
+                false => parts.join(" and "),
+            };
+            return format!(
+                "from the turns of gyros and GNSS course, whose correlation is then {correlation:.2}: {what}"
+            );
+        }
         Known::Turns(ratio) => {
             return format!(
                 "from the turns of the GNSS course: in the other unit the gyros would turn {ratio:.2} times as fast"
@@ -135,6 +151,9 @@ fn note(note: &Note) -> String {
         Note::NoWheels => {
             "the IMU has no fixed direction of motion: not a wheeled vehicle, or the IMU is not fixed to it; assumes x forward".into()
         }
+        Note::Apart { offset_s } => format!(
+            "the logs do not overlap; if both begin at the same moment, set time_offset = \"{offset_s:.2} s\" in [gnss]"
+        ),
         Note::NoMounting(why) => format!("axes guessed from gravity alone: {why}"),
         Note::Empty { table, streams } => {
             let what = match table.as_str() {

@@ -33,6 +33,7 @@ pub(crate) mod tables;
 mod tests;
 
 pub use epoch::Beginning;
+pub(crate) use epoch::OTHER_CLOCK;
 pub use error::{ConfigError, DriveError};
 pub use imu::{ImuLog, load_imu};
 pub use logs::Logs;

@@ -1,5 +1,6 @@
 //! What a file is, what it holds, in which units by which signs, and a first `DRIVE.toml` for it.
 
+mod clocks;
 mod columns;
 mod known;
 mod measure;

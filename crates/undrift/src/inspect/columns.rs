@@ -15,6 +15,8 @@ pub(super) const NAMES: Known = Known::Name { several: true };
 
 /// Rows that are looked at.
 const ROWS: usize = 4000;
+/// Samples of which a mean is taken.
+const PART: usize = 25;
 
 /// Columns found: their places.
 #[derive(Default)]
@@ -183,16 +185,21 @@ fn by_numbers(table: &Preview) -> Found {
     found.time = columns
         .iter()
         .position(|c| c.len() > 2 && c.windows(2).all(|pair| pair[1] > pair[0]));
-    let from = found.time.map_or(0, |time| time + 1);
-    let force = (from..width.saturating_sub(2)).find(|&k| {
+    // Before the time or behind it.
+    let free = |from: usize| {
+        let three = from..from + 3;
+        three.end <= width && found.time.is_none_or(|time| !three.contains(&time))
+    };
+    let force = (0..width).filter(|k| free(*k)).find(|&k| {
         let samples = three_of(&table.rows, [k, k + 1, k + 2]);
-        !matches!(units::force(&samples, None), Force::Unknown(_)) && steady(&samples)
+        !matches!(units::force(&samples, None), Force::Unknown(_))
+            && (steady(&samples) || steady(&means(&samples)))
     });
     if let Some(accel) = force {
-        let gyro = match accel {
-            before if before >= from + 3 => before - 3,
-            _ if accel + 5 < width => accel + 3,
-            _ => return found,
+        let before = accel.checked_sub(3).filter(|before| free(*before));
+        let behind = Some(accel + 3).filter(|behind| free(*behind));
+        let Some(gyro) = before.or(behind) else {
+            return found;
         };
         found.accel = [0, 1, 2].map(|axis| Some(accel + axis));
         found.gyro = [0, 1, 2].map(|axis| Some(gyro + axis));
@@ -210,12 +217,21 @@ fn by_numbers(table: &Preview) -> Found {
                 && low.fract() != 0.0
         })
     };
+    let from = found.time.map_or(0, |time| time + 1);
     if let Some(lat) =
         (from..width.saturating_sub(2)).find(|&k| within(k, 90.0) && within(k + 1, 180.0))
     {
         found.place = [0, 1, 2].map(|k| Some(lat + k));
     }
     found
+}
+
+/// Means over a part of the rows, without vibration.
+fn means(samples: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let parts = samples.chunks_exact(PART);
+    let mean =
+        |part: &[[f64; 3]]| [0, 1, 2].map(|k| part.iter().map(|v| v[k]).sum::<f64>() / PART as f64);
+    parts.map(mean).collect()
 }
 
 /// Whether the magnitude varies by less than a third.
