@@ -109,7 +109,8 @@ impl Columns {
         let velocity = self.velocity();
         let is_level = velocity.is_empty();
         let (velocity, unit) = match self.found.polar {
-            [Some(speed), Some(course)] if is_level => {
+            // Their unit takes a look at the numbers.
+            [Some(speed), Some(course)] if is_level && !self.table.rows.is_empty() => {
                 let polar = [("speed", speed), ("course", course)];
                 let line =
                     |(key, place)| Line::new(key, self.name(place), self.found.known.clone());
