@@ -1,6 +1,6 @@
 //! What --verbose shows of the files that are read.
 
-use crate::terminal::detail;
+use crate::{drives::Source, terminal::detail};
 use std::path::{Path, PathBuf};
 use undrift::{
     drive::{Drive, ScalarLog},
@@ -30,7 +30,8 @@ fn described(what: &str, path: &Path, format: impl FnOnce() -> String) {
 }
 
 /// Shows a drive: its files and settings.
-pub fn drive(file: &Path, drive: &Drive) {
+pub fn drive(source: &Source) {
+    let Source { file, drive, .. } = source;
     detail(1, || format!("drive: {}", file.display()));
     let is_table = matches!(drive.imu.1.source, ImuSource::Table { .. });
     log(drive, "IMU", Some(&drive.imu.0), is_table);
@@ -65,13 +66,17 @@ pub fn drive(file: &Path, drive: &Drive) {
             undrift::results::parts_used(drive.gnss_use),
         )
     });
-    text(file);
+    text_of(file, || source.text().unwrap_or_default());
 }
 
 /// Shows a file of settings as it stands.
 pub fn text(file: &Path) {
+    text_of(file, || std::fs::read_to_string(file).unwrap_or_default());
+}
+
+fn text_of(file: &Path, text: impl FnOnce() -> String) {
     detail(2, || {
-        let text = std::fs::read_to_string(file).unwrap_or_default();
+        let text = text();
         let lines = text.lines().map(|line| format!("\n  {}", visible(line)));
         format!("{}:{}", file.display(), lines.collect::<String>())
     });

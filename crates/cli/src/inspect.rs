@@ -6,8 +6,12 @@ use crate::{
 };
 use anyhow::{Result, bail};
 use clap::Args;
-use std::path::PathBuf;
-use undrift::{inspect, results, vehicle::Profile};
+use std::path::{Path, PathBuf};
+use undrift::{
+    inspect::{self, Inspection, Motion, Part},
+    results,
+    vehicle::Profile,
+};
 use undrift_report::inspect as report;
 
 /// Describe log files and write a starter drive file.
@@ -47,8 +51,33 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let json = arguments.json.file().into_iter();
     let outputs = json.chain(arguments.output.as_deref());
     let files = Files::claim(arguments.files.iter().map(PathBuf::as_path), outputs)?;
+    let (inspections, motion) = described(&arguments.files)?;
+    let json = results::text(&inspections);
+    let shown = arguments.json.write(&files, &json)?;
+    if !shown {
+        for inspection in &inspections {
+            terminal::say(report::text(inspection))?;
+        }
+    }
+    if let Some(file) = &arguments.output {
+        let home = file.parent().unwrap_or(Path::new(""));
+        let text = report::drive_file(&inspections, home, arguments.vehicle, motion);
+        files.write(file, &text)?;
+        terminal::say(format!("drive file: {}", output::shown(file)))?;
+        complete(&inspections, Some(file))?;
+        terminal::say(report::next(&inspections, file))?;
+    }
+    if inspections.len() < arguments.files.len() {
+        bail!("not every file could be read");
+    }
+    Ok(())
+}
+
+/// What files are, in words, and what the motion shows of them together. Those that cannot be read are reported and
+/// left out.
+pub fn described(files: &[PathBuf]) -> Result<(Vec<Inspection>, Motion)> {
     let mut inspections = Vec::new();
-    for file in &arguments.files {
+    for file in files {
         match inspect::inspect(file) {
             Ok(inspection) => inspections.push(inspection),
             Err(error) => terminal::error(&error.into()),
@@ -59,33 +88,33 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let motion = terminal::stage("aligning", || inspect::motion(&mut inspections));
     inspections.iter_mut().for_each(report::fill);
-    let json = results::text(&inspections);
-    let shown = arguments.json.write(&files, &json)?;
-    if !shown {
-        for inspection in &inspections {
-            terminal::say(report::text(inspection))?;
-        }
-    }
-    if let Some(file) = &arguments.output {
-        let home = file.parent().unwrap_or(std::path::Path::new(""));
-        let text = report::drive_file(&inspections, home, arguments.vehicle, motion);
-        files.write(file, &text)?;
-        terminal::say(format!("drive file: {}", output::shown(file)))?;
-        if has_both(&inspections) {
-            terminal::say(report::next(&inspections, file))?;
-        }
-    }
-    if inspections.len() < arguments.files.len() {
-        bail!("not every file could be read");
-    }
-    Ok(())
+    Ok((inspections, motion))
 }
 
-/// Whether there is what a drive needs: an IMU and fixes.
-fn has_both(inspections: &[inspect::Inspection]) -> bool {
-    let has = |table| {
+/// Refuses logs that lack what a drive needs: an IMU and fixes. `drive` is the drive file made of them.
+pub fn complete(inspections: &[Inspection], drive: Option<&Path>) -> Result<()> {
+    let names: Vec<_> = inspections
+        .iter()
+        .map(|log| output::shown(&log.file))
+        .collect();
+    for (table, what) in [("imu", "inertial samples"), ("gnss", "positions")] {
         let mut parts = inspections.iter().flat_map(|file| &file.parts);
-        parts.any(|part| part.table == table && part.problem.is_none())
-    };
-    has("imu") && has("gnss")
+        match parts.find(|part| part.table == table) {
+            Some(Part {
+                problem: Some(problem),
+                ..
+            }) => bail!("the {what} cannot be read: {problem}"),
+            Some(_) => {}
+            None => bail!(
+                "no {what} in {}{}: specify their log too, as in `undrift inspect {} LOG -o drive.toml`, or write [{table}] by hand",
+                names.join(" and "),
+                drive.map_or(String::new(), |drive| format!(
+                    ", so {} lacks [{table}]",
+                    output::shown(drive)
+                )),
+                names.join(" ")
+            ),
+        }
+    }
+    Ok(())
 }

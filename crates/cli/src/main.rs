@@ -2,6 +2,7 @@
 
 mod demo;
 mod details;
+mod drives;
 mod fleet;
 mod identify;
 mod inspect;
@@ -141,14 +142,14 @@ fn main() -> ExitCode {
 }
 
 /// What the help calls a drive file.
-const DRIVE: &str = "DRIVE.toml";
+const DRIVE: &str = "DRIVE.toml|LOGS";
 
 /// Of an option that is unknown here, the verbs that have it; where the drive file is missing, what writes one.
 fn with_verbs(mut error: clap::Error) -> clap::Error {
     let of_missing = |missing: &[String]| missing.iter().any(|name| name.contains(DRIVE));
     match error.get(ContextKind::InvalidArg) {
         Some(ContextValue::Strings(missing)) if of_missing(missing) => {
-            let tip = "`undrift inspect LOG -o drive.toml` writes a drive file".to_owned();
+            let tip = "`undrift inspect LOGS -o drive.toml` writes a drive file".to_owned();
             let tips = ContextValue::StyledStrs(vec![tip.into()]);
             error.insert(ContextKind::Suggested, tips);
         }

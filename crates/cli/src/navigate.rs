@@ -2,6 +2,7 @@
 
 use crate::{
     details,
+    drives::{Kept, Source},
     output::{self, Files},
     print,
     progress::Bar,
@@ -30,12 +31,13 @@ use undrift_report::{say as sentences, text};
   undrift navigate examples/rtk-drive.toml --data logs -o nav.csv -o nav.kml
   undrift navigate examples/drive30.toml --data target/drive30/seed1 --smooth --json -
   undrift navigate examples/uav-flight.toml --data logs --bias-model gauss-markov -v
+  undrift navigate imu.csv gnss.pos --save-drive drive.toml -o nav.csv
 
 tools/make-drive30 makes target/drive30/seed1.")]
 pub struct Arguments {
-    /// The drive file
-    #[arg(value_name = "DRIVE.toml")]
-    drive: PathBuf,
+    /// The drive file; or the logs of an IMU and a receiver, described as `undrift inspect` does
+    #[arg(value_name = "DRIVE.toml|LOGS", required = true)]
+    drive: Vec<PathBuf>,
     #[command(flatten)]
     common: Common,
     /// Bias model: white, paper, gauss-markov, random-walk, ar or arma
@@ -71,29 +73,33 @@ pub struct Common {
     /// Noise model of the IMU: a model file or a preset (`undrift model --list`)
     #[arg(long, value_name = "IMU.toml")]
     model: Option<String>,
+    #[command(flatten)]
+    kept: Kept,
 }
 
 /// The drive with the model that the command line asks for, and the files of the run.
 pub fn load<'a>(
-    drive: &Path,
-    common: &Common,
+    sources: &[PathBuf],
+    common: &'a Common,
     outputs: impl IntoIterator<Item = &'a Path>,
-) -> Result<(Drive, Files)> {
-    let mut loaded = Drive::load(drive, common.data.as_deref())?;
+) -> Result<(Source, Files)> {
+    let mut source = Source::of(sources, common.data.as_deref(), &common.kept)?;
     if let Some(name) = &common.model {
-        loaded.model = Some(ImuModel::resolve(name, std::path::Path::new(""))?);
+        source.drive.model = Some(ImuModel::resolve(name, Path::new(""))?);
     }
     let model = common.model.as_deref().map(Path::new);
-    let inputs = [drive].into_iter().chain(loaded.logs()).chain(model);
-    let files = Files::claim(inputs, outputs)?;
-    details::drive(drive, &loaded);
-    Ok((loaded, files))
+    let named = sources.iter().map(PathBuf::as_path);
+    let inputs = named.chain(source.drive.logs()).chain(model);
+    let files = Files::claim(inputs, outputs.into_iter().chain(common.kept.file()))?;
+    source.save(&files, &common.kept)?;
+    details::drive(&source);
+    Ok((source, files))
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let solutions = arguments.output.iter().map(PathBuf::as_path);
     let written = arguments.result.files().chain(solutions);
-    let (drive, files) = load(&arguments.drive, &arguments.common, written)?;
+    let (Source { file, drive, .. }, files) = load(&arguments.drive, &arguments.common, written)?;
     let recording = arguments.result.is_wanted();
     let report = stage("navigation", || {
         let _bar = Bar::watching(
@@ -103,7 +109,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "bytes",
         );
         let wanted = Wanted {
-            files: outputs(arguments, &drive)?,
+            files: outputs(arguments, &file, &drive)?,
             hindsight: Hindsight::asked(arguments.look_ahead, arguments.smooth),
             recording,
             ..navigate::Wanted::default()
@@ -111,7 +117,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         navigate::navigate(&drive, arguments.bias_model, wanted)
             .map_err(|error| anyhow!(sentences::unsolved(error)))
     })?;
-    let drive = results::Drive::of(&arguments.drive, &drive);
+    let drive = results::Drive::of(&file, &drive);
     let result = sentences::navigated(&report, arguments.bias_model, drive);
     print::judge(&result.findings);
     let shown = recording && arguments.result.write(&files, &results::text(&result))?;
@@ -132,14 +138,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 }
 
 /// The files that were asked for.
-fn outputs(arguments: &Arguments, drive: &Drive) -> Result<Vec<SolutionFile>> {
+fn outputs(arguments: &Arguments, file: &Path, drive: &Drive) -> Result<Vec<SolutionFile>> {
     if arguments.format.is_some() && arguments.output.len() > 1 {
         let mistake = "--format needs a single -o; several are written by their extensions";
         bail!(Invalid(mistake.into()));
     }
     let options = SolutionOptions {
         epoch: drive.epoch,
-        name: stem(&arguments.drive),
+        name: stem(file),
         every: arguments.every,
     };
     let unknown = |path: &PathBuf| {

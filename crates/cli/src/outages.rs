@@ -1,6 +1,7 @@
 //! `undrift outages`: cut the GNSS of a drive and compare bias models.
 
 use crate::{
+    drives::Source,
     navigate, output, print,
     progress::Bar,
     report::{ResultOutput, write_drawn},
@@ -27,15 +28,16 @@ use undrift_report::{figures, say as sentences, text};
 /// the truth or else the withheld fixes, are reported as maximum, RMS and median over the outages.
 #[derive(Args)]
 #[command(after_help = "Examples:
+  undrift outages imu.csv gnss.pos --length 30
   undrift outages examples/rtk-drive.toml --data logs --length 10 --every 30 --start 40
   undrift outages examples/navego-adis16405.toml --data logs --every 24 --count 15 --out out
   undrift outages examples/drive30.toml --data target/drive30/seed1 --count 10 --bias-models white,arma
 
 tools/make-drive30 makes target/drive30/seed1.")]
 pub struct Arguments {
-    /// The drive file
-    #[arg(value_name = "DRIVE.toml")]
-    drive: PathBuf,
+    /// The drive file; or the logs of an IMU and a receiver, described as `undrift inspect` does
+    #[arg(value_name = "DRIVE.toml|LOGS", required = true)]
+    drive: Vec<PathBuf>,
     #[command(flatten)]
     common: navigate::Common,
     /// Bias models to compare
@@ -68,13 +70,13 @@ pub struct Plan {
     /// Length of an outage [s]. Default: 10
     #[arg(long, value_name = "S", help_heading = "Outages")]
     pub length: Option<f64>,
-    /// Number of outages in each drive; evenly spread without --every
+    /// Number of outages in each drive; evenly spread without --every. Default: as many as fit
     #[arg(long, value_name = "N", help_heading = "Outages")]
     pub count: Option<usize>,
-    /// From the start of one outage to the start of the next [s]
+    /// From the start of one outage to the start of the next [s]. Default: three times the length
     #[arg(long, value_name = "S", help_heading = "Outages")]
     pub every: Option<f64>,
-    /// Start of the first outage [s], counted from the first fix. Default: 60
+    /// Start of the first outage [s], counted from the first fix. Default: 60, sooner in a log of less than 180 s
     #[arg(long, value_name = "S", help_heading = "Outages")]
     pub start: Option<f64>,
 }
@@ -88,22 +90,21 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     } = arguments.plan;
     let defaults = Choice::default().plan;
     let length = length.unwrap_or(defaults.length_s);
-    let start = start.unwrap_or(defaults.start_s);
+    let from = start.unwrap_or(defaults.start_s);
     if let Some(path) = &arguments.track {
         track_format(path)?;
     }
-    let plan = Schedule::asked(arguments.at.clone(), every, count, start).ok_or_else(|| {
-        let wanted = "specify the outages: --count N, --every SECONDS, or --at T1,T2,…";
-        Invalid(wanted.into())
-    })?;
+    let asked = Schedule::asked(arguments.at.clone(), every, count, from);
     let outputs = arguments.result.files().chain(arguments.track.as_deref());
-    let (drive, files) = navigate::load(&arguments.drive, &arguments.common, outputs)?;
+    let (Source { file, drive, .. }, files) =
+        navigate::load(&arguments.drive, &arguments.common, outputs)?;
     let hindsight = Hindsight::asked(arguments.look_ahead, arguments.smooth);
     let logs =
         Logs::load(&drive, hindsight).map_err(|error| anyhow!(sentences::unsolved(error)))?;
     if let Some(mounting) = &logs.mounting {
         note(sentences::estimated(&sentences::mounting(mounting)));
     }
+    let plan = asked.unwrap_or_else(|| usual(&logs, length, start));
     let cuts = logs.plan(&plan, length).map_err(refused)?;
     let outcomes = stage("navigation", || {
         let total = logs.imu.len() * arguments.bias_models.len();
@@ -116,7 +117,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(found) = runs.find_map(|run| sentences::found(&run.summary.mountings)) {
         note(sentences::estimated(&found));
     }
-    let result = sentences::cut(logs.result(&arguments.drive, &cuts, &outcomes, hindsight));
+    let result = sentences::cut(logs.result(&file, &cuts, &outcomes, hindsight));
     print::judge(&result.findings);
     let json = results::text(&result);
     if !arguments.result.write(&files, &json)? {
@@ -145,13 +146,25 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         )?;
     }
     if let Some(path) = &arguments.track {
-        write_track(path, &logs, &cuts, &arguments.drive)
+        write_track(path, &logs, &cuts, &file)
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     if result.models.is_empty() {
         bail!(sentences::NO_MODEL);
     }
     Ok(())
+}
+
+/// As many outages as fit, a third of the time without GNSS; the first of them early in a short log.
+fn usual(logs: &Logs, length: f64, start: Option<f64>) -> Schedule {
+    let ends = logs.gnss.first().zip(logs.gnss.last());
+    let span = ends.map_or(0.0, |(first, last)| last.time - first.time);
+    let usual = Choice::default().plan.start_s.min((span / 3.0).round());
+    Schedule::Every {
+        start: start.unwrap_or(usual),
+        every: 3.0 * length,
+        count: None,
+    }
 }
 
 /// What no log could be cut by is a mistake of the command line.

@@ -2,6 +2,7 @@
 
 use crate::{
     details,
+    drives::{Kept, Source},
     output::Files,
     progress::Bar,
     report::ResultOutput,
@@ -27,11 +28,12 @@ use undrift_report::{say as sentences, text, usable};
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift tune drive.toml -o tuned.toml
+  undrift tune imu.csv gnss.pos -o tuned.toml
   undrift tune monday.toml tuesday.toml --model imu.toml --hold-out 0.3 --model-out vehicle.toml
   undrift tune examples/rtk-drive-car.toml --data logs --json tune.json --report tune.html")]
 pub struct Arguments {
-    /// Drive files of one sensor in one vehicle
-    #[arg(value_name = "DRIVE.toml", required = true)]
+    /// Drive files of one sensor in one vehicle; or the logs of one drive, described as `undrift inspect` does
+    #[arg(value_name = "DRIVE.toml|LOGS", required = true)]
     drives: Vec<PathBuf>,
     /// Folder of the log files, one for all drives or one for each in order. Default: that of the drive file
     #[arg(long, value_name = "DIR")]
@@ -55,6 +57,8 @@ pub struct Arguments {
     #[arg(long, help_heading = "Output")]
     keep_best: bool,
     #[command(flatten)]
+    kept: Kept,
+    #[command(flatten)]
     result: ResultOutput,
 }
 
@@ -68,26 +72,26 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "--data occurs {folders} times for {drives} drives: set it once, or once for each drive"
         )));
     }
-    let mut drives = Vec::new();
-    for (k, path) in arguments.drives.iter().enumerate() {
-        let data = arguments.data.get(k).or(arguments.data.first());
-        let drive = Drive::load(path, data.map(PathBuf::as_path))?;
-        details::drive(path, &drive);
-        drives.push(drive);
-    }
+    let sources = Source::of_each(&arguments.drives, &arguments.data, &arguments.kept)?;
+    sources.iter().for_each(details::drive);
     let model = arguments.model.as_deref();
     let start = model
         .map(|name| ImuModel::resolve(name, Path::new("")))
         .transpose()?;
-    let tuned = tuned_files(arguments)?;
+    let tuned = tuned_files(arguments, &sources)?;
     let written = tuned.iter().map(|(_, to)| to.as_path());
     let written = written.chain(arguments.model_out.as_deref());
+    let written = written.chain(arguments.kept.file());
     let inputs = arguments.drives.iter().map(PathBuf::as_path);
-    let inputs = inputs.chain(drives.iter().flat_map(Drive::logs));
+    let inputs = inputs.chain(sources.iter().flat_map(|source| source.drive.logs()));
     let files = Files::claim(
         inputs.chain(model.map(Path::new)),
         arguments.result.files().chain(written),
     )?;
+    sources
+        .iter()
+        .try_for_each(|source| source.save(&files, &arguments.kept))?;
+    let drives: Vec<Drive> = sources.iter().map(|source| source.drive.clone()).collect();
     let options = Options {
         start,
         hold_out: arguments.hold_out,
@@ -114,7 +118,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             note(sentences::estimated(&sentences::mounting(mounting)));
         }
     }
-    let paths = arguments.drives.iter().map(PathBuf::as_path);
+    let paths = sources.iter().map(|source| source.file.as_path());
     let result = found.result(paths.zip(&drives));
     if !usable::tune(&result) {
         terminal::doubt();
@@ -123,10 +127,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if !arguments.result.write(&files, &json)? {
         say(text::tune(&result, style::heading))?;
     }
-    let names: Vec<String> = arguments
-        .drives
+    let names: Vec<String> = sources
         .iter()
-        .map(|path| results::name(path))
+        .map(|source| results::name(&source.file))
         .collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let model = found.model(&names);
@@ -134,13 +137,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         files.write(path, &found.steady_model(&names).to_toml())?;
     }
     for (from, to) in tuned {
-        let text = std::fs::read_to_string(from)
-            .with_context(|| format!("cannot read {}", from.display()))?;
+        let file = &from.file;
         // With --data the logs stay there.
-        let moved = arguments.data.is_empty() && folder(from).ok() != folder(&to).ok();
-        let logs = moved.then(|| folder(from)).transpose()?;
-        let text = tune::file::tuned(&text, &found, &model, logs.as_deref())
-            .with_context(|| format!("cannot change {}", from.display()))?;
+        let moved = arguments.data.is_empty() && folder(file).ok() != folder(&to).ok();
+        let logs = moved.then(|| folder(file)).transpose()?;
+        let text = tune::file::tuned(&from.text()?, &found, &model, logs.as_deref())
+            .with_context(|| format!("cannot change {}", file.display()))?;
         files.write(&to, &text)?;
     }
     Ok(())
@@ -152,29 +154,29 @@ fn folder(file: &Path) -> std::io::Result<PathBuf> {
 }
 
 /// Drive files and where their tuned versions are written.
-fn tuned_files(arguments: &Arguments) -> Result<Vec<(&Path, PathBuf)>> {
+fn tuned_files<'a>(
+    arguments: &Arguments,
+    sources: &'a [Source],
+) -> Result<Vec<(&'a Source, PathBuf)>> {
     let Some(output) = &arguments.output else {
         return Ok(Vec::new());
     };
-    let drives = arguments.drives.iter().map(PathBuf::as_path);
     if !output.is_dir() {
-        return Ok(drives
-            .take(1)
-            .map(|drive| (drive, output.clone()))
-            .collect());
+        let first = sources.iter().take(1);
+        return Ok(first.map(|source| (source, output.clone())).collect());
     }
-    let mut files: Vec<(&Path, PathBuf)> = Vec::new();
-    for drive in drives {
-        let to = output.join(drive.file_name().unwrap_or_default());
+    let mut files: Vec<(&Source, PathBuf)> = Vec::new();
+    for source in sources {
+        let to = output.join(source.file.file_name().unwrap_or_default());
         if let Some((other, _)) = files.iter().find(|(_, file)| *file == to) {
             bail!(
                 "-o {}: {} and {} have the same file name; give one -o file, or rename one of them",
                 output.display(),
-                other.display(),
-                drive.display()
+                other.file.display(),
+                source.file.display()
             );
         }
-        files.push((drive, to));
+        files.push((source, to));
     }
     Ok(files)
 }

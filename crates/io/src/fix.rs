@@ -48,14 +48,27 @@ pub enum VelocityAxes {
     Up,
     /// Earth-centred, Earth-fixed x, y, z.
     Ecef,
+    /// Speed over ground, course \[deg\] clockwise from north; the third column is not looked at.
+    Course,
 }
 
 impl VelocityAxes {
+    /// The three numbers of a row as a vector, of the unit that has this factor to m/s.
+    pub(crate) fn vector(self, row: Vector3, scale: f64) -> Vector3 {
+        match self {
+            Self::Course => {
+                let (east, north) = row.y.to_radians().sin_cos();
+                Vector3::new(north, east, 0.0) * (row.x * scale)
+            }
+            _ => row * scale,
+        }
+    }
+
     /// What turns such a velocity to north, east, down at a place; `None` where that takes a place and
     /// there is none.
     pub(crate) fn to_ned(self, place: Option<Geodetic>) -> Option<Matrix3> {
         match self {
-            Self::Down => Some(Matrix3::identity()),
+            Self::Down | Self::Course => Some(Matrix3::identity()),
             Self::Up => Some(Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0))),
             Self::Ecef => place.map(|place| place.ned_from_ecef()),
         }

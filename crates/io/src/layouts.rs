@@ -32,9 +32,11 @@ pub fn kf_gins_gnss(columns: usize) -> GnssFormat {
         place: Some(PositionColumns::Geodetic {
             columns: three(2),
             angle_scale: 1f64.to_radians(),
+            height_scale: 1.0,
         }),
         position_std: Some(three(if with_velocity { 8 } else { 5 })),
         velocity: with_velocity.then(|| three(5)),
+        velocity_scale: 1.0,
         velocity_axes: VelocityAxes::Down,
         velocity_std: with_velocity.then(|| three(11)),
         quality: None,

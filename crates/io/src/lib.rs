@@ -35,6 +35,7 @@ mod lines;
 mod mcap_records;
 mod opened;
 mod time;
+mod utf16;
 mod visible;
 mod zstandard;
 

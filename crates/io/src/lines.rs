@@ -6,6 +6,7 @@ use std::ops::Range;
 use memchr::memchr;
 
 use crate::source::Source;
+use crate::table::Monitor;
 
 /// Longest line that is handed out \[bytes\]; longer ones are passed over without being held.
 pub(crate) const MAX_LINE: usize = 64 * 1024;
@@ -92,6 +93,10 @@ impl Window {
 pub(crate) struct Lines {
     window: Window,
     number: u64,
+    /// What makes rows of the lines of a serial monitor, the last such row, and the header before the first.
+    monitor: Option<Monitor>,
+    row: Vec<u8>,
+    header: Option<Vec<u8>>,
 }
 
 pub(crate) enum NextLine {
@@ -108,7 +113,22 @@ impl Lines {
         Self {
             window: Window::new(source, BUFFER),
             number: 0,
+            monitor: None,
+            row: Vec::new(),
+            header: None,
         }
+    }
+
+    /// Of a table, whose lines may be those of a serial monitor.
+    pub(crate) fn of_table(source: Source) -> Self {
+        let mut lines = Self::new(source);
+        while lines.window.bytes().len() < MAX_LINE && !lines.window.at_end() {
+            lines.window.refill();
+        }
+        let start = lines.window.bytes();
+        lines.monitor = Monitor::of(start.get(..MAX_LINE).unwrap_or(start));
+        lines.header = lines.monitor.as_ref().and_then(Monitor::header);
+        lines
     }
 
     /// Number of the line last stepped to, from 1; 0 before the first step.
@@ -123,7 +143,10 @@ impl Lines {
 
     #[inline]
     pub(crate) fn bytes(&self, range: Range<usize>) -> &[u8] {
-        let line = self.window.part(range);
+        let line = match self.monitor {
+            Some(_) => &self.row,
+            None => self.window.part(range),
+        };
         line.strip_suffix(b"\r").unwrap_or(line)
     }
 
@@ -140,6 +163,29 @@ impl Lines {
 
     #[inline]
     pub(crate) fn step(&mut self) -> NextLine {
+        match self.monitor {
+            None => self.next(),
+            Some(_) => self.step_to_row(),
+        }
+    }
+
+    /// The header, which is no line of the text; then the lines as rows.
+    #[cold]
+    fn step_to_row(&mut self) -> NextLine {
+        if let Some(header) = self.header.take() {
+            self.row = header;
+            return NextLine::Line(0..0);
+        }
+        let next = self.next();
+        if let (NextLine::Line(range), Some(monitor)) = (&next, &self.monitor) {
+            let line = self.window.part(range.clone());
+            self.row = monitor.row(line.strip_suffix(b"\r").unwrap_or(line));
+        }
+        next
+    }
+
+    #[inline]
+    fn next(&mut self) -> NextLine {
         let mut searched = 0;
         loop {
             let window = &mut self.window;

@@ -11,7 +11,7 @@ use crate::foreign;
 use crate::format::Format;
 use crate::log::rosbag2::{self, BagFile};
 use crate::log::{self, Log};
-use crate::source::{self, BytesRead, Source};
+use crate::source::{self, BytesRead, Failing, Source};
 use crate::table::{self, Columns, Preview, Table, TableOptions, TableSource};
 use undrift_nav::sample::{GnssFix, ImuSample, Scalar, TruthSample};
 
@@ -374,14 +374,5 @@ impl Opened {
         let failure = self.failure.map(|(kind, why)| io::Error::new(kind, why));
         let start = Cursor::new(self.start).chain(BufReader::new(Failing(failure)));
         Box::new(start.chain(self.rest))
-    }
-}
-
-/// Fails once, where the beginning of a stream could not be read on.
-struct Failing(Option<io::Error>);
-
-impl Read for Failing {
-    fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
-        self.0.take().map_or(Ok(0), Err)
     }
 }

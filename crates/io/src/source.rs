@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use flate2::bufread::MultiGzDecoder;
 
-use crate::{ReadError, nearby, zstandard};
+use crate::{ReadError, nearby, utf16, zstandard};
 
 /// A byte stream to read from.
 pub type Source = Box<dyn BufRead + Send>;
@@ -50,6 +50,15 @@ impl<R: Read> Read for Counted<R> {
     }
 }
 
+/// Fails once, where the beginning of a stream could not be read on.
+pub(crate) struct Failing(pub(crate) Option<io::Error>);
+
+impl Read for Failing {
+    fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+        self.0.take().map_or(Ok(0), Err)
+    }
+}
+
 /// Opens a file.
 ///
 /// # Errors
@@ -59,7 +68,7 @@ pub(crate) fn file(path: &Path) -> Result<File, ReadError> {
 }
 
 /// Reads a stream; one that starts with the magic of gzip or zstd is decompressed (all its members), which the
-/// second value tells. `read` counts on.
+/// second value tells; UTF-16 becomes UTF-8. `read` counts on.
 ///
 /// # Errors
 /// If it cannot be read.
@@ -74,15 +83,16 @@ pub(crate) fn decompressed(
     };
     let mut reader = BufReader::with_capacity(BUFFER, counted);
     let start = reader.fill_buf().map_err(|e| cannot_open(name, e))?;
-    if start.starts_with(&GZIP_MAGIC) {
+    let (source, compressed): (Source, bool) = if start.starts_with(&GZIP_MAGIC) {
         let inflated = MultiGzDecoder::new(reader);
-        Ok((Box::new(BufReader::with_capacity(BUFFER, inflated)), true))
+        (Box::new(BufReader::with_capacity(BUFFER, inflated)), true)
     } else if start.starts_with(&ZSTD_MAGIC) {
         let inflated = zstandard::decoder(reader).map_err(|e| cannot_open(name, e))?;
-        Ok((Box::new(BufReader::with_capacity(BUFFER, inflated)), true))
+        (Box::new(BufReader::with_capacity(BUFFER, inflated)), true)
     } else {
-        Ok((Box::new(reader), false))
-    }
+        (Box::new(reader), false)
+    };
+    Ok((utf16::decoded(source), compressed))
 }
 
 /// Opens a file, plain or compressed.

@@ -24,6 +24,7 @@ mod columns;
 mod counter;
 mod fields;
 mod header;
+mod monitor;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod stamps;
@@ -36,6 +37,7 @@ use std::path::{Path, PathBuf};
 
 pub use columns::Columns;
 pub(crate) use header::has_named_numbers;
+pub(crate) use monitor::Monitor;
 pub use wanted::{Column, Preview, Stamp, TableOptions};
 pub(crate) use wanted::{check_time_scale, three};
 

@@ -6,6 +6,8 @@ use chrono::{Datelike, NaiveDate};
 use crate::number;
 
 /// \[s\]
+const HOUR: f64 = 3600.0;
+/// \[s\]
 pub(crate) const DAY: f64 = 86_400.0;
 /// \[s\]
 pub(crate) const WEEK: f64 = 604_800.0;
@@ -35,6 +37,8 @@ impl TimeSystem {
 pub(crate) struct WeekClock {
     /// Days from the GPS epoch to that week.
     pub(crate) start: Option<i64>,
+    /// Whether dates that end with the year begin with the month, once one was certain.
+    month_first: Option<bool>,
 }
 
 /// Days from 31 December of the year before 1 AD to the GPS epoch.
@@ -90,12 +94,14 @@ impl WeekClock {
     }
 
     /// Seconds of a date and time `yyyy-mm-ddThh:mm:ss.sss` with `Z`, `+hh:mm`, `+hhmm` or nothing behind it
-    /// (ISO 8601), which is UTC; a blank may stand for the T, strokes or points for the hyphens.
+    /// (ISO 8601), which is UTC; a blank may stand for the T, strokes or points for the hyphens. Also `dd.mm.yyyy` and
+    /// `dd/mm/yyyy` or, where that is no date or AM or PM stands behind the time, `mm/dd/yyyy`.
     pub(crate) fn date_time(&mut self, text: &[u8]) -> Option<f64> {
-        let (date_part, rest) = text.split_at_checked(10)?;
-        let (b'T' | b't' | b' ', rest) = rest.split_first()? else {
-            return None;
-        };
+        let at = text
+            .iter()
+            .position(|byte| matches!(byte, b'T' | b't' | b' '))?;
+        let (date_part, rest) = (text.get(..at)?, text.get(at + 1..)?.trim_ascii_start());
+        let date_part = date_part.strip_suffix(b",").unwrap_or(date_part);
         let rest = rest.strip_suffix(b" UTC").unwrap_or(rest);
         let zone_at = rest
             .iter()
@@ -113,9 +119,34 @@ impl WeekClock {
                 if *sign == b'-' { -size } else { size }
             }
         };
-        let stroke = *date_part.get(4)?;
-        let day = date(date_part, stroke).filter(|_| matches!(stroke, b'-' | b'/' | b'.'))?;
+        let day = self.day(date_part, half_of_day(time).is_some())?;
         Some(self.utc_day(day, time_of_day(time)? - offset))
+    }
+
+    /// Days from the GPS epoch to a date with hyphens, strokes or points: the year first; or last, the day first, but
+    /// behind strokes and hyphens the month where a date before had a day beyond 12 there, or else `month_first`.
+    pub(crate) fn day(&mut self, text: &[u8], month_first: bool) -> Option<i64> {
+        let stroke = *text.iter().find(|byte| !byte.is_ascii_digit())?;
+        if !matches!(stroke, b'-' | b'/' | b'.') {
+            return None;
+        }
+        let mut parts = text.split(|byte| *byte == stroke);
+        if parts.clone().next()?.len() == 4 {
+            return date(text, stroke);
+        }
+        let (first, second, year) = (parts.next()?, parts.next()?, parts.next()?);
+        let (first, second) = (whole(first)?, whole(second)?);
+        let year = whole(year).filter(|_| year.len() == 4 && parts.next().is_none())?;
+        let certain = match (stroke, first > 12, second > 12) {
+            (b'.', ..) | (_, true, false) => Some(false),
+            (_, false, true) => Some(true),
+            _ => None,
+        };
+        self.month_first = certain.or(self.month_first);
+        match self.month_first.unwrap_or(month_first) {
+            true => day_of(year, first, second),
+            false => day_of(year, second, first),
+        }
     }
 
     /// Seconds of a Unix time. One before the GPS epoch is that of a clock which does not know the
@@ -232,11 +263,29 @@ fn day_of(year: i64, month: i64, day: i64) -> Option<i64> {
     plausible.then(|| i64::from(date.num_days_from_ce()) - EPOCH)
 }
 
-/// Seconds of day of `hh:mm:ss.sss`; the second may be 60.
+/// Seconds of day of `hh:mm:ss.sss`, to 12 hours with AM or PM behind; the second may be 60.
 pub(crate) fn time_of_day(field: &[u8]) -> Option<f64> {
+    let half = half_of_day(field);
+    let field = half.map_or(field, |(time, _)| time);
     let mut parts = field.split(|&byte| byte == b':');
     let time = of_day(parts.next()?, parts.next()?, parts.next()?);
-    time.filter(|_| parts.next().is_none())
+    let time = time.filter(|_| parts.next().is_none())?;
+    match half {
+        None => Some(time),
+        Some((_, after)) if (HOUR..13.0 * HOUR).contains(&time) => Some(time % (DAY / 2.0) + after),
+        Some(_) => None,
+    }
+}
+
+/// A time of day before `AM` or `PM`, and the seconds of the half of the day that this adds.
+fn half_of_day(field: &[u8]) -> Option<(&[u8], f64)> {
+    let (time, half) = field.split_at_checked(field.len().checked_sub(2)?)?;
+    let after = match half {
+        b"AM" | b"am" => 0.0,
+        b"PM" | b"pm" => DAY / 2.0,
+        _ => return None,
+    };
+    Some((time.trim_ascii_end(), after))
 }
 
 /// Seconds of day of an hour, a minute and a second, which may be 60.
@@ -359,6 +408,43 @@ mod tests {
             assert_eq!(day_of(year, month, day), None, "{year}-{month}-{day}");
         }
         assert!(day_of(2024, 2, 29).is_some() && day_of(2000, 2, 29).is_some());
+    }
+
+    #[test]
+    fn dates_that_end_with_the_year() {
+        let times = |texts: &[&str]| -> Vec<Option<f64>> {
+            let mut weeks = WeekClock::default();
+            let all = texts.iter().map(|text| weeks.date_time(text.as_bytes()));
+            all.collect()
+        };
+        // 8 July 2025, 19:34:00 UTC.
+        let expected = Some(243_258.0);
+        for text in [
+            "08.07.2025 19:34:00",
+            "8.7.2025 19:34:00",
+            "08/07/2025 19:34:00",
+            "08-07-2025T19:34:00Z",
+            "8/7/2025, 19:34:00",
+            "7/8/2025, 7:34:00 PM",
+            "07/08/2025 07:34:00 pm",
+        ] {
+            assert_eq!(times(&[text]), [expected], "{text}");
+        }
+        // A day beyond 12 settles it, for those behind it too.
+        let friday = times(&["07/13/2025 00:00:00", "07/08/2025 00:00:00"]);
+        assert_eq!(friday[0].unwrap() - friday[1].unwrap(), 5.0 * DAY);
+        let friday = times(&["13/07/2025 12:00:00 AM", "08/07/2025 12:00:00 AM"]);
+        assert_eq!(friday[0].unwrap() - friday[1].unwrap(), 5.0 * DAY);
+        for wrong in [
+            "13.13.2025 00:00:00",
+            "1.2.25 00:00:00",
+            "07/08/2025 13:00:00 PM",
+        ] {
+            assert_eq!(times(&[wrong]), [None], "{wrong}");
+        }
+        assert_eq!(time_of_day(b"12:00:01 AM"), Some(1.0));
+        assert_eq!(time_of_day(b"12:00:01 PM"), Some(43_201.0));
+        assert_eq!(time_of_day(b"0:00:01 PM"), None);
     }
 
     #[test]

@@ -58,12 +58,29 @@ fn known(known: &Known) -> String {
                 "guessed: the lowest scatter is {scatter:.2e}; in deg/s it would be too low for such a sensor"
             );
         }
+        Known::Clocks {
+            correlation,
+            hours,
+            leap,
+        } => {
+            let zone = (*hours != 0.0).then(|| format!("{} h, a time zone", hours.abs()));
+            let leap = leap.then(|| "18 s between GPS time and UTC".to_owned());
+            let parts = Vec::from_iter(zone.into_iter().chain(leap));
+            let what = match parts.is_empty() {
+                true => "the clocks differ".to_owned(),
+                false => parts.join(" and "),
+            };
+            return format!(
+                "from the turns of gyros and GNSS course, whose correlation is then {correlation:.2}: {what}"
+            );
+        }
         Known::Turns(ratio) => {
             return format!(
                 "from the turns of the GNSS course: in the other unit the gyros would turn {ratio:.2} times as fast"
             );
         }
         Known::TooFew => "UNKNOWN: too few samples",
+        Known::Integers => "guessed: latitude and longitude are integers of 1e-7 deg, as of a receiver that counts mm",
         Known::SmallPlaces => "guessed: no latitude exceeds pi/2 and no longitude exceeds pi",
         Known::SmallAngles => "guessed: no angle exceeds 2 pi",
         Known::NoColumns => "guessed: no such columns; set the receiver's accuracy",
@@ -134,6 +151,9 @@ fn note(note: &Note) -> String {
         Note::NoWheels => {
             "the IMU has no fixed direction of motion: not a wheeled vehicle, or the IMU is not fixed to it; assumes x forward".into()
         }
+        Note::Apart { offset_s } => format!(
+            "the logs do not overlap; if both begin at the same moment, set time_offset = \"{offset_s:.2} s\" in [gnss]"
+        ),
         Note::NoMounting(why) => format!("axes guessed from gravity alone: {why}"),
         Note::Empty { table, streams } => {
             let what = match table.as_str() {
@@ -271,6 +291,35 @@ pub fn next(inspections: &[Inspection], drive: &Path) -> String {
         model.value,
         known(&model.known)
     )
+}
+
+/// What is guessed in the drive file, from filled inspections, a line each.
+pub fn guesses(inspections: &[Inspection]) -> Vec<String> {
+    let model = model(inspections);
+    let mut lines = vec![format!(
+        "  model = {}: {}",
+        model.value,
+        known(&model.known)
+    )];
+    let mut tables = Vec::new();
+    for part in inspections.iter().flat_map(|file| &file.parts) {
+        if tables.contains(&part.table) {
+            continue;
+        }
+        tables.push(part.table);
+        let guessed = part.lines.iter().filter(|line| {
+            let certain = matches!(line.known, Known::Certain | Known::Name { .. });
+            !certain
+        });
+        lines.extend(guessed.map(|line| {
+            let entry = format!(
+                "  {}.{} = {}: {}",
+                part.table, line.key, line.value, line.why
+            );
+            visible(&entry).into_owned()
+        }));
+    }
+    lines
 }
 
 /// The drive file, from filled inspections, that reads the first IMU, the first fixes and the first reference of the files.

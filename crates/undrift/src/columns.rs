@@ -1,7 +1,10 @@
 //! What the names of columns mean: the words that logs of this field use.
 
+mod steps;
+
+pub use steps::{FIX_STEP, IMU_STEP, ordinary_step, time_unit, time_unit_of};
+
 use undrift_nav::units::{Quantity, unit_factor};
-use undrift_noise::order_statistics::upper_median;
 
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +31,12 @@ pub enum Meaning {
     Velocity(usize),
     /// Velocity up.
     VelocityUp,
+    /// Speed over ground.
+    Speed,
+    /// Course over ground.
+    Course,
+    /// Stated accuracy of the horizontal position, the height, the speed (0, 1, 2).
+    Accuracy(usize),
     /// Standard deviation of the position north, east, down.
     PositionStd(usize),
     /// Standard deviation of the velocity north, east, down.
@@ -44,18 +53,37 @@ impl Meaning {
             Self::Time => Quantity::Time,
             Self::Gyro(_) => Quantity::AngularRate,
             Self::Accel(_) => Quantity::Acceleration,
-            Self::Latitude | Self::Longitude | Self::Attitude(_) => Quantity::Angle,
-            Self::Height | Self::PositionStd(_) | Self::Ecef(_) => Quantity::Length,
-            Self::Velocity(_) | Self::VelocityUp | Self::VelocityStd(_) | Self::EcefVelocity(_) => {
-                Quantity::Velocity
+            Self::Latitude | Self::Longitude | Self::Attitude(_) | Self::Course => Quantity::Angle,
+            Self::Height | Self::PositionStd(_) | Self::Ecef(_) | Self::Accuracy(0 | 1) => {
+                Quantity::Length
             }
+            Self::Velocity(_)
+            | Self::VelocityUp
+            | Self::Speed
+            | Self::Accuracy(_)
+            | Self::VelocityStd(_)
+            | Self::EcefVelocity(_) => Quantity::Velocity,
             Self::Temperature | Self::Date => return None,
         })
     }
 }
 
 /// Endings of names that are units.
-const SUFFIXES: [(&str, &str); 27] = [
+const SUFFIXES: [(&str, &str); 41] = [
+    ("_dege7", "LSB/1e7 deg"),
+    ("_deg_1e7", "LSB/1e7 deg"),
+    ("_1e7", "LSB/1e7 deg"),
+    ("_e7", "LSB/1e7 deg"),
+    ("_mm_s", "mm/s"),
+    ("_mmps", "mm/s"),
+    ("_cm_s", "cm/s"),
+    ("_km_h", "km/h"),
+    ("_kmh", "km/h"),
+    ("_kph", "km/h"),
+    ("_knots", "kn"),
+    ("_kn", "kn"),
+    ("_mm", "mm"),
+    ("_cm", "cm"),
     ("_radps", "rad/s"),
     ("_rad_s", "rad/s"),
     ("_degps", "deg/s"),
@@ -85,7 +113,8 @@ const SUFFIXES: [(&str, &str); 27] = [
     ("_hz", "Hz"),
 ];
 
-const TIMES: [&str; 26] = [
+const TIMES: [&str; 27] = [
+    RECEIVED,
     "t",
     "ts",
     "elapsed",
@@ -113,6 +142,8 @@ const TIMES: [&str; 26] = [
     "secs",
     "seconds",
 ];
+/// The time at which a line came, which a serial monitor writes before it.
+pub const RECEIVED: &str = "received";
 /// Words that are a time and its unit, and endings of words for a time that are its unit.
 const TIME_UNITS: [(&str, &str); 6] = [
     ("millis", "ms"),
@@ -130,10 +161,6 @@ const TIME_ENDINGS: [(&str, &str); 6] = [
     ("us", "us"),
     ("ns", "ns"),
 ];
-/// Clocks whose ticks are no usual unit of time: the letters of their names and the ticks that there are, the longest
-/// first, with their factor to seconds. Xsens counts 0.1 ms in an MTi and microseconds in a DOT.
-const TICKS: [(&str, [(&str, f64); 2]); 1] =
-    [("sampletimefine", [("0.1 ms/LSB", 1e-4), ("us", 1e-6)])];
 const GYROS: [&str; 12] = [
     "g",
     "gyro",
@@ -186,6 +213,30 @@ const HEIGHTS: [&str; 15] = [
     "hell",
 ];
 const VELOCITIES: [&str; 4] = ["v", "vel", "velocity", "vned"];
+const SPEEDS: [&str; 7] = [
+    "speed",
+    "gspeed",
+    "gpsspeed",
+    "groundspeed",
+    "speedoverground",
+    "sog",
+    "spd",
+];
+const COURSES: [&str; 7] = [
+    "course",
+    "cog",
+    "courseoverground",
+    "headmot",
+    "headingofmotion",
+    "track",
+    "bearing",
+];
+/// Accuracies of the horizontal position, the height, the speed.
+const ACCURACIES: [&[&str]; 3] = [
+    &["hacc", "horizontalaccuracy", "accuracy"],
+    &["vacc", "verticalaccuracy"],
+    &["sacc", "speedaccuracy"],
+];
 const POSITION_STDS: [&str; 7] = [
     "std",
     "sd",
@@ -295,6 +346,12 @@ fn of_letters(name: &str) -> Option<Meaning> {
         Some(Meaning::Gyro(axis))
     } else if let Some(axis) = axis(&ACCELS) {
         Some(Meaning::Accel(axis))
+    } else if let Some(of) = ACCURACIES.iter().position(|names| names.contains(&name)) {
+        Some(Meaning::Accuracy(of))
+    } else if SPEEDS.contains(&name) {
+        Some(Meaning::Speed)
+    } else if COURSES.contains(&name) {
+        Some(Meaning::Course)
     } else if LATITUDES.contains(&name) {
         Some(Meaning::Latitude)
     } else if LONGITUDES.contains(&name) {
@@ -378,49 +435,15 @@ fn spelled(unit: &str) -> String {
         "m s^-2" | "m/s2" | "m/s²" | "mps2" | "m/s/s" => "m/s^2".into(),
         "m s^-1" | "mps" => "m/s".into(),
         "°" | "degrees" => "deg".into(),
+        "1e-7 deg" | "deg*1e7" | "1e7 deg" | "dege7" | "deg e7" | "deg*10^7" => {
+            "LSB/1e7 deg".into()
+        }
+        "kmh" | "kph" | "km/hr" => "km/h".into(),
         "µs" | "usec" => "us".into(),
         "msec" | "milliseconds" => "ms".into(),
         "sec" | "seconds" => "s".into(),
         other => other.into(),
     }
-}
-
-/// Longest ordinary step of an inertial log \[s\].
-pub const IMU_STEP: f64 = 0.25;
-/// Longest ordinary step of a log of fixes \[s\].
-pub const FIX_STEP: f64 = 30.0;
-
-/// The unit of time stamps, and its factor to seconds: the longest one that makes their ordinary
-/// step no longer than `longest` \[s\]; `None` if there are too few stamps or none fits.
-pub fn time_unit(stamps: &[f64], longest: f64) -> Option<(&'static str, f64)> {
-    let units = [("s", 1.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
-    longest_unit(&units, stamps, longest)
-}
-
-/// The same of a column with a name, whose ticks may be others.
-pub fn time_unit_of(column: &str, stamps: &[f64], longest: f64) -> Option<(&'static str, f64)> {
-    let name = letters(column);
-    match TICKS.iter().find(|(clock, _)| *clock == name) {
-        Some((_, ticks)) => longest_unit(ticks, stamps, longest),
-        None => time_unit(stamps, longest),
-    }
-}
-
-fn longest_unit(
-    units: &[(&'static str, f64)],
-    stamps: &[f64],
-    longest: f64,
-) -> Option<(&'static str, f64)> {
-    let step = ordinary_step(stamps)?;
-    let mut units = units.iter().copied();
-    units.find(|(_, factor)| step * factor <= longest)
-}
-
-/// Median of the steps forward of time stamps, in their unit; `None` if there are none.
-pub fn ordinary_step(stamps: &[f64]) -> Option<f64> {
-    let mut steps: Vec<f64> = stamps.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.retain(|step| *step > 0.0);
-    (!steps.is_empty()).then(|| upper_median(&mut steps))
 }
 
 #[cfg(test)]

@@ -33,6 +33,7 @@ pub(crate) mod tables;
 mod tests;
 
 pub use epoch::Beginning;
+pub(crate) use epoch::OTHER_CLOCK;
 pub use error::{ConfigError, DriveError};
 pub use imu::{ImuLog, load_imu};
 pub use logs::Logs;
@@ -54,7 +55,7 @@ use undrift_io::{
     ReadError,
     epoch::Epoch,
     gnss::{GnssReader, GnssSource},
-    imu::{ImuFormat, ImuReader},
+    imu::{ImuFormat, ImuReader, ImuSource},
     reader::{Kind, Reader},
     scalar::ScalarReader,
     source::BytesRead,
@@ -294,7 +295,9 @@ impl Drive {
             false => "fast",
         };
         let unit = time_unit(&[0.0, interval], IMU_STEP).filter(|(unit, _)| *unit != "s");
+        let is_table = matches!(self.imu.1.source, ImuSource::Table { .. });
         let mend = match (self.imu.1.has_times(), unit) {
+            _ if !is_table => "choose another log, or another topic of it".to_owned(),
             (true, Some((unit, _))) => {
                 format!("the times look like {unit}: set imu.time_unit = \"{unit}\"")
             }

@@ -1,10 +1,12 @@
 //! What a file is, what it holds, in which units by which signs, and a first `DRIVE.toml` for it.
 
+mod clocks;
 mod columns;
 mod known;
 mod measure;
 mod motion;
 mod parts;
+mod receiver;
 mod sensor;
 mod topics;
 mod units;

@@ -25,8 +25,10 @@ pub struct GnssFormat {
     /// Standard deviations of the position north, east, down, or along x, y, z of [`PositionColumns::Ecef`] \[m\];
     /// needed where the options have none.
     pub position_std: Option<[Column; 3]>,
-    /// Velocity [m/s], if it is to be read.
+    /// Velocity, if it is to be read.
     pub velocity: Option<[Column; 3]>,
+    /// Factor from its columns to m/s; not of its standard deviations.
+    pub velocity_scale: f64,
     /// Its axes.
     pub velocity_axes: VelocityAxes,
     /// Standard deviations of the velocity north, east, down, or along x, y, z of
@@ -43,12 +45,14 @@ pub struct GnssFormat {
 /// How a position is written.
 #[derive(Clone, Debug)]
 pub enum PositionColumns {
-    /// Latitude, longitude, and height above the ellipsoid \[m\].
+    /// Latitude, longitude, and height above the ellipsoid.
     Geodetic {
-        /// Latitude, north positive; longitude, east positive; height \[m\].
+        /// Latitude, north positive; longitude, east positive; height.
         columns: [Column; 3],
         /// Factor from the columns of latitude and longitude to radians.
         angle_scale: f64,
+        /// Factor from the column of heights to metres.
+        height_scale: f64,
     },
     /// Earth-centred, Earth-fixed x, y, z \[m\].
     Ecef([Column; 3]),
@@ -175,10 +179,14 @@ impl FixColumns {
         Some(Some(match place {
             PositionColumns::Geodetic { .. } | PositionColumns::Ecef(_) => {
                 let place = match place {
-                    PositionColumns::Geodetic { angle_scale, .. } => Geodetic {
+                    PositionColumns::Geodetic {
+                        angle_scale,
+                        height_scale,
+                        ..
+                    } => Geodetic {
                         lat: values.x * angle_scale,
                         lon: values.y * angle_scale,
-                        height: values.z,
+                        height: values.z * height_scale,
                     },
                     _ => Geodetic::from_ecef(&values),
                 };
@@ -228,6 +236,8 @@ impl FixColumns {
     ) -> Option<(Vector3, Matrix3)> {
         let at = self.velocity?;
         let velocity = self.finite(row, at, skipped)?;
+        let scale = self.format.velocity_scale;
+        let velocity = self.format.velocity_axes.vector(velocity, scale);
         let geodetic = match place {
             Some(Position::Geodetic(place)) => Some(place),
             _ => None,

@@ -22,10 +22,12 @@ fn format() -> GnssFormat {
         place: Some(PositionColumns::Geodetic {
             columns: group(2),
             angle_scale: 1f64.to_radians(),
+            height_scale: 1.0,
         }),
         position_std: Some(group(8)),
         velocity: Some(group(5)),
         velocity_axes: VelocityAxes::Up,
+        velocity_scale: 1.0,
         velocity_std: None,
         quality: Some(Column::Number(11)),
         delimiter: None,
@@ -156,10 +158,25 @@ fn unusable_formats_and_files_are_named() {
 /// On the equator at 90° east the Earth-fixed axes are west, up and north, so all is known without rounding
 /// but that of the semi-major axis.
 #[test]
+fn speeds_with_a_course_and_heights_in_another_unit() {
+    let polar = GnssFormat {
+        velocity_axes: VelocityAxes::Course,
+        velocity_scale: 1.0 / 3.6,
+        ..format()
+    };
+    let (east, north) = (VelocityAxes::Course, Vector3::new(36.0, 90.0, 36.0));
+    let turned = east.vector(north, polar.velocity_scale);
+    assert!((turned - Vector3::new(0.0, 10.0, 0.0)).norm() < 1e-12);
+    let down = VelocityAxes::Down.vector(north, 0.5);
+    assert_eq!(down, north * 0.5);
+}
+
+#[test]
 fn earth_fixed_columns() {
     let earth_fixed = GnssFormat {
         place: Some(PositionColumns::Ecef(group(2))),
         velocity_axes: VelocityAxes::Ecef,
+        velocity_scale: 1.0,
         velocity_std: Some(group(8)),
         fixes: FixOptions::default(),
         ..format()

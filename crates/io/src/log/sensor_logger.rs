@@ -7,9 +7,8 @@
 //! straight line at its time; without these two the sum of Accelerometer, from which the app has taken gravity, and Gravity.
 //! Accelerometer alone is refused.
 
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use undrift_nav::Vector3;
 
@@ -55,7 +54,7 @@ const PLACE: [&str; 10] = [
 pub(crate) fn folder(path: &Path) -> Result<Option<Source>, ReadError> {
     let mut text = format!("{MARK}\n");
     let mut files = Vec::new();
-    let is_there = |name: &&str| path.join(format!("{name}.csv")).is_file();
+    let is_there = |name: &&str| file(path, name).is_some();
     let first = |names: [&'static str; 2]| names.into_iter().find(is_there);
     let summands = match first(ACCELS) {
         Some(whole) => vec![whole],
@@ -88,22 +87,28 @@ pub(crate) fn folder(path: &Path) -> Result<Option<Source>, ReadError> {
     Ok(Some(Box::new(BufReader::new(merged))))
 }
 
+/// The file of a sensor, plain or compressed.
+fn file(folder: &Path, name: &str) -> Option<PathBuf> {
+    let files = ["csv", "csv.gz", "csv.zst"].map(|kind| folder.join(format!("{name}.{kind}")));
+    files.into_iter().find(|file| file.is_file())
+}
+
 /// The rows of one file.
 struct SensorFile {
     name: &'static str,
     header: String,
-    lines: BufReader<File>,
+    lines: Source,
     /// The next row and its time.
     next: Option<(f64, String)>,
 }
 
 impl SensorFile {
     fn open(folder: &Path, name: &'static str) -> Result<Self, ReadError> {
-        let path = folder.join(format!("{name}.csv"));
+        let path = file(folder, name).unwrap_or_default();
         let mut rows = Self {
             name,
             header: String::new(),
-            lines: BufReader::new(source::file(&path)?),
+            lines: source::open(&path)?,
             next: None,
         };
         let header = rows

@@ -154,9 +154,6 @@ fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, Rea
                 let number = lines.number();
                 let mut line = lines.bytes(range);
                 if number == 1 {
-                    if line.starts_with(&[0xff, 0xfe]) || line.starts_with(&[0xfe, 0xff]) {
-                        return Err(ReadError::nameless("is UTF-16 text").mend("save it as UTF-8"));
-                    }
                     line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
                 }
                 if let (None, true, Some(byte)) = (named, above.is_empty(), separator(line)) {
@@ -346,7 +343,7 @@ fn listing(names: &[String]) -> String {
 /// # Errors
 /// If there is no line.
 pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError> {
-    let mut lines = Lines::new(source);
+    let mut lines = Lines::of_table(source);
     let FirstLine {
         line: first,
         comment,

@@ -70,10 +70,7 @@ impl Stamps {
     /// The number that stands for a text in this place of the row read; `None` if it is no time.
     pub(super) fn read(&mut self, slot: usize, text: &[u8]) -> Option<f64> {
         if self.date == Some(slot) {
-            let stroke = text
-                .get(4)
-                .filter(|stroke| matches!(stroke, b'-' | b'/' | b'.'))?;
-            self.day = Some(time::date(text, *stroke)?);
+            self.day = Some(self.weeks.day(text, false)?);
             return Some(0.0);
         }
         if self.time != slot {

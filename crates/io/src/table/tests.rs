@@ -120,8 +120,6 @@ fn files_without_data() {
         text.contains("2 rows with text") && text.contains("line 2"),
         "{text}"
     );
-    let error = from(b"\xff\xfea\0,\0", &numbered(&[1])).err().unwrap();
-    assert!(error.to_string().contains("UTF-16"));
 }
 
 #[test]
@@ -266,7 +264,7 @@ fn times_of_day_count_on_and_take_their_date_from_a_column() {
     let text = "23:59:59.5,1\n00:00:00.5,2\n23:59:59.75,3\n00:00:01,4\n";
     let (found, _) = times(text, None, 1.0);
     assert_eq!(found, [86_399.5, 86_400.5, 86_399.75, 86_401.0]);
-    let text = "t,v,d\n19:34:00.5,1,2025-07-08\n19:34:01,2,2025/07/08\n19:34:02,3,\n70443,4,2025-07-08\n19:34:04,5,8.7.2025\n";
+    let text = "t,v,d\n19:34:00.5,1,2025-07-08\n19:34:01,2,2025/07/08\n19:34:02,3,\n70443,4,2025-07-08\n19:34:04,5,8.7.25\n";
     let (found, skipped) = times(text, Some(Column::Number(3)), 1.0);
     assert_eq!(found, [0.5, 1.0, 3.0].map(|s| TUESDAY + s));
     assert_eq!(skipped, 2);

@@ -36,7 +36,7 @@ impl TextTable {
         options: &TableOptions,
         skipped: &mut Skipped,
     ) -> Result<Self, ReadError> {
-        let mut lines = Lines::new(source);
+        let mut lines = Lines::of_table(source);
         let layout = header::find(&mut lines, options, skipped)?;
         Ok(Self {
             lines,

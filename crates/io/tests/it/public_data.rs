@@ -47,10 +47,12 @@ fn gnss_format(height: &str) -> GnssFormat {
         place: Some(PositionColumns::Geodetic {
             columns: names(["lat_deg", "lon_deg", height]),
             angle_scale: degrees(),
+            height_scale: 1.0,
         }),
         position_std: None,
         velocity: Some(names(["vn_mps", "ve_mps", "vd_mps"])),
         velocity_axes: VelocityAxes::Down,
+        velocity_scale: 1.0,
         velocity_std: None,
         quality: None,
         delimiter: None,

@@ -13,7 +13,7 @@ use undrift_io::{
 use undrift_nav::sample::ImuSample;
 
 /// A `time_offset` of so much or more \[s\] puts a log onto the clock of another: its own dates do not count.
-const OTHER_CLOCK: f64 = 3600.0;
+pub(crate) const OTHER_CLOCK: f64 = 3600.0;
 /// Records that are read for a date.
 const RECORDS: usize = 100;
 /// Samples that are read for their interval.

@@ -13,7 +13,7 @@ use crate::{
 use std::path::PathBuf;
 use undrift_io::{
     format::Format,
-    gnss::{FixOptions, GnssFormat, GnssLog, GnssSource, PositionColumns},
+    gnss::{FixOptions, GnssFormat, GnssLog, GnssSource, PositionColumns, VelocityAxes},
     layouts,
     table::Column,
 };
@@ -218,12 +218,33 @@ fn read_stds<'a>(
     }
 }
 
+/// The columns of the velocity and its axes: `velocity`, or `speed` and `course`.
+fn read_velocity(section: &Section) -> Result<(Option<[Column; 3]>, VelocityAxes), ConfigError> {
+    let velocity = section.columns("velocity")?;
+    let axes = section.word("velocity_axes", &VELOCITY_AXES)?;
+    let polar = (section.column("speed")?, section.column("course")?);
+    match (velocity, polar) {
+        (velocity, (None, None)) => Ok((velocity, axes.unwrap_or_default())),
+        (Some(_), _) => Err(section.error("speed", "set velocity, or speed and course, not both")),
+        (None, (Some(_), None)) => Err(section.error("course", "missing: needed with speed")),
+        (None, (None, Some(_))) => Err(section.error("speed", "missing: needed with course")),
+        (None, (Some(_), Some(_))) if axes.is_some() => {
+            Err(section.error("velocity_axes", "speed and course have no axes: remove it"))
+        }
+        (None, (Some(speed), Some(course))) => {
+            let columns = [speed.clone(), course, speed];
+            Ok((Some(columns), VelocityAxes::Course))
+        }
+    }
+}
+
 /// The fixes in named columns of a table.
 fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, ConfigError> {
     let time = section
         .column("time")?
         .ok_or_else(|| section.error("time", "missing: the time column"))?;
     let angle_scale = section.unit("position_unit", Quantity::Angle, 1f64.to_radians())?;
+    let height_scale = section.unit("height_unit", Quantity::Length, 1.0)?;
     let ecef = section.columns("ecef")?;
     let place = match (section.columns("position")?, section.columns("baseline")?) {
         (Some(_), Some(_)) => {
@@ -235,6 +256,7 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
         (Some(columns), None) => Some(PositionColumns::Geodetic {
             columns,
             angle_scale,
+            height_scale,
         }),
         (None, Some(ned)) => Some(PositionColumns::Baseline {
             ned,
@@ -247,7 +269,7 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
         }),
         (None, None) => ecef.map(PositionColumns::Ecef),
     };
-    let velocity = section.columns("velocity")?;
+    let (velocity, velocity_axes) = read_velocity(section)?;
     let stds = |wanted: bool, stated, columns, unit| match wanted {
         true => read_stds(section, stated, columns, unit),
         false => section.columns(columns).map(|_| None),
@@ -263,9 +285,8 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
         place,
         position_std,
         velocity,
-        velocity_axes: section
-            .word("velocity_axes", &VELOCITY_AXES)?
-            .unwrap_or_default(),
+        velocity_axes,
+        velocity_scale: section.unit("velocity_unit", Quantity::Velocity, 1.0)?,
         velocity_std,
         quality: section.column("quality")?,
         delimiter: read_delimiter(section)?,

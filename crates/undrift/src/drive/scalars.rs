@@ -48,6 +48,9 @@ pub enum ScalarLog {
     Barometer,
 }
 
+/// Reads a log's table of the drive file.
+type ReadSection = fn(&Section, &mut Logs, Parameters) -> Result<(Source, Parameters), DriveError>;
+
 /// All that is different from one to the other.
 struct About {
     name: &'static str,
@@ -56,7 +59,7 @@ struct About {
     aid: Aid,
     measurement: fn(Scalar) -> Measurement,
     range: (f64, f64),
-    read: fn(&Section, &mut Logs, Parameters) -> Result<(Source, Parameters), DriveError>,
+    read: ReadSection,
     by_default: fn(Parameters) -> Parameters,
 }
 

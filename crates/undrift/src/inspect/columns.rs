@@ -5,34 +5,42 @@ use super::{
     parts::{Line, Part, quoted},
     units::{self, Force},
 };
-use crate::columns::{FIX_STEP, IMU_STEP, Meaning, meanings, ordinary_step, time_unit_of};
+use crate::columns::{
+    FIX_STEP, IMU_STEP, Meaning, RECEIVED, meanings, ordinary_step, time_unit_of,
+};
 use undrift_io::{Opened, ReadError, table::Preview};
 
 /// By the names of several columns.
-const NAMES: Known = Known::Name { several: true };
+pub(super) const NAMES: Known = Known::Name { several: true };
 
 /// Rows that are looked at.
 const ROWS: usize = 4000;
+/// Samples of which a mean is taken.
+const PART: usize = 25;
 
 /// Columns found: their places.
 #[derive(Default)]
-struct Found {
-    time: Option<usize>,
-    gyro: [Option<usize>; 3],
-    accel: [Option<usize>; 3],
+pub(super) struct Found {
+    pub(super) time: Option<usize>,
+    pub(super) gyro: [Option<usize>; 3],
+    pub(super) accel: [Option<usize>; 3],
     /// Of the times, where these are times of day.
-    date: Option<usize>,
-    place: [Option<usize>; 3],
+    pub(super) date: Option<usize>,
+    pub(super) place: [Option<usize>; 3],
     /// Earth-centred, Earth-fixed.
-    ecef: [Option<usize>; 3],
-    ecef_velocity: [Option<usize>; 3],
-    velocity: [Option<usize>; 3],
-    up: bool,
-    position_std: [Option<usize>; 3],
-    velocity_std: [Option<usize>; 3],
-    attitude: [Option<usize>; 3],
+    pub(super) ecef: [Option<usize>; 3],
+    pub(super) ecef_velocity: [Option<usize>; 3],
+    pub(super) velocity: [Option<usize>; 3],
+    pub(super) up: bool,
+    pub(super) position_std: [Option<usize>; 3],
+    pub(super) velocity_std: [Option<usize>; 3],
+    /// Speed and course over ground.
+    pub(super) polar: [Option<usize>; 2],
+    /// Accuracies of the horizontal position, the height, the speed.
+    pub(super) accuracy: [Option<usize>; 3],
+    pub(super) attitude: [Option<usize>; 3],
     /// How they were found.
-    known: Known,
+    pub(super) known: Known,
 }
 
 /// The tables of a drive file that columns can serve.
@@ -41,7 +49,10 @@ pub(super) fn parts(mut opened: Opened, notes: &mut Vec<Note>) -> Result<Vec<Par
 }
 
 /// The same of a table's beginning.
-pub(super) fn parts_of(table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
+pub(super) fn parts_of(mut table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
+    // A row that is cut, as the first of a log often is, shows nothing.
+    let width = usual_width(&table.rows);
+    table.rows.retain(|row| row.len() == width);
     let mut found = by_names(&table);
     // Columns of latitudes are never turned into gyros.
     let is_place = found.place[0].or(found.place[1]).is_some();
@@ -83,7 +94,16 @@ pub(super) fn parts_of(table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
     parts
 }
 
-fn all(three: &[Option<usize>; 3]) -> Option<[usize; 3]> {
+/// As many fields as most rows have.
+fn usual_width(rows: &[Vec<f64>]) -> usize {
+    let mut widths: Vec<usize> = rows.iter().map(Vec::len).collect();
+    widths.sort_unstable();
+    let runs = widths.chunk_by(|a, b| a == b);
+    let longest = runs.max_by_key(|run| run.len());
+    longest.and_then(|run| run.first()).copied().unwrap_or(0)
+}
+
+pub(super) fn all(three: &[Option<usize>; 3]) -> Option<[usize; 3]> {
     match *three {
         [Some(x), Some(y), Some(z)] => Some([x, y, z]),
         _ => None,
@@ -95,8 +115,10 @@ fn by_names(table: &Preview) -> Found {
         known: Known::Name { several: false },
         ..Found::default()
     };
+    let mut received = None;
     for (place, meaning) in meanings(&table.names).into_iter().enumerate() {
         let slot = match meaning {
+            Some((Meaning::Time, _)) if table.names[place] == RECEIVED => &mut received,
             Some((Meaning::Time, _)) => &mut found.time,
             Some((Meaning::Gyro(axis), _)) => &mut found.gyro[axis],
             Some((Meaning::Accel(axis), _)) => &mut found.accel[axis],
@@ -111,6 +133,9 @@ fn by_names(table: &Preview) -> Found {
                 found.up = true;
                 &mut found.velocity[2]
             }
+            Some((Meaning::Speed, _)) => &mut found.polar[0],
+            Some((Meaning::Course, _)) => &mut found.polar[1],
+            Some((Meaning::Accuracy(of), _)) => &mut found.accuracy[of],
             Some((Meaning::PositionStd(ned), _)) => &mut found.position_std[ned],
             Some((Meaning::VelocityStd(ned), _)) => &mut found.velocity_std[ned],
             Some((Meaning::Attitude(angle), _)) => &mut found.attitude[angle],
@@ -118,6 +143,13 @@ fn by_names(table: &Preview) -> Found {
         };
         // The first of its kind.
         slot.get_or_insert(place);
+    }
+    // The clock of the sensor itself is the better one.
+    found.time = found.time.or(received);
+    // Without roll and pitch a heading is that of a receiver.
+    let [roll, pitch, heading] = found.attitude;
+    if roll.or(pitch).is_none() && found.polar[0].is_some() {
+        found.polar[1] = found.polar[1].or(heading);
     }
     found
 }
@@ -153,16 +185,21 @@ fn by_numbers(table: &Preview) -> Found {
     found.time = columns
         .iter()
         .position(|c| c.len() > 2 && c.windows(2).all(|pair| pair[1] > pair[0]));
-    let from = found.time.map_or(0, |time| time + 1);
-    let force = (from..width.saturating_sub(2)).find(|&k| {
+    // Before the time or behind it.
+    let free = |from: usize| {
+        let three = from..from + 3;
+        three.end <= width && found.time.is_none_or(|time| !three.contains(&time))
+    };
+    let force = (0..width).filter(|k| free(*k)).find(|&k| {
         let samples = three_of(&table.rows, [k, k + 1, k + 2]);
-        !matches!(units::force(&samples, None), Force::Unknown(_)) && steady(&samples)
+        !matches!(units::force(&samples, None), Force::Unknown(_))
+            && (steady(&samples) || steady(&means(&samples)))
     });
     if let Some(accel) = force {
-        let gyro = match accel {
-            before if before >= from + 3 => before - 3,
-            _ if accel + 5 < width => accel + 3,
-            _ => return found,
+        let before = accel.checked_sub(3).filter(|before| free(*before));
+        let behind = Some(accel + 3).filter(|behind| free(*behind));
+        let Some(gyro) = before.or(behind) else {
+            return found;
         };
         found.accel = [0, 1, 2].map(|axis| Some(accel + axis));
         found.gyro = [0, 1, 2].map(|axis| Some(gyro + axis));
@@ -180,12 +217,21 @@ fn by_numbers(table: &Preview) -> Found {
                 && low.fract() != 0.0
         })
     };
+    let from = found.time.map_or(0, |time| time + 1);
     if let Some(lat) =
         (from..width.saturating_sub(2)).find(|&k| within(k, 90.0) && within(k + 1, 180.0))
     {
         found.place = [0, 1, 2].map(|k| Some(lat + k));
     }
     found
+}
+
+/// Means over a part of the rows, without vibration.
+fn means(samples: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let parts = samples.chunks_exact(PART);
+    let mean =
+        |part: &[[f64; 3]]| [0, 1, 2].map(|k| part.iter().map(|v| v[k]).sum::<f64>() / PART as f64);
+    parts.map(mean).collect()
 }
 
 /// Whether the magnitude varies by less than a third.
@@ -204,7 +250,7 @@ fn steady(samples: &[[f64; 3]]) -> bool {
     sizes.len() > 2 && (at(90) - at(10)) / at(50) < 1.0 / 3.0
 }
 
-fn three_of(rows: &[Vec<f64>], places: [usize; 3]) -> Vec<[f64; 3]> {
+pub(super) fn three_of(rows: &[Vec<f64>], places: [usize; 3]) -> Vec<[f64; 3]> {
     rows.iter()
         .map(|row| places.map(|k| row.get(k).copied().unwrap_or(f64::NAN)))
         .filter(|v| v.iter().all(|x| x.is_finite()))
@@ -228,16 +274,16 @@ pub(crate) fn apart(rows: &[Vec<f64>], gyro: [usize; 3], accel: [usize; 3]) -> b
     some(alone[0]) && some(alone[1]) && 5 * (alone[0] + alone[1]) >= rows.len()
 }
 
-struct Columns {
-    table: Preview,
+pub(super) struct Columns {
+    pub(super) table: Preview,
     /// Of the columns, by their names.
     meanings: Vec<Option<(Meaning, Option<String>)>>,
-    found: Found,
+    pub(super) found: Found,
 }
 
 impl Columns {
     /// A column as a drive file names it: by its name where that is its alone, else by its number.
-    fn name(&self, place: usize) -> String {
+    pub(super) fn name(&self, place: usize) -> String {
         let name = self.table.names.get(place).filter(|name| {
             !name.is_empty() && self.table.names.iter().filter(|n| n == name).count() == 1
         });
@@ -249,7 +295,7 @@ impl Columns {
         all(&self.found.place).or_else(|| all(&self.found.ecef))
     }
 
-    fn three(&self, key: &'static str, places: [usize; 3]) -> Line {
+    pub(super) fn three(&self, key: &'static str, places: [usize; 3]) -> Line {
         let names = places.map(|place| self.name(place)).join(", ");
         let known = match self.found.known {
             Known::Name { .. } => NAMES,
@@ -259,17 +305,17 @@ impl Columns {
     }
 
     /// The unit that the name of a column tells.
-    fn unit(&self, place: usize) -> Option<String> {
+    pub(super) fn unit(&self, place: usize) -> Option<String> {
         self.meanings.get(place)?.as_ref()?.1.clone()
     }
 
-    fn stamps(&self, place: usize) -> Vec<f64> {
+    pub(super) fn stamps(&self, place: usize) -> Vec<f64> {
         let value = |row: &Vec<f64>| row.get(place).copied().filter(|x| x.is_finite());
         self.table.rows.iter().filter_map(value).collect()
     }
 
     /// The lines of the time, and the ordinary interval \[s\].
-    fn time(&self, longest: f64) -> (Vec<Line>, Option<f64>) {
+    pub(super) fn time(&self, longest: f64) -> (Vec<Line>, Option<f64>) {
         let by_numbers = || {
             Some((
                 time_by_numbers(&self.table)?,
@@ -359,60 +405,6 @@ impl Columns {
         lines.push(Line::text("accel_unit", &accel_unit, accel_why));
         if apart(&self.table.rows, gyro, accel) {
             lines.push(Line::text("blanks", "interpolate", Known::Apart));
-        }
-        lines
-    }
-
-    /// The lines of a place: columns and the unit of angles.
-    fn place(&self, place: [usize; 3]) -> Vec<Line> {
-        if all(&self.found.place).is_none() {
-            return vec![self.three("ecef", place)];
-        }
-        let mut lines = vec![self.three("position", place)];
-        let angles = three_of(&self.table.rows, place);
-        let small = angles.iter().all(|[lat, lon, _]| {
-            lat.abs() <= std::f64::consts::FRAC_PI_2 && lon.abs() <= std::f64::consts::PI
-        });
-        match self.unit(place[0]) {
-            Some(unit) if unit == "deg" => {}
-            Some(unit) => lines.push(Line::text("position_unit", &unit, NAMES)),
-            None if small && !angles.is_empty() => {
-                lines.push(Line::text("position_unit", "rad", Known::SmallPlaces));
-            }
-            None => {}
-        }
-        lines
-    }
-
-    fn velocity(&self) -> Vec<Line> {
-        let Some(velocity) = all(&self.found.velocity) else {
-            let Some(velocity) = all(&self.found.ecef_velocity) else {
-                return Vec::new();
-            };
-            let axes = Line::text("velocity_axes", "ecef", NAMES);
-            return vec![self.three("velocity", velocity), axes];
-        };
-        let mut lines = vec![self.three("velocity", velocity)];
-        if self.found.up {
-            lines.push(Line::text("velocity_axes", "north,east,up", NAMES));
-        }
-        lines
-    }
-
-    fn gnss(&self, place: [usize; 3]) -> Vec<Line> {
-        let (mut lines, _) = self.time(FIX_STEP);
-        lines.extend(self.place(place));
-        lines.push(match all(&self.found.position_std) {
-            Some(std) => self.three("position_std_columns", std),
-            None => Line::text("position_std", "3, 3, 6 m", Known::NoColumns),
-        });
-        let velocity = self.velocity();
-        if !velocity.is_empty() {
-            lines.extend(velocity);
-            lines.push(match all(&self.found.velocity_std) {
-                Some(std) => self.three("velocity_std_columns", std),
-                None => Line::text("velocity_std", "0.2, 0.2, 0.4 m/s", Known::NoColumns),
-            });
         }
         lines
     }

@@ -40,10 +40,21 @@ pub enum Known {
     LargeScatter(f64),
     /// Guessed: in deg/s it would be too low for such a sensor.
     SmallScatter(f64),
+    /// By the turns that the gyros and the course have in common.
+    Clocks {
+        /// Their correlation.
+        correlation: f64,
+        /// Whole hours of the offset, where it is whole ones.
+        hours: f64,
+        /// Whether leap seconds are part of it.
+        leap: bool,
+    },
     /// By the turns of the course: in the other unit the gyros would turn this many times as fast as it does.
     Turns(f64),
     /// Not known: there are too few samples.
     TooFew,
+    /// Guessed: latitudes and longitudes are integers of 1e-7 degrees, as receivers count them.
+    Integers,
     /// Guessed: no latitude is beyond π/2 and no longitude beyond π.
     SmallPlaces,
     /// Guessed: no angle is beyond 2π.
@@ -123,6 +134,11 @@ pub enum Note {
     Nothing,
     /// The IMU moves along no one direction of its own: it is on no wheeled vehicle, or not fixed to it.
     NoWheels,
+    /// The logs have no time in common, and their turns do not show by how much the clocks differ.
+    Apart {
+        /// What is to be added to the times of the fixes if both begin at the same moment \[s\].
+        offset_s: f64,
+    },
     /// How the IMU sits could not be estimated from the motion, and why.
     NoMounting(String),
 }

@@ -54,10 +54,8 @@ pub(super) fn measure(path: &Path, logs: &mut Logs, format: Format, part: &mut P
 /// has them in g is an iPhone, whose signs are opposite.
 fn unit_of_force(measured: &Measured, format: Format, part: &Part) -> Option<Line> {
     let stated = part.lines.iter().any(|line| line.key == "accel_unit");
-    let Some(Content::Force(force)) = measured.content.as_ref().filter(|_| !stated) else {
-        return None;
-    };
-    let size = Vector3::from(*force).norm();
+    // Of each sample: on average over an IMU that turns the forces point nowhere.
+    let size = measured.size_of_force.filter(|_| !stated)?;
     let units = [("g", 1.0), ("mg", 1000.0)];
     let (unit, _) = units
         .into_iter()
@@ -148,14 +146,17 @@ pub fn about_gravity(force: [f64; 3]) -> bool {
 fn samples(mut reader: ImuReader) -> Result<(Measured, Option<Line>), ReadError> {
     let mut span = Span::default();
     let mut force = Vector3::zeros();
+    let mut size = 0.0;
     let mut steps = Steps::default();
     for sample in reader.by_ref() {
         let sample = sample?;
         steps.add(&sample);
         span.add(sample.time);
         force += sample.dvel / sample.dt;
+        size += sample.dvel.norm() / sample.dt;
     }
-    let force = force / span.records.max(1) as f64;
+    let records = span.records.max(1) as f64;
+    let force = force / records;
     let mut axes = None;
     if about_gravity(force.into()) {
         // Specific force at rest points up.
@@ -170,6 +171,7 @@ fn samples(mut reader: ImuReader) -> Result<(Measured, Option<Line>), ReadError>
     }
     let mut measured = span.measured(reader.skipped(), reader.epoch());
     measured.steps_of = steps.sensor();
+    measured.size_of_force = Some(size / records);
     measured.content = Some(Content::Force(force.into()));
     Ok((measured, axes))
 }
@@ -260,6 +262,7 @@ impl Span {
             skipped: skipped.to_string(),
             untold_velocities: 0,
             steps_of: None,
+            size_of_force: None,
             counter: skipped.restarts().map(|restarts| CounterRestarts {
                 line: restarts.line,
                 count: restarts.count,

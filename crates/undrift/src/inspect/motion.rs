@@ -1,8 +1,8 @@
 //! How the IMU sits in its vehicle, by how it moves against the fixes.
 
-use super::{Content, Inspection, Known, Line, Note, Part, quoted, sensor::GUESS};
+use super::{Content, Inspection, Known, Line, Note, Part, clocks, quoted, sensor::GUESS};
 use crate::{
-    drive::{AXLE_STD, Drive, Logs},
+    drive::{AXLE_STD, Drive, Logs, OTHER_CLOCK},
     engine::derived::with_velocities,
     mounting::{EstimateError, FLOOR_TURNING, MountingError, by_force, turn_ratio},
     navigate::{NavigateError, Wanted, navigate, resolve_mounting},
@@ -54,6 +54,12 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         Drive::with_logs(&text, "", Path::new(""), logs.clone())
     };
     let mut found = drive(inspections);
+    if let Ok(drive_so_far) = &found
+        && let Some(note) = other_clock(&mut inspections[gnss.0].parts[gnss.1], drive_so_far)
+    {
+        inspections[gnss.0].found.extend(note);
+        found = drive(inspections);
+    }
     if let Ok(drive_so_far) = &found
         && other_unit(&mut inspections[imu.0].parts[imu.1], drive_so_far)
     {
@@ -182,6 +188,27 @@ fn records(drive: &Drive) -> Option<(Vec<ImuSample>, Vec<GnssFix>)> {
         .collect::<Result<Vec<_>, _>>()
         .ok()?;
     Some((imu, with_velocities(fixes)))
+}
+
+/// Moves the fixes onto the clock of the IMU where the turns of both show by how much; what to note where the logs have no
+/// time in common. `None` where nothing is changed.
+fn other_clock(gnss: &mut Part, drive: &Drive) -> Option<Option<Note>> {
+    let (samples, fixes) = records(drive)?;
+    let Some((offset, known)) = clocks::offset(&samples, &fixes) else {
+        let (first, last) = (samples.first()?.time, samples.last()?.time);
+        let (begin, end) = (fixes.first()?.time, fixes.last()?.time);
+        let offset_s = first - begin;
+        return (begin > last || end < first).then_some(Some(Note::Apart { offset_s }));
+    };
+    // Beyond an hour the dates of the log do not count.
+    let dated = *drive.gnss.1.clone().time_offset();
+    let offset = match offset.abs() < OTHER_CLOCK {
+        true => offset,
+        false => dated + offset,
+    };
+    gnss.lines
+        .push(Line::text("time_offset", &format!("{offset:.2} s"), known));
+    Some(None)
 }
 
 /// Takes the other unit of the gyros where theirs was guessed by their scatter and they turn 57 times as fast or as

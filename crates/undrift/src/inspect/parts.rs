@@ -84,6 +84,9 @@ pub struct Measured {
     pub skipped: String,
     /// Velocities left out because the log does not tell how certain they are.
     pub untold_velocities: u64,
+    /// Mean magnitude of the specific force \[m/s²\].
+    #[serde(skip)]
+    pub size_of_force: Option<f64>,
     /// Preset of the sensor whose values have such steps.
     pub steps_of: Option<&'static str>,
     /// The counter in the column of times, where it started again and was counted on.

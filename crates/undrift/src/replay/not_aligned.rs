@@ -65,19 +65,21 @@ enum Reason {
         unit: &'static str,
     },
     #[error(
-        "the logs use different clocks: {unix} has Unix time, {other} time since boot; set gnss.time_offset, or record both on one clock"
+        "the logs use different clocks: {unix} has Unix time, {other} time since boot; if both begin at the same moment, add {start} s to gnss.time_offset"
     )]
     UnixAndBoot {
         unix: &'static str,
         other: &'static str,
+        start: f64,
     },
     #[error(
-        "the logs use different clocks: {unix} has Unix time, {other} another ({stamps}); set gnss.time_offset, or record both on one clock"
+        "the logs use different clocks: {unix} has Unix time, {other} another ({stamps}); if both begin at the same moment, add {start} s to gnss.time_offset"
     )]
     UnixAndOther {
         unix: &'static str,
         other: &'static str,
         stamps: Stamps,
+        start: f64,
     },
     #[error(
         "GNSS begins at {} s, after the IMU ends at {} s: about {hours} h apart (time zone?); add {} s to gnss.time_offset",
@@ -98,7 +100,8 @@ enum Reason {
         hours: f64,
     },
     #[error(
-        "the IMU ({imu}) and GNSS ({gnss}) do not overlap: check both time columns, or set gnss.time_offset"
+        "the IMU ({imu}) and GNSS ({gnss}) do not overlap: check both time columns; if both begin at the same moment, add {} s to gnss.time_offset",
+        rounded(imu.first - gnss.first)
     )]
     Apart { imu: Stamps, gnss: Stamps },
     #[error(
@@ -130,12 +133,14 @@ impl Reason {
                     Log::Gnss => (GNSS, "the IMU", imu),
                     _ => ("the IMU", GNSS, gnss),
                 };
+                let start = rounded(imu.first - gnss.first);
                 match (0.0..3600.0).contains(&stamps.first) {
-                    true => Self::UnixAndBoot { unix, other },
+                    true => Self::UnixAndBoot { unix, other, start },
                     false => Self::UnixAndOther {
                         unix,
                         other,
                         stamps,
+                        start,
                     },
                 }
             }

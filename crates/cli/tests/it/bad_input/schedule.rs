@@ -85,12 +85,8 @@ fn outages_that_cannot_be_are_refused() {
     // Which no drive could be cut by.
     for (arguments, parts) in [
         (
-            &["--length", "5"][..],
-            &["specify the outages: --count N"][..],
-        ),
-        (
-            &["--count", "0", "--length", "5"],
-            &["number of outages must be above 0"],
+            &["--count", "0", "--length", "5"][..],
+            &["number of outages must be above 0"][..],
         ),
         (
             &["--every", "10", "--count", "0", "--length", "5"],

@@ -32,7 +32,12 @@ fn files() -> Vec<Mistake> {
         drive("a folder instead of a log", |log| {
             log.set("\"imu.csv\"", "\".\"");
         }),
-        mistake("a log instead of a drive file", "navigate imu.csv"),
+        mistake("the log of the receiver is forgotten", "navigate imu.csv"),
+        mistake(
+            "a drive file made of one log",
+            "inspect imu.csv -o one.toml",
+        ),
+        mistake("a drive file and a log", "navigate drive.toml gnss.csv"),
         log("the log is empty", |case| case.put("imu.csv", b"")),
         log("the log has a header alone", |case| {
             case.put("imu.csv", b"t,gx,gy,gz,fx,fy,fz\n")
