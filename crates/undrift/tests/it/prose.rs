@@ -133,6 +133,7 @@ fn visit(folder: &Path, root: &Path, found: &mut Vec<String>) {
             visit(&path, root, found);
         } else if name.ends_with(".rs")
             && !name.ends_with("tests.rs")
+            && !name.contains("/tests/")
             && !ALLOWED.iter().any(|(allowed, _)| is_in(&name, allowed))
         {
             for (line, literal) in literals(&fs::read_to_string(&path).unwrap()) {
