@@ -90,7 +90,8 @@ impl Record {
         let new = repeats
             .iter()
             .map(|repeats| if *repeats { f64::NAN } else { 0.0 });
-        let (_, _, times) = own_values(&new.collect::<Vec<_>>())?;
+        let (new, ..) = own_values(&new.collect::<Vec<_>>())?;
+        let times = repeats.len() as f64 / new.len() as f64;
         Some((repeats, times))
     }
 }
