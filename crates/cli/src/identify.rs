@@ -16,7 +16,6 @@ use clap::{
 };
 use std::path::{Path, PathBuf};
 use undrift::{
-    findings,
     identify::{self, Identified, Prepared, RecordingError, Settings, Trend},
     io::{Opened, table::Column},
     nav::units::{Quantity, unit_factor},
@@ -253,8 +252,8 @@ fn prepare(record: Record, settings: &Settings, force: bool) -> Result<Prepared>
     }
     let prepared = identify::prepare(record, settings).with_context(|| name.clone())?;
     let record = &prepared.record;
-    let uneven = findings::of_timing(record.timing.as_ref());
-    uneven.iter().map(sentences::say).for_each(warn);
+    sentences::stamps(record).into_iter().for_each(warn);
+    sentences::repeated(record).into_iter().for_each(note);
     match &prepared.not_static {
         Some(problem) if !force => bail!("{name}: {}", sentences::refused(record, problem)),
         Some(problem) => {

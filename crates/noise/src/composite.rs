@@ -24,6 +24,7 @@
 //! # Ok::<(), composite::CompositeError>(())
 //! ```
 
+mod averages;
 mod blocks;
 mod fit;
 mod interval;
@@ -31,9 +32,11 @@ mod likelihood;
 pub(crate) mod predictor;
 pub(crate) mod search;
 
+pub(crate) use averages::{Averages, Beside, NOTHING};
 pub(crate) use blocks::Span;
 pub use blocks::{average_in_blocks, block_average};
-pub(crate) use fit::{Averages, Beside, NOTHING, fit_beside};
+pub(crate) use blocks::{block_average_of_share, block_beyond_memory, share_present};
+pub(crate) use fit::fit_beside;
 pub use fit::{CompositeFit, FitOptions, Flag, Term, fit, fit_several};
 pub(crate) use interval::intervals_beside;
 pub use interval::{Parameter, ParameterInterval, intervals, intervals_of_several};

@@ -22,7 +22,8 @@ use crate::{
     correlation::{self, Partial},
     drift_score::{self, HORIZONS_S, Scored},
     normality::{self, Normality},
-    screening::{RecordError, Trend},
+    number::rounded,
+    screening::{DeadBand, RecordError, Trend, bridge::inflation},
     spectrum,
     stationarity::{self, Adf, Deterministic, Kpss, KpssLags, Lags, PhillipsPerron},
     temperature::{self, Regressors},
@@ -100,6 +101,11 @@ pub enum IdentifyError {
         /// Largest standard deviation before rounding [unit].
         hidden: f64,
     },
+    /// A dead band hides the noise at rest.
+    #[error(
+        "dead band: {:.0} % of the samples are exactly {}, and none of the others within {:.2e} of it, which hides the noise at rest; switch it off in the sensor or its driver", 100.0 * .0.share, rounded(.0.value, 4), .0.width
+    )]
+    DeadBand(DeadBand),
     /// No candidate could be fitted.
     #[error("no model could be fitted to the recording")]
     NoCandidate,
@@ -270,7 +276,7 @@ pub fn allan_deviation(
     } = prepare(record, options)?;
     Ok(AllanDeviation {
         intervals: allan::intervals(&screened.bridged, &curve, COVERAGE)?,
-        terms: allan::fit_terms(&curve)?,
+        terms: allan::fit_terms(&curve)?.with_less_white(inflation(&[&screened.cleaned])),
         curve,
     })
 }
@@ -305,13 +311,14 @@ fn conclude(
 
     let tests = tests(&screened)?;
     let curve = allan::pooled(&curves).ok_or(IdentifyError::NoCandidate)?;
-    let allan_terms = allan::fit_terms(&curve)?;
+    let fitted: Vec<&[f64]> = cleaned.iter().map(Vec::as_slice).collect();
+    let allan_terms = allan::fit_terms(&curve)?.with_less_white(inflation(&fitted));
 
     let coarse = screened
         .quantisation
         .is_some_and(|q| q.step_over_deviation > COARSE);
     let task = candidates::Task {
-        records: cleaned.iter().map(Vec::as_slice).collect(),
+        records: fitted,
         rate_hz: rate,
         curve: &curve,
         allan: allan_terms,

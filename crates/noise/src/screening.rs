@@ -15,6 +15,7 @@
 //! ```
 
 pub(crate) mod bridge;
+pub mod dead_band;
 pub mod motion;
 pub mod outlier;
 pub mod record;
@@ -24,6 +25,7 @@ mod tail;
 pub mod timing;
 pub mod trend;
 
+pub use dead_band::{DeadBand, dead_band};
 pub use motion::{Hanging, Motion, MotionRule, constant_runs, motion};
 pub use outlier::{Outlier, OutlierRule, Outliers, outliers};
 pub use record::RecordError;

@@ -9,7 +9,6 @@ use crate::{
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use undrift::{
-    findings,
     identify::{self as identification, Prepared, RecordingError, Settings, Trend},
     io::{Memory, Opened, source::BytesRead, table::Column},
     noise::Provenance,
@@ -117,11 +116,8 @@ fn prepare(
     let prepared = identification::prepare(record, settings);
     let prepared = prepared.map_err(|problem| format!("{name}: {problem}"))?;
     let record = &prepared.record;
-    warnings.extend(
-        findings::of_timing(record.timing.as_ref())
-            .as_ref()
-            .map(say::say),
-    );
+    warnings.extend(say::stamps(record));
+    warnings.extend(say::repeated(record));
     match &prepared.not_static {
         Some(problem) if !force => {
             return Err(format!("{name}: {}", say::refused(record, problem)).into());

@@ -8,6 +8,7 @@ mod orders;
 pub(crate) mod pool;
 mod temperatures;
 mod units;
+mod used;
 mod verdict;
 
 use super::{

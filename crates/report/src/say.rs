@@ -12,7 +12,7 @@ mod start;
 mod words;
 
 pub use fill::{cut, demo, navigated, outcome};
-pub use recording::{guessed, refused, slower};
+pub use recording::{guessed, refused, repeated, slower, stamps};
 pub(crate) use solution::usable;
 pub use solution::{cause, ended, hindsight, verdict};
 pub use start::{alignment, estimated, found, mounting, unsolved};

@@ -1,11 +1,14 @@
 //! A static record of six axes, or one, into a model file and the reasoning behind it.
 
 mod allan;
+mod part;
 mod pool;
 mod rest;
 pub(crate) mod result;
 mod series;
 mod settings;
+mod steps;
+mod windows;
 
 pub use allan::allan_deviations;
 pub use pool::{Determined, Pool};
@@ -14,7 +17,10 @@ pub use series::RecordSeries;
 pub use settings::{Prepared, RecordingError, Settings, prepare, provenance};
 pub use undrift_noise::screening::Trend;
 
-use crate::record::{Record, own_values};
+use crate::{
+    record::{Record, own_values},
+    results::Used,
+};
 use undrift_noise::{
     ImuModel, Provenance,
     identify::{Axis, IdentifyError, Options, identify},
@@ -32,6 +38,8 @@ pub struct Identified {
     pub timing: Option<Timing>,
     /// Rows of the record that were left out.
     pub skipped_rows: u64,
+    /// The parts of recordings that were used, of those that were not used whole.
+    pub used: Vec<Used>,
     /// Name of each axis with what was found, or why nothing was.
     pub axes: Vec<(&'static str, Result<Axis, AxisError>)>,
     /// Whether the axes are those of a body in which the sensor's are turned.
@@ -64,7 +72,10 @@ pub fn recordings(
     match prepared {
         [one] => {
             let options = settings.options(&one.record, one.rate_hz);
-            Ok(run(&one.record, &options, done))
+            Ok(Identified {
+                used: one.used.iter().cloned().collect(),
+                ..run(&one.record, &options, done)
+            })
         }
         several => pool::run_pool(several, settings, done),
     }
@@ -115,6 +126,7 @@ pub fn run(record: &Record, options: &Options<'_>, done: impl Fn() + Sync) -> Id
         rate_hz: options.rate_hz,
         timing: record.timing.clone(),
         skipped_rows: record.skipped.total(),
+        used: Vec::new(),
         axes,
         body_axes: record.body_axes,
         series,

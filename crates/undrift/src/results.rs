@@ -31,9 +31,9 @@ pub use fleet::{
 };
 pub use identify::{
     Adf, Allan, ArmaOrigin, Axis, AxisDoubt, AxisPool, AxisSeries, AxisTemperature, BoxJenkins,
-    Candidate, Differing, GridFit, Histogram, Identify, NotFitted, Order, OrderRow, OrderTest,
-    Origin, PanditWuOrders, ParameterInterval, Pool, PooledRecord, Psd, RecordShare, Residuals,
-    TurnOn,
+    Candidate, Differing, GridFit, Histogram, Identify, NotFitted, Omission, Omitted, Order,
+    OrderRow, OrderTest, Origin, PanditWuOrders, ParameterInterval, Pool, PooledRecord, Psd,
+    RecordShare, Residuals, TurnOn, Used,
 };
 pub use keyed::{Key, Keyed};
 pub(crate) use known::{finding, findings};

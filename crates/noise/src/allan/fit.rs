@@ -82,6 +82,21 @@ pub struct Terms {
 }
 
 impl Terms {
+    /// The terms of a curve whose white noise is higher than the samples' by a factor of its variance, as lines over missing
+    /// samples make it.
+    pub(crate) fn with_less_white(mut self, factor: f64) -> Self {
+        let white = &mut self.white;
+        for value in [
+            &mut white.value,
+            &mut white.standard_error,
+            &mut white.upper_95,
+        ] {
+            *value /= factor.sqrt();
+        }
+        self.white_variance /= factor;
+        self
+    }
+
     /// The fitted Allan variance at `tau_s` \[s\], \[u²\].
     pub fn variance(&self, tau_s: f64) -> f64 {
         let terms = [

@@ -3,8 +3,8 @@
 use super::CompositeError;
 use undrift_nav::shaping::{AxisMatrix, AxisVector, MAX_ORDER, ShapingError, ShapingFilter};
 
-/// Largest share of a block that may be missing.
-const MISSING: usize = 10;
+/// A block may miss one in so many of its samples: more than a fifth lost at random.
+const MISSING: usize = 3;
 
 /// What `k` steps of a shaping filter do from a state x: `x_k = A x + g`, sum of the k samples
 /// `= row · x + d`, with the moments of g and d.
@@ -121,7 +121,7 @@ pub fn block_average(filter: &ShapingFilter, m: usize) -> Result<ShapingFilter, 
 }
 
 /// Averages of a record over blocks of `m` samples; a last, incomplete block is left out. A block
-/// with up to a tenth of its samples missing (NaN) has the mean of the rest, one with more is NaN.
+/// with up to a third of its samples missing (NaN) has the mean of the rest, one with more is NaN.
 ///
 /// # Errors
 /// `m` = 0 or larger than the record; an infinite sample.
@@ -154,6 +154,77 @@ pub fn average_in_blocks(record: &[f64], m: usize) -> Result<Vec<f64>, Composite
         averages.push(average);
     }
     Ok(averages)
+}
+
+/// Share of the samples that is there, harmonic mean over the blocks of `m` that [`average_in_blocks`] keeps; 1 of none.
+pub(crate) fn share_present(record: &[f64], m: usize) -> f64 {
+    let (mut blocks, mut sum) = (0.0, 0.0);
+    for block in record.chunks_exact(m.max(1)) {
+        let missing = block.iter().filter(|v| v.is_nan()).count();
+        if missing == 0 || MISSING * missing <= m {
+            blocks += 1.0;
+            sum += m as f64 / (m - missing) as f64;
+        }
+    }
+    if blocks > 0.0 { blocks / sum } else { 1.0 }
+}
+
+/// [`block_average`] where only a `share` of the samples of each block is there: the white noise of a sample is averaged
+/// over fewer of them.
+pub(crate) fn block_average_of_share(
+    filter: &ShapingFilter,
+    m: usize,
+    share: f64,
+) -> Result<ShapingFilter, ShapingError> {
+    let mut average = block_average(filter, m)?;
+    if m > 1 {
+        average.r += (1.0 / share - 1.0) * filter.r / m as f64;
+    }
+    Ok(average)
+}
+
+/// Shortest block that the slow terms are fitted to \[s\], and the longest that a memory asks for.
+const BLOCK_S: [f64; 2] = [0.25, 1.0];
+/// A block is so many correlation times of the fast part.
+const MEMORIES: f64 = 10.0;
+/// Fewest blocks of a record.
+const FEWEST: usize = 1000;
+/// Samples that the memory is taken from.
+const PROBE: usize = 100_000;
+
+/// Samples to a block in which the fast part of records has no memory left, from [`memory`]: a sensor behind a low-pass filter shows its white
+/// noise only beyond. The same for the whole and any part of it, at least `least`.
+pub(crate) fn block_beyond_memory(records: &[&[f64]], interval: f64, least: usize) -> usize {
+    let samples: usize = records.iter().map(|record| record.len()).sum();
+    let longest = records.iter().map(|record| memory(record, interval));
+    let memory = longest.fold(0, usize::max) as f64 * interval;
+    let block_s = (MEMORIES * memory).clamp(BLOCK_S[0], BLOCK_S[1]);
+    let block = (block_s / interval).round() as usize;
+    block.min(samples / FEWEST).max(least).max(1)
+}
+
+/// Correlation time of the fast part of a record \[samples\]: the first lag at which the autocorrelation about the mean of each
+/// second is below 1/e; 0 where that is the first.
+fn memory(record: &[f64], interval: f64) -> usize {
+    let second = ((1.0 / interval).round() as usize).max(2);
+    let record = &record[..record.len().min(PROBE)];
+    let mut rest = Vec::with_capacity(record.len());
+    for chunk in record.chunks_exact(second) {
+        let present = chunk.iter().filter(|v| !v.is_nan());
+        let (sum, count) = present.fold((0.0, 0.0), |(sum, n), v| (sum + v, n + 1.0));
+        rest.extend(chunk.iter().map(|v| v - sum / count));
+    }
+    let covariance = |lag: usize| {
+        let pairs = rest.iter().zip(rest.get(lag..).unwrap_or_default());
+        let products = pairs
+            .map(|(a, b)| a * b)
+            .filter(|product| !product.is_nan());
+        let (sum, count) = products.fold((0.0, 0.0), |(sum, n), product| (sum + product, n + 1.0));
+        sum / f64::max(count, 1.0)
+    };
+    let enough = covariance(0) / std::f64::consts::E;
+    let lag = (1..second).find(|lag| covariance(*lag) <= enough);
+    lag.map_or(second, |lag| lag - 1)
 }
 
 #[cfg(test)]
@@ -206,12 +277,49 @@ mod tests {
     }
 
     #[test]
+    fn a_block_is_ten_memories_of_the_fast_part() {
+        let drawn = |filter: &ShapingFilter| {
+            let mut record = vec![0.0; 60_000];
+            crate::synthesis::NoiseGenerator::new(filter, 1).fill(&mut record);
+            record
+        };
+        let t = 0.01;
+        // White noise has none: a quarter of a second, of 25 samples. AR(1) of 60 ms: 1/e at six samples.
+        let white = drawn(&ShapingFilter::white(0.1, t).unwrap());
+        assert_eq!(block_beyond_memory(&[&white], t, 1), 25);
+        let ar = drawn(&ShapingFilter::gauss_markov(1.0, 0.06, t).unwrap());
+        let block = block_beyond_memory(&[&ar], t, 1);
+        assert!((40..=60).contains(&block), "{block}");
+        // A thousand blocks at least, and never below what is asked for.
+        assert_eq!(block_beyond_memory(&[&white[..6000]], t, 1), 6);
+        assert_eq!(block_beyond_memory(&[&white], t, 80), 80);
+        assert_eq!(block_beyond_memory(&[&white], 1.0, 1), 1);
+    }
+
+    #[test]
+    fn the_white_noise_of_blocks_grows_as_their_samples_get_fewer() {
+        let white = ShapingFilter::white(0.1, 0.01).unwrap();
+        let all = block_average(&white, 20).unwrap();
+        let half = block_average_of_share(&white, 20, 0.8).unwrap();
+        assert!((half.r / all.r - 1.25).abs() < 1e-12);
+        let mut record = vec![1.0; 40];
+        record[..4].fill(f64::NAN);
+        // One block of 16 and one of 20: the mean of 20/16 and 1, inverted.
+        assert!((share_present(&record, 20) - 1.0 / 1.125).abs() < 1e-12);
+        record[..7].fill(f64::NAN);
+        assert_eq!(share_present(&record, 20), 1.0);
+        assert_eq!(share_present(&[], 20), 1.0);
+    }
+
+    #[test]
     fn missing_samples_in_blocks() {
         let mut record: Vec<f64> = (0..40).map(f64::from).collect();
         record[3] = f64::NAN;
         record[20] = f64::NAN;
         record[21] = f64::NAN;
-        record[22] = f64::NAN;
+        for k in 22..27 {
+            record[k] = f64::NAN;
+        }
         let averages = average_in_blocks(&record, 20).unwrap();
         assert!((averages[0] - (190.0 - 3.0) / 19.0).abs() < 1e-12);
         assert!(averages[1].is_nan());

@@ -1,7 +1,6 @@
 //! Composite terms by maximum likelihood.
 
-use super::blocks::{average_in_blocks, block_average};
-use super::likelihood::{Level, RecordLikelihood, log_likelihood};
+use super::averages::{Averages, Beside, NOTHING};
 use super::search::{SCALES, covariance};
 use super::{
     CompositeError, CompositeTerms, GaussMarkov, MAX_GAUSS_MARKOV, TermSet, sort_processes,
@@ -40,6 +39,8 @@ const KNOWN: f64 = 0.1;
 pub struct FitOptions {
     /// A longer record is averaged in blocks until so many points or fewer are left.
     pub max_points: usize,
+    /// Samples to a block, if that is known: that of the whole record, of a part of it.
+    pub block: Option<usize>,
     /// Terms near which the optimum lies: the search starts there alone.
     pub start: Option<CompositeTerms>,
 }
@@ -49,6 +50,7 @@ impl Default for FitOptions {
     fn default() -> Self {
         Self {
             max_points: 50_000,
+            block: None,
             start: None,
         }
     }
@@ -80,7 +82,7 @@ pub enum Flag {
     /// The correlation time of this process exceeds a tenth of the record: a random walk in effect.
     LongCorrelation(usize),
     /// At one sample the record's wavelet variance is this multiple of the model's, more than 5 %
-    /// off: the sensor has a short memory that blocks do not see. The white density here is that
+    /// off, and more than the error of the blocks' white density explains: the sensor has a short memory that blocks do not see. The white density here is that
     /// of the blocks, which is what drifts.
     ShortMemory(f64),
     /// Some direction of the parameters is not determined: no standard errors.
@@ -188,7 +190,10 @@ pub(crate) fn fit_beside(
         needed: 3,
     })?;
     let samples: usize = records.iter().map(|record| record.len()).sum();
-    let block = samples.div_ceil(options.max_points.max(100));
+    let block = match options.block {
+        Some(block) => block.max(1),
+        None => samples.div_ceil(options.max_points.max(100)),
+    };
     let full = fit_moments(&curve, set, false);
     let moments = match fit_moments(&coarser(&curve, block), set, false) {
         Ok(found) => found,
@@ -230,14 +235,18 @@ pub(crate) fn fit_beside(
     }
     let ratio = full_rate_ratio(&curve, &terms);
     let white_full_rate = full_rate_white(&curve, &terms);
-    if (ratio - 1.0).abs() > SHORT_MEMORY {
+    let error = relative_errors.map_or(0.0, |e| e.white);
+    let blocks_know = left.white && !set.quantisation && block > 1 && error < KNOWN;
+    // The white density of blocks is not known to less.
+    let of_chance = if blocks_know {
+        2.0 * SAME_WHITE * error
+    } else {
+        0.0
+    };
+    if (ratio - 1.0).abs() > SHORT_MEMORY.max(of_chance) {
         flags.push(Flag::ShortMemory(ratio));
-    } else if left.white && !set.quantisation && block > 1 {
-        let error = relative_errors.map_or(0.0, |e| e.white);
-        let known = error < KNOWN;
-        if known && (white_full_rate / terms.white).ln().abs() < SAME_WHITE * error {
-            terms.white = white_full_rate;
-        }
+    } else if blocks_know && (white_full_rate / terms.white).ln().abs() < SAME_WHITE * error {
+        terms.white = white_full_rate;
     }
     let parameters = set.parameters() + records.len();
     let points: usize = found.iter().map(|l| l.observations).sum();
@@ -256,73 +265,6 @@ pub(crate) fn fit_beside(
         moments,
         flags,
     })
-}
-
-/// What the restricted log-likelihood of all records under a model changes by where something beside their levels is
-/// integrated out.
-pub(crate) type Beside<'a> = &'a (dyn Fn(&ShapingFilter) -> f64 + Sync);
-
-/// The levels alone.
-pub(crate) const NOTHING: Beside = &|_| 0.0;
-
-/// Records as the likelihood sees them: averages over blocks of samples `interval` \[s\] apart.
-pub(crate) struct Averages<'a> {
-    records: Vec<Vec<f64>>,
-    block: usize,
-    interval: f64,
-    beside: Beside<'a>,
-}
-
-impl<'a> Averages<'a> {
-    /// Blocks of `block` samples; an error where a record has not one.
-    pub(crate) fn new(
-        records: &[&[f64]],
-        block: usize,
-        interval: f64,
-    ) -> Result<Self, CompositeError> {
-        let averages = records
-            .iter()
-            .map(|record| average_in_blocks(record, block));
-        Ok(Self {
-            records: averages.collect::<Result<_, _>>()?,
-            block,
-            interval,
-            beside: NOTHING,
-        })
-    }
-
-    /// With something integrated out beside the levels.
-    pub(crate) fn beside(self, beside: Beside<'a>) -> Self {
-        Self { beside, ..self }
-    }
-
-    /// The likelihood of each record, each with a level of its own.
-    pub(crate) fn likelihoods(
-        &self,
-        terms: &CompositeTerms,
-    ) -> Result<Vec<RecordLikelihood>, CompositeError> {
-        self.under(&terms.to_shaping(self.interval)?)
-    }
-
-    fn under(&self, filter: &ShapingFilter) -> Result<Vec<RecordLikelihood>, CompositeError> {
-        let filter = block_average(filter, self.block)?;
-        let of = |record: &Vec<f64>| log_likelihood(record, &filter, Level::Estimated);
-        self.records.iter().map(of).collect()
-    }
-
-    /// The negative restricted log-likelihood, +∞ without one.
-    pub(crate) fn cost(&self, terms: &CompositeTerms) -> f64 {
-        let likelihood = || -> Option<f64> {
-            let filter = terms.to_shaping(self.interval).ok()?;
-            Some(restricted(&self.under(&filter).ok()?) + (self.beside)(&filter))
-        };
-        likelihood().map_or(f64::INFINITY, |found| -found)
-    }
-}
-
-/// The restricted log-likelihood of independent records.
-fn restricted(records: &[RecordLikelihood]) -> f64 {
-    records.iter().map(RecordLikelihood::restricted).sum()
 }
 
 /// Starts about the moments of the blocks' scales and, since only they see a fast process though a short memory
@@ -434,12 +376,7 @@ fn fast_terms(
 ) -> (f64, f64) {
     let most = (2 * options.max_points.max(100)).div_ceil(records.len());
     let first = |record: &&[f64]| record[..record.len().min(most)].to_vec();
-    let head = Averages {
-        records: records.iter().map(first).collect(),
-        block: 1,
-        interval,
-        beside: NOTHING,
-    };
+    let head = Averages::of_samples(records.iter().map(first).collect(), interval);
     let with = |z: &[f64]| CompositeTerms {
         white: z[0].exp(),
         quantisation: z[1].exp(),

@@ -5,7 +5,8 @@
 //! interval holds the values that the record does not contradict (Pawitan 2001, section 3.4); with the level integrated
 //! out, its probability holds up to a unit root (Chen & Deo 2009).
 
-use super::fit::{Averages, Beside, CompositeFit, NOTHING};
+use super::averages::{Averages, Beside, NOTHING};
+use super::fit::CompositeFit;
 use super::search::SCALES;
 use super::{CompositeError, TermSet};
 use crate::quasi_newton::{Objective, Point, bfgs};

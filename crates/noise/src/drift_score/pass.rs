@@ -5,8 +5,8 @@ use crate::composite::predictor::{Predictor, dot};
 use crate::composite::{CompositeError, Span};
 use undrift_nav::shaping::ShapingFilter;
 
-/// A window may miss one in so many samples.
-const WHOLE: usize = 100;
+/// A window may miss one in so many samples: what a logger that loses a fifth of them at random leaves of a second.
+const WHOLE: usize = 3;
 /// Windows begin this share of their length apart: what lies between two tells nothing more.
 const OVERLAP: usize = 32;
 /// Change of the gains over 64 samples below which the filter counts as settled. Their error is that times their
@@ -46,11 +46,14 @@ impl RunningSums {
         Self { values, missing }
     }
 
-    /// Sum over a window, what is missing at the mean of the rest; none where too much is.
-    fn over(&self, from: usize, length: usize) -> Option<f64> {
+    /// Sum over a window, what is missing at the mean of the rest, and by how many samples' white noise that adds to it;
+    /// none where too much is missing.
+    fn over(&self, from: usize, length: usize) -> Option<(f64, f64)> {
         let missing = (self.missing[from + length] - self.missing[from]) as usize;
         let sum = self.values[from + length] - self.values[from];
-        (WHOLE * missing <= length).then(|| sum * (length as f64 / (length - missing) as f64))
+        // Of n samples the m that are there count n/m times: the variance of white noise is n²/m samples', not n.
+        let factor = length as f64 / (length - missing).max(1) as f64;
+        (WHOLE * missing <= length).then(|| (sum * factor, missing as f64 * factor))
     }
 }
 
@@ -66,8 +69,9 @@ pub(super) struct Horizon<const N: usize> {
     length: usize,
     /// H (I + F + … + F^{k−1}).
     row: [f64; N],
-    /// Variance of the sum that no past predicts.
+    /// Variance of the sum that no past predicts, and of a sample's white noise.
     own: f64,
+    white: f64,
     /// Samples from one origin to the next.
     apart: usize,
     /// The next origin, and the last.
@@ -135,6 +139,7 @@ impl<const N: usize> Horizon<N> {
             length,
             row: std::array::from_fn(|i| span.row[i]),
             own: span.r,
+            white: filter.r,
             apart: (length / OVERLAP).max(1),
             next: 0,
             last: scored - length,
@@ -153,7 +158,7 @@ impl<const N: usize> Horizon<N> {
             next if next <= self.last => next,
             _ => usize::MAX,
         };
-        let Some(actual) = sums.over(origin, self.length) else {
+        let Some((actual, added)) = sums.over(origin, self.length) else {
             return;
         };
         let error = actual - dot(&self.row, &predictor.x);
@@ -173,7 +178,7 @@ impl<const N: usize> Horizon<N> {
                 sum
             }
         };
-        self.predicted += known + self.own;
+        self.predicted += known + self.own + added * self.white;
     }
 
     /// The score, times the interval \[s\]; none without a complete window.

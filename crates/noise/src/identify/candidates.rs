@@ -5,15 +5,17 @@
 //! processes, which look the same in either direction). Fitted on the whole, it is the model that is given out.
 //! Several records of one sensor are fitted together, and what is scored is a record that has not been fitted at all.
 
+mod folds;
+
 use super::{
     Candidate, GRID_ORDER, HIGH_ORDER_SAMPLES, NotFitted, Origin, SEARCH_SAMPLES, horizons, remarks,
 };
 use crate::{
     BiasModel,
-    allan::{self, Curve, DeviationKind, Grid, Terms},
+    allan::{Curve, Terms},
     arma::{self, ArmaFit, FitOptions, Selection},
-    compared::{Method, Unfit},
-    composite::{self, Beside, CompositeTerms, Flag, Level, NOTHING, ParameterInterval, TermSet},
+    compared::Method,
+    composite::{self, CompositeTerms, Flag, Level, ParameterInterval, TermSet},
     drift_score::{self, HorizonScore},
     model_file::{Arma, AxisModel},
     pandit_wu::{self, PanditWu, PanditWuOptions},
@@ -23,6 +25,7 @@ use crate::{
     temperature::Regressors,
     whiteness,
 };
+use folds::{Fold, TrainingSet};
 use undrift_nav::shaping::ShapingFilter;
 
 /// Effort of the search over orders.
@@ -102,23 +105,6 @@ struct Fitted {
     model: AxisModel,
     parameters: usize,
     origin: Origin,
-}
-
-/// Records, or half of one.
-struct TrainingSet<'a> {
-    records: Vec<&'a [f64]>,
-    /// They end to end, straight lines over what is missing: of the products of samples, few are of two records.
-    end_to_end: Vec<f64>,
-    rate_hz: f64,
-    curve: Curve,
-    allan: Terms,
-    beside: Beside<'a>,
-}
-
-/// What is fitted, and the records to score, each with the number of samples that come before the scored ones.
-struct Fold<'a> {
-    fitted: TrainingSet<'a>,
-    scored: Vec<(&'a [f64], usize)>,
 }
 
 impl Recipe {
@@ -241,75 +227,18 @@ impl Fitted {
     }
 }
 
-impl<'a> TrainingSet<'a> {
-    fn new(records: Vec<&'a [f64]>, rate_hz: f64) -> Option<Self> {
-        let bridged: Vec<Vec<f64>> = records.iter().map(|record| bridge(record, 0.0)).collect();
-        let curve = |record: &Vec<f64>| {
-            allan::deviations(record, rate_hz, DeviationKind::Overlapping, Grid::Octave).ok()
-        };
-        let curves: Option<Vec<_>> = bridged.iter().map(curve).collect();
-        let curve = allan::pooled(&curves?)?;
-        Some(Self {
-            records,
-            end_to_end: bridged.concat(),
-            rate_hz,
-            allan: allan::fit_terms(&curve).ok()?,
-            curve,
-            beside: NOTHING,
-        })
-    }
-
-    fn compared(&self, method: Method) -> Result<CompositeTerms, Unfit> {
-        method.fit(&self.end_to_end, &self.curve, &self.allan)
-    }
-}
-
-impl<'a> Fold<'a> {
-    /// The first samples of a record to fit, the rest to score.
-    fn of_half(record: &'a [f64], first: usize, rate_hz: f64) -> Option<Self> {
-        Some(Self {
-            fitted: TrainingSet::new(vec![&record[..first]], rate_hz)?,
-            scored: vec![(record, first)],
-        })
-    }
-
-    /// The folds of records and the same reversed: of one its halves, of several one record after the other left
-    /// out (of many every second one), whose halves are scored both ways.
-    fn all(records: &[&'a [f64]], reversed: &'a [Vec<f64>], rate_hz: f64) -> Vec<Self> {
-        let middle = |record: &[f64]| record.len() / 2;
-        if let ([record], [backward]) = (records, reversed) {
-            let halves = [
-                Self::of_half(record, middle(record), rate_hz),
-                Self::of_half(backward, record.len() - middle(record), rate_hz),
-            ];
-            return halves.into_iter().flatten().collect();
-        }
-        let groups = match records.len() {
-            n if n <= LEFT_OUT_SINGLY => n,
-            _ => 2,
-        };
-        let fold = |group: usize| {
-            let (mut fitted, mut scored) = (Vec::new(), Vec::new());
-            for (k, (record, backward)) in records.iter().zip(reversed).enumerate() {
-                if k % groups == group {
-                    scored.push((*record, middle(record)));
-                    scored.push((backward.as_slice(), record.len() - middle(record)));
-                } else {
-                    fitted.push(*record);
-                }
-            }
-            let fitted = TrainingSet::new(fitted, rate_hz)?;
-            Some(Self { fitted, scored })
-        };
-        (0..groups).filter_map(fold).collect()
-    }
-}
-
 impl Task<'_> {
     /// The part of the first record that a search over orders sees.
     fn searched(&self) -> &[f64] {
         let first = self.records[0];
         &first[..first.len().min(SEARCH_SAMPLES)]
+    }
+
+    /// Samples to a block of the likelihood of a sum of terms.
+    fn block(&self) -> usize {
+        let samples: usize = self.records.iter().map(|record| record.len()).sum();
+        let least = samples.div_ceil(composite::FitOptions::default().max_points);
+        composite::block_beyond_memory(&self.records, 1.0 / self.rate_hz, least)
     }
 
     /// The candidate of a fit of the whole, scored on the halves; `None` where it makes no filter or cannot
@@ -366,13 +295,14 @@ impl Task<'_> {
         let block = samples.div_ceil(COMPARED).max(shortest);
         let likelihood = |filter: &ShapingFilter, record: &[f64]| {
             let averages = composite::average_in_blocks(record, block).ok()?;
-            let likelihood = composite::log_likelihood(&averages, filter, Level::Estimated);
+            let present = composite::share_present(record, block);
+            let filter = composite::block_average_of_share(filter, block, present).ok()?;
+            let likelihood = composite::log_likelihood(&averages, &filter, Level::Estimated);
             Some(likelihood.ok()?.restricted())
         };
         let likelihoods = || -> Option<f64> {
             let filter = fitted.shaping(0.0, self.rate_hz)?;
             let beside = self.beside(&filter);
-            let filter = composite::block_average(&filter, block).ok()?;
             let records = self.records.iter();
             let sum: Option<f64> = records.map(|record| likelihood(&filter, record)).sum();
             Some(sum? + beside)
@@ -440,6 +370,7 @@ fn terms(
     });
     let options = composite::FitOptions {
         start,
+        block: Some(part.block),
         ..composite::FitOptions::default()
     };
     let (interval, beside) = (1.0 / part.rate_hz, part.beside);
@@ -495,6 +426,7 @@ pub(super) fn candidates(task: &Task) -> Tried {
         rate_hz: task.rate_hz,
         curve: task.curve.clone(),
         allan: task.allan,
+        block: task.block(),
         beside: &beside,
     };
     let scales = scales::identify(task.records[0], 1.0 / task.rate_hz, blocks, SCALE_EFFORT).ok();
@@ -518,7 +450,7 @@ pub(super) fn candidates(task: &Task) -> Tried {
     };
     let backward = |record: &&[f64]| record.iter().rev().copied().collect();
     let reversed: Vec<Vec<f64>> = task.records.iter().map(backward).collect();
-    let folds = Fold::all(&task.records, &reversed, task.rate_hz);
+    let folds = Fold::all(&task.records, &reversed, task.rate_hz, whole.block);
     let recipes = recipes(task, pandit_wu.as_ref());
     let candidate = |k: usize| task.candidate(recipes[k], fit(recipes[k])?, &folds);
     let candidates = parallel::map(recipes.len(), candidate);

@@ -85,6 +85,9 @@ pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened
     // What is constant has no trend: an error of its own.
     screening::record::check_varying(&present, SHORTEST)?;
     let (present, record) = (&*present, &*whole);
+    if let Some(band) = screening::dead_band(present) {
+        return Err(IdentifyError::DeadBand(band));
+    }
     let quantisation = normality::quantisation(present);
     // By differences of neighbours, that a slow error over many steps does not matter.
     let squares: f64 = present.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum();

@@ -27,9 +27,54 @@ pub(crate) fn bridge(cleaned: &[f64], mean: f64) -> Vec<f64> {
     whole
 }
 
+/// By how much straight lines over missing samples raise the level of white noise near zero frequency: a neighbour of a gap
+/// of g samples counts 1 + g/2 times, so that the variance of a long sum is Σw², not the samples'.
+pub(crate) fn inflation(records: &[&[f64]]) -> f64 {
+    let (mut squares, mut samples) = (0.0, 0.0);
+    let mut add = |weight: f64, gap: f64| {
+        squares += weight * weight;
+        samples += 1.0 + gap;
+    };
+    for record in records {
+        // Of the last sample seen, the weight so far.
+        let (mut gap, mut last) = (0.0, None);
+        for value in *record {
+            if value.is_nan() {
+                gap += 1.0;
+                continue;
+            }
+            let before = match last {
+                Some(weight) => {
+                    add(weight + 0.5 * gap, gap);
+                    0.5 * gap
+                }
+                None => 0.0,
+            };
+            last = Some(1.0 + before);
+            gap = 0.0;
+        }
+        last.into_iter().for_each(|weight| add(weight, 0.0));
+    }
+    if samples > 0.0 {
+        squares / samples
+    } else {
+        1.0
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lines_over_gaps_raise_the_level_of_white_noise() {
+        let nan = f64::NAN;
+        assert_eq!(inflation(&[&[1.0; 10]]), 1.0);
+        assert_eq!(inflation(&[&[nan; 10]]), 1.0);
+        // Weights 1, 2, 2, 1 of six samples; a gap at the end is none.
+        let found = inflation(&[&[1.0, 1.0, nan, nan, 1.0, 1.0, nan]]);
+        assert!((found - 10.0 / 6.0).abs() < 1e-12, "{found}");
+    }
 
     #[test]
     fn what_is_missing_lies_on_the_line_between_its_neighbours_and_at_the_mean_outside() {

@@ -35,8 +35,9 @@ impl Default for MotionRule {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Motion {
-    /// Half the mean square change between the means of neighbouring windows over what white noise of
-    /// the windows' median variance allows: about 1 for white noise; a drift hardly adds to it.
+    /// Half the mean square change between the means of neighbouring windows over what the white noise in
+    /// the windows allows, by their samples or the means of their quarters: about 1 for white noise, behind a low-pass filter too; a
+    /// drift hardly adds to it.
     pub ratio: f64,
     /// First samples of the windows whose mean changed too much from the window before.
     pub moving_windows: Vec<usize>,
@@ -62,12 +63,21 @@ pub fn motion(x: &[f64], rule: MotionRule) -> Result<Motion, RecordError> {
     let summary: Vec<(f64, f64)> = x.chunks_exact(rule.window).map(mean_and_squares).collect();
     let mut variances: Vec<f64> = summary.iter().map(|s| s.1 / (width - 1.0)).collect();
     let inside = upper_median(&mut variances);
+    let mut of_quarters: Vec<f64> = x
+        .chunks_exact(rule.window)
+        .filter_map(by_quarters)
+        .collect();
+    let of_quarters = match of_quarters.is_empty() {
+        true => 0.0,
+        false => upper_median(&mut of_quarters) / QUARTERS_MEDIAN,
+    };
     let changes: Vec<f64> = summary
         .windows(2)
         .map(|w| 0.5 * (w[1].0 - w[0].0).powi(2))
         .collect();
     let total = changes.iter().sum::<f64>() / changes.len() as f64;
-    let allowed = (inside / width).max(rule.step * rule.step / rule.factor);
+    let white = (inside / width).max(of_quarters);
+    let allowed = white.max(rule.step * rule.step / rule.factor);
     let ratio = if total == 0.0 { 0.0 } else { total / allowed };
     let moving_windows: Vec<usize> = changes
         .iter()
@@ -82,6 +92,25 @@ pub fn motion(x: &[f64], rule: MotionRule) -> Result<Motion, RecordError> {
         moving_windows,
         moving,
     })
+}
+
+/// Median of χ² with 2 degrees of freedom over its mean.
+const QUARTERS_MEDIAN: f64 = std::f64::consts::LN_2;
+
+/// Variance of the mean of a window by the scatter of the means of its quarters about a straight line: of noise behind a low-pass filter
+/// neighbouring samples tell too little; those means are as good as independent, and show the level of its spectrum near zero.
+fn by_quarters(window: &[f64]) -> Option<f64> {
+    let quarter = window.len() / 4;
+    if quarter < 2 {
+        return None;
+    }
+    let means = window.chunks_exact(quarter).take(4);
+    let means: Vec<f64> = means.map(|part| mean_and_squares(part).0).collect();
+    // At −1.5, −0.5, 0.5 and 1.5, whose squares are 5.
+    let [a, b, c, d] = means[..] else { return None };
+    let slope = (1.5 * (d - a) + 0.5 * (c - b)) / 5.0;
+    let rest = mean_and_squares(&means).1 - 5.0 * slope * slope;
+    Some(rest.max(0.0) / 2.0 / 4.0)
 }
 
 /// A stretch of equal samples.

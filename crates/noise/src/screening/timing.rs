@@ -46,13 +46,17 @@ pub struct Timing {
     pub even: bool,
 }
 
-/// Report on the stamps of a record \[s\].
+/// Report on the stamps of a record \[s\]. Of samples that are read and stamped in bursts, as of a sensor's buffer, the rate is
+/// that of the whole record.
 ///
 /// # Errors
 /// Fewer than 3 stamps, one that is not finite, or [`RecordError::Argument`] where they do not increase.
 pub fn timing(stamps_s: &[f64]) -> Result<Timing, RecordError> {
     check(stamps_s, 3)?;
     let intervals: Vec<f64> = stamps_s.windows(2).map(|w| w[1] - w[0]).collect();
+    if let Some(found) = in_bursts(stamps_s, &intervals) {
+        return Ok(found);
+    }
     let mut positive: Vec<f64> = intervals.iter().copied().filter(|v| *v > 0.0).collect();
     if 2 * positive.len() < intervals.len() {
         return Err(RecordError::Argument("the time stamps do not increase"));
@@ -93,4 +97,93 @@ pub fn timing(stamps_s: &[f64]) -> Result<Timing, RecordError> {
         not_increasing,
         even,
     })
+}
+
+/// An interval of so many medians is between bursts, which fill less than this share of the time.
+const BETWEEN: f64 = 4.0;
+const FILLED: f64 = 0.5;
+/// Fewest bursts, and the share of them that is alike within a quarter.
+const BURSTS: usize = 10;
+const ALIKE: f64 = 0.8;
+const NEAR: f64 = 0.25;
+
+/// The report on stamps of samples that come in equal bursts at equal times; `None` of others.
+fn in_bursts(stamps_s: &[f64], intervals: &[f64]) -> Option<Timing> {
+    if intervals.iter().any(|v| *v < 0.0) {
+        return None;
+    }
+    let within = upper_median(&mut intervals.to_vec());
+    let starts = intervals.iter().enumerate();
+    let starts = starts.filter(|(_, v)| **v > BETWEEN * within);
+    let starts: Vec<usize> = starts.map(|(k, _)| k + 1).collect();
+    if starts.len() < BURSTS {
+        return None;
+    }
+    let bursts = || starts.windows(2).map(|pair| (pair[0], pair[1]));
+    let usual = |of: &dyn Fn((usize, usize)) -> f64| {
+        let middle = upper_median(&mut bursts().map(of).collect::<Vec<_>>());
+        let near = bursts().filter(|pair| (of(*pair) - middle).abs() <= NEAR * middle);
+        (near.count() as f64 >= ALIKE * (starts.len() - 1) as f64).then_some(middle)
+    };
+    let samples = usual(&|(from, to)| (to - from) as f64)?;
+    let period = usual(&|(from, to)| stamps_s[to] - stamps_s[from])?;
+    if samples < 2.0 || (samples - 1.0) * within > FILLED * period {
+        return None;
+    }
+    let (mut count, mut time, mut gaps) = (0.0, 0.0, Vec::new());
+    for (from, to) in bursts() {
+        let length_s = stamps_s[to] - stamps_s[from];
+        if length_s > GAP * period {
+            let missing = ((length_s / period).round() - 1.0).max(1.0) * samples;
+            gaps.push(Gap {
+                index: to - 1,
+                start_s: stamps_s[to - 1],
+                length_s,
+                missing: missing as usize,
+            });
+        } else {
+            count += (to - from) as f64;
+            time += length_s;
+        }
+    }
+    let interval_s = time / count;
+    let off = || intervals.iter().map(|v| (v - interval_s).abs());
+    let inside = || off().filter(|v| *v <= GAP * period);
+    let squares: f64 = inside().map(|v| v * v).sum();
+    Some(Timing {
+        interval_s,
+        rate_hz: 1.0 / interval_s,
+        jitter_rms_s: (squares / inside().count().max(1) as f64).sqrt(),
+        jitter_max_s: inside().fold(0.0, f64::max),
+        gaps,
+        not_increasing: Vec::new(),
+        even: false,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_bursts_the_rate_is_that_of_the_whole_record() {
+        // A buffer of 16 samples at 200 Hz, read every 80 ms at 5 kHz, or all with the stamp of the reading.
+        for apart in [0.0002, 0.0] {
+            let stamp = |k: u32| 0.08 * f64::from(k / 16) + apart * f64::from(k % 16);
+            let stamps: Vec<f64> = (0..16_000).map(stamp).collect();
+            let found = timing(&stamps).unwrap();
+            assert!((found.rate_hz / 200.0 - 1.0).abs() < 1e-9, "{found:?}");
+            assert!(found.gaps.is_empty() && !found.even);
+        }
+        // Half a second of 30 that is lost is a gap, and a tenth of the samples lost at random are gaps.
+        let lost = |k: &u32| k % 3000 < 2950;
+        let stamps: Vec<f64> = (0..60_000)
+            .filter(lost)
+            .map(|k| 0.01 * f64::from(k))
+            .collect();
+        let found = timing(&stamps).unwrap();
+        assert!((found.rate_hz / 100.0 - 1.0).abs() < 1e-9);
+        assert_eq!(found.gaps.len(), 19);
+        assert_eq!(found.gaps[0].missing, 50);
+    }
 }

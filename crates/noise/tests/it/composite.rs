@@ -292,6 +292,7 @@ fn blocks_and_the_full_rate_agree() {
         let options = FitOptions {
             max_points,
             start: None,
+            block: None,
         };
         composite::fit(&record, T, truth.set(), &options).unwrap()
     };
@@ -365,6 +366,7 @@ fn a_term_too_many_is_said_not_to_be_needed() {
     let options = FitOptions {
         max_points: 10_000,
         start: None,
+        block: None,
     };
     let found = composite::fit(&record, T, white_and_gauss_markov().set(), &options).unwrap();
     assert!(

@@ -514,3 +514,90 @@ fn noise_that_rounding_hides_is_doubted() {
         Err(IdentifyError::Coarse { off: 40..100, .. })
     ));
 }
+
+/// White noise of density `white` [u/√Hz] through a Butterworth filter of second order (bilinear transform, Oppenheim &
+/// Schafer, section 7.3) of `corner_hz`, and a random walk [u/√s] that it does not matter to.
+fn behind_a_filter(white: f64, walk: f64, corner_hz: f64, samples: usize, seed: u64) -> Vec<f64> {
+    let k = (std::f64::consts::PI * corner_hz / RATE).tan();
+    let root = std::f64::consts::SQRT_2 * k;
+    let n = 1.0 / (1.0 + root + k * k);
+    let ar = [2.0 * (1.0 - k * k) * n, (root - 1.0 - k * k) * n];
+    let noise = simulated(white, 0.0, samples, seed);
+    let bias = simulated(1e-12, walk, samples, seed + 1);
+    let (mut before, mut filtered) = ([0.0; 2], [0.0; 2]);
+    let samples = noise.iter().zip(&bias).map(|(x, b)| {
+        let driven = k * k * n * (x + 2.0 * before[0] + before[1]);
+        let y = driven + ar[0] * filtered[0] + ar[1] * filtered[1];
+        before = [*x, before[0]];
+        filtered = [y, filtered[0]];
+        y + b
+    });
+    samples.collect()
+}
+
+#[test]
+fn a_walk_behind_a_low_pass_filter_is_found_and_is_no_motion() {
+    // 0.3 deg/√h behind 5 Hz, and a walk that is as much after 58 s; 20 min.
+    let white = 0.3f64.to_radians() / 60.0;
+    let record = behind_a_filter(white, 0.03 * white, 5.0, 120_000, 3);
+    let axis = identify(&record, false, &OPTIONS).unwrap();
+    assert!(!axis.motion.as_ref().unwrap().moving);
+    let terms = "white + random walk";
+    let found = axis.candidates.iter().find(|c| c.name == terms).unwrap();
+    let model = &found.model;
+    let (n, k) = (model.white.unwrap(), model.random_walk.unwrap());
+    // 20 min of blocks of half a second give N to 2 %, the walk to some 20 %.
+    assert!((n / white - 1.0).abs() < 0.06, "{}", n / white);
+    assert!((k / (0.03 * white)).ln().abs() < 0.5, "{}", k / white);
+    // What drifts least says so, too, and not less than it drifts.
+    let chosen = &axis.recommended().score[2];
+    assert_eq!(chosen.horizon_s, 60.0);
+    assert!(chosen.rms < 1.02 * found.score[2].rms, "{}", axis.reason);
+    assert!(chosen.rms < 1.4 * chosen.predicted_rms);
+}
+
+#[test]
+fn samples_lost_at_random_or_in_bursts_leave_the_model_as_it_is() {
+    let white = 0.3f64.to_radians() / 60.0;
+    let whole = simulated(white, 0.03 * white, 60_000, 5);
+    // A multiplicative hash draws a fifth of them; half a second of 30.
+    let drawn = |k: usize| (k as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
+    let lost: [&dyn Fn(usize) -> bool; 2] =
+        [&|k| drawn(drawn(k) as usize) % 5 == 0, &|k| k % 3000 > 2950];
+    for (which, lost) in lost.iter().enumerate() {
+        let mut record = whole.clone();
+        for (k, x) in record.iter_mut().enumerate() {
+            if lost(k) {
+                *x = f64::NAN;
+            }
+        }
+        let axis = identify(&record, false, &OPTIONS).unwrap();
+        let allan = axis.allan_terms.white.value / white;
+        let n = axis.recommended().model.white.map(|n| n / white);
+        println!("{}: {allan}, {n:?}", axis.recommended().name);
+        // Of 48 000 samples N is known to 0.4 %.
+        assert!((allan - 1.0).abs() < 0.03, "{which}: {allan}");
+        assert!(n.is_none_or(|n| (n - 1.0).abs() < 0.03), "{which}: {n:?}");
+        let score = &axis.recommended().score[0];
+        let real = score.rms / score.predicted_rms;
+        assert!((0.9..1.1).contains(&real), "{which}: {real}");
+    }
+}
+
+#[test]
+fn a_dead_band_is_named() {
+    let white = 0.3f64.to_radians() / 60.0;
+    let mut record = simulated(white, 0.0, 20_000, 7);
+    // One standard deviation of a sample: 68 % of them.
+    let band = white * RATE.sqrt();
+    for x in &mut record {
+        if x.abs() < band {
+            *x = 0.0;
+        }
+    }
+    let Err(IdentifyError::DeadBand(found)) = identify(&record, false, &OPTIONS) else {
+        panic!("not named");
+    };
+    assert!((found.share - 0.683).abs() < 0.02 && found.value == 0.0);
+    assert!((found.width / band - 1.0).abs() < 0.01);
+}

@@ -1,6 +1,6 @@
 //! Whether a static recording serves.
 
-use super::spoken;
+use super::{spoken, used};
 use crate::numbers::{short, span};
 use undrift::{
     results::{Axis, AxisDoubt, Identify},
@@ -17,11 +17,9 @@ pub(crate) fn verdict(result: &Identify) -> String {
     let axes: Vec<(&str, &Axis)> = result.in_order().collect();
     let known = axes.iter().filter(|(_, axis)| axis.error.is_none());
     let known: Vec<_> = known.collect();
-    let doubts: Vec<String> = axes
-        .iter()
-        .filter_map(|(name, axis)| doubt(name, axis))
-        .collect();
-    let doubts = doubts.join("; ");
+    let of_axes = axes.iter().filter_map(|(name, axis)| doubt(name, axis));
+    let of_parts = used::doubts(result).into_iter();
+    let doubts = Vec::from_iter(of_axes.chain(of_parts)).join("; ");
     let Some((_, first)) = known.first() else {
         return format!("Not usable: {doubts}.");
     };
@@ -49,9 +47,10 @@ pub(crate) fn verdict(result: &Identify) -> String {
         60.0.. => String::new(),
         s => format!(" It is too short to judge drifts beyond {s} s."),
     };
+    let used = used::spans(result);
     match doubts.as_str() {
-        "" => format!("Usable: {record}.{brief}"),
-        doubts => format!("Usable with care: {doubts} ({record}).{brief}"),
+        "" => format!("Usable: {record}.{brief}{used}"),
+        doubts => format!("Usable with care: {doubts} ({record}).{brief}{used}"),
     }
 }
 

@@ -1,8 +1,9 @@
 //! What is said of a recording before it is identified.
 
 use undrift::{
+    findings,
     identify::{Likely, NotStatic},
-    record::{Record, Slower},
+    record::{Record, Repeated, Slower},
 };
 
 /// What nobody stated and no name says of a record, as the options that would state it.
@@ -22,6 +23,38 @@ pub fn slower(record: &Record) -> Option<String> {
             "{sensor} have values at {rate_hz:.1} Hz alone, and are identified at that rate"
         ),
         false => format!("no {sensor}: identified without them"),
+    })
+}
+
+/// That a logger repeated samples, which were taken out.
+pub fn repeated(record: &Record) -> Option<String> {
+    let sensors = record.repeated.iter().map(|Repeated { gyro, times }| {
+        let sensor = if *gyro { "gyroscope" } else { "accelerometer" };
+        format!("each {sensor} sample is logged {times:.1} times")
+    });
+    let sensors = Vec::from_iter(sensors).join(", ");
+    (!sensors.is_empty()).then(|| {
+        format!("{sensors}: repeated samples were taken out, and the rate is the sensor's own")
+    })
+}
+
+/// What the time stamps say of a recording that is ready to be identified: lost samples, or an uneven rate.
+pub fn stamps(record: &Record) -> Option<String> {
+    let uneven = findings::of_timing(record.timing.as_ref())?;
+    let timing = record.timing.as_ref()?;
+    // Evenly spaced without stamps: its gaps are filled.
+    Some(match record.stamps.is_empty() {
+        true => {
+            let missing: usize = timing.gaps.iter().map(|gap| gap.missing).sum();
+            let gaps = match timing.gaps.len() {
+                1 => "1 gap".to_owned(),
+                n => format!("{n} gaps"),
+            };
+            format!(
+                "the time stamps have {gaps}: {missing} lost samples, which the models account for"
+            )
+        }
+        false => super::say(&uneven),
     })
 }
 

@@ -43,6 +43,7 @@ pub fn allan_deviations(prepared: &Prepared, settings: &Settings) -> Identify {
         rate_hz: prepared.rate_hz.into(),
         timing: record.timing.clone(),
         skipped_rows: record.skipped.total(),
+        used: prepared.used.iter().cloned().collect(),
         axes: results::by_name(axes),
         pool: None,
     }

@@ -104,6 +104,7 @@ pub(super) fn run_pool(
             .iter()
             .map(|pooled| pooled.record.skipped.total())
             .sum(),
+        used: records.iter().filter_map(|one| one.used.clone()).collect(),
         axes: Vec::new(),
         body_axes: first.record.body_axes,
         series: Vec::new(),

@@ -48,6 +48,7 @@ impl Identified {
             rate_hz: self.rate_hz.into(),
             timing: self.timing.clone(),
             skipped_rows: self.skipped_rows,
+            used: self.used.clone(),
             axes: by_name(axes),
             pool: self.pool.as_ref().map(super::Pool::result),
         }

@@ -1,7 +1,15 @@
 //! What a recording is identified with, and how it is made ready for that.
 
-use super::{NotStatic, not_static};
-use crate::{hash, record::Record, results};
+use super::{
+    NotStatic,
+    part::{Part, part_at_rest},
+    rest::wrong_numbers,
+};
+use crate::{
+    hash,
+    record::Record,
+    results::{self, Number, Omitted, Used},
+};
 use undrift_noise::{Provenance, Recording, identify::Options, screening::Trend};
 
 /// Most that a stated rate may be off the time stamps, relative.
@@ -96,11 +104,13 @@ pub struct Prepared {
     pub record: Record,
     /// Sample rate \[Hz\].
     pub rate_hz: f64,
-    /// Why it is not a static recording, if so.
+    /// Why it is not a static recording, if so; it is whole then.
     pub not_static: Option<NotStatic>,
+    /// The part that is used, where that is not all.
+    pub used: Option<Used>,
 }
 
-/// Makes a record ready to be identified: its rate, the part to use, whether it is static, its gaps.
+/// Makes a record ready to be identified: its rate, repeated samples, its gaps, whether it is static, and the part in which it lies still.
 ///
 /// # Errors
 /// When nothing gives the rate, the one stated is off the time stamps by more than 1 %, or the part to use is empty.
@@ -125,12 +135,52 @@ pub fn prepare(record: Record, settings: &Settings) -> Result<Prepared, Recordin
         }
         None => record,
     };
+    let (record, times) = record.without_repeats();
+    let rate_hz = rate_hz / times;
+    let mut record = record.with_gaps();
+    let found = match wrong_numbers(&record, rate_hz) {
+        Some(problem) => Err(problem),
+        None => part_at_rest(&record, rate_hz),
+    };
+    let (part, not_static) = match found {
+        Ok(part) => (Some(part), None),
+        Err(problem) => (None, Some(problem)),
+    };
+    let part = part.filter(|part| !part.left_out.is_empty());
+    let used = part.map(|part| {
+        let from = settings.span.map_or(0.0, |span| span.0);
+        let mut used = used_of(&part, &record, rate_hz, from);
+        record.keep(&part.used, &part.bumps);
+        used.record = name.clone();
+        if settings.span.is_none() && (used.start_s.0 > 0.0 || used.end_s != used.length_s) {
+            name += &format!(", {:.0} to {:.0} s", used.start_s.0, used.end_s.0);
+        }
+        used
+    });
     Ok(Prepared {
         name,
-        not_static: not_static(&record, rate_hz),
-        record: record.with_gaps(),
+        not_static,
+        record,
         rate_hz,
+        used,
     })
+}
+
+/// A part of a record that begins `from` \[s\] after its own first sample, as a result.
+fn used_of(part: &Part, record: &Record, rate_hz: f64, from: f64) -> Used {
+    let at = |sample: usize| Number(from + sample as f64 / rate_hz);
+    let left_out = part.left_out.iter().map(|one| Omitted {
+        start_s: Number(from + one.start_s.0),
+        end_s: Number(from + one.end_s.0),
+        ..one.clone()
+    });
+    Used {
+        record: String::new(),
+        start_s: at(part.used.start),
+        end_s: at(part.used.end),
+        length_s: at(record.length()),
+        left_out: left_out.collect(),
+    }
 }
 
 /// The sample rate \[Hz\] of several records: that of the longest, which the others' are within the accuracy of a nominal one.

@@ -3,6 +3,7 @@
 mod doubt;
 mod fits;
 mod pool;
+mod used;
 
 pub use doubt::AxisDoubt;
 pub use fits::{
@@ -11,6 +12,7 @@ pub use fits::{
 };
 
 pub use pool::{AxisPool, Differing, Pool, PooledRecord, RecordShare, TurnOn};
+pub use used::{Omission, Omitted, Used};
 
 use super::{Curve, Number};
 use serde::{Deserialize, Serialize, Serializer};
@@ -44,6 +46,8 @@ pub struct Identify {
     pub timing: Option<Timing>,
     /// Rows of the record that were skipped.
     pub skipped_rows: u64,
+    /// The parts of recordings that were used, of those that were not used whole.
+    pub used: Vec<Used>,
     /// Each axis by name: `gyro_x` … `accel_z`.
     #[serde(serialize_with = "axes")]
     pub axes: BTreeMap<String, Axis>,

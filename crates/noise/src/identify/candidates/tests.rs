@@ -17,7 +17,7 @@ fn record() -> Vec<f64> {
 #[test]
 fn the_model_of_the_allan_deviation_has_its_white_noise_and_its_walk() {
     let record = record();
-    let mut part = TrainingSet::new(vec![&record], RATE).unwrap();
+    let mut part = TrainingSet::new(vec![&record], RATE, 1).unwrap();
     let walk = part.allan.random_walk.value;
     assert!((walk / 0.002 - 1.0).abs() < 0.3, "{walk}");
     let whole = Recipe::AllanWalk.fit(&part, None, &[]).unwrap();

@@ -76,6 +76,7 @@ fn prepared(name: &str, record: &Record, rate_hz: f64) -> Prepared {
         record: record.clone(),
         rate_hz,
         not_static: None,
+        used: None,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Whether a static recording can be used, and why not.
 
-use super::{Axis, Identify};
+use super::{Axis, Identify, Used};
 use crate::usability::Usability;
 use undrift_noise::screening::{RecordError, rounding::MOSTLY_SHOWN};
 
@@ -46,12 +46,16 @@ impl Identify {
             .collect()
     }
 
-    /// Not usable without any axis; with care where one is doubted, or recordings are not of one sensor.
+    /// Not usable without any axis; with care where one is doubted, where more of a recording was left out than its
+    /// handling at the start or end, or where recordings are not of one sensor.
     pub fn verdict(&self) -> Usability {
         let of_one_sensor = self.pool.as_ref().is_none_or(|pool| pool.homogeneous);
         if self.axes.values().all(|axis| axis.error.is_some()) {
             Usability::NotUsable
-        } else if of_one_sensor && self.doubts().is_empty() {
+        } else if of_one_sensor
+            && self.doubts().is_empty()
+            && !self.used.iter().any(Used::is_doubtful)
+        {
             Usability::Usable
         } else {
             Usability::WithCare

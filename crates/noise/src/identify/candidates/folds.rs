@@ -1,0 +1,99 @@
+//! The parts of records that candidates are fitted to and scored on.
+
+use super::LEFT_OUT_SINGLY;
+use crate::{
+    allan::{self, Curve, DeviationKind, Grid, Terms},
+    compared::{Method, Unfit},
+    composite::{Beside, CompositeTerms, NOTHING},
+    screening::bridge::{bridge, inflation},
+};
+
+/// Records, or half of one.
+pub(super) struct TrainingSet<'a> {
+    pub(super) records: Vec<&'a [f64]>,
+    /// They end to end, straight lines over what is missing: of the products of samples, few are of two records.
+    pub(super) end_to_end: Vec<f64>,
+    pub(super) rate_hz: f64,
+    pub(super) curve: Curve,
+    pub(super) allan: Terms,
+    /// Samples to a block of the likelihood of a sum of terms: that of the whole, of a part too.
+    pub(super) block: usize,
+    pub(super) beside: Beside<'a>,
+}
+
+/// What is fitted, and the records to score, each with the number of samples that come before the scored ones.
+pub(super) struct Fold<'a> {
+    pub(super) fitted: TrainingSet<'a>,
+    pub(super) scored: Vec<(&'a [f64], usize)>,
+}
+
+impl<'a> TrainingSet<'a> {
+    pub(super) fn new(records: Vec<&'a [f64]>, rate_hz: f64, block: usize) -> Option<Self> {
+        let bridged: Vec<Vec<f64>> = records.iter().map(|record| bridge(record, 0.0)).collect();
+        let curve = |record: &Vec<f64>| {
+            allan::deviations(record, rate_hz, DeviationKind::Overlapping, Grid::Octave).ok()
+        };
+        let curves: Option<Vec<_>> = bridged.iter().map(curve).collect();
+        let curve = allan::pooled(&curves?)?;
+        let inflation = inflation(&records);
+        Some(Self {
+            records,
+            end_to_end: bridged.concat(),
+            rate_hz,
+            allan: allan::fit_terms(&curve).ok()?.with_less_white(inflation),
+            curve,
+            block,
+            beside: NOTHING,
+        })
+    }
+
+    pub(super) fn compared(&self, method: Method) -> Result<CompositeTerms, Unfit> {
+        method.fit(&self.end_to_end, &self.curve, &self.allan)
+    }
+}
+
+impl<'a> Fold<'a> {
+    /// The first samples of a record to fit, the rest to score.
+    fn of_half(record: &'a [f64], first: usize, rate_hz: f64, block: usize) -> Option<Self> {
+        Some(Self {
+            fitted: TrainingSet::new(vec![&record[..first]], rate_hz, block)?,
+            scored: vec![(record, first)],
+        })
+    }
+
+    /// The folds of records and the same reversed: of one its halves, of several one record after the other left
+    /// out (of many every second one), whose halves are scored both ways.
+    pub(super) fn all(
+        records: &[&'a [f64]],
+        reversed: &'a [Vec<f64>],
+        rate_hz: f64,
+        block: usize,
+    ) -> Vec<Self> {
+        let middle = |record: &[f64]| record.len() / 2;
+        if let ([record], [backward]) = (records, reversed) {
+            let halves = [
+                Self::of_half(record, middle(record), rate_hz, block),
+                Self::of_half(backward, record.len() - middle(record), rate_hz, block),
+            ];
+            return halves.into_iter().flatten().collect();
+        }
+        let groups = match records.len() {
+            n if n <= LEFT_OUT_SINGLY => n,
+            _ => 2,
+        };
+        let fold = |group: usize| {
+            let (mut fitted, mut scored) = (Vec::new(), Vec::new());
+            for (k, (record, backward)) in records.iter().zip(reversed).enumerate() {
+                if k % groups == group {
+                    scored.push((*record, middle(record)));
+                    scored.push((backward.as_slice(), record.len() - middle(record)));
+                } else {
+                    fitted.push(*record);
+                }
+            }
+            let fitted = TrainingSet::new(fitted, rate_hz, block)?;
+            Some(Self { fitted, scored })
+        };
+        (0..groups).filter_map(fold).collect()
+    }
+}

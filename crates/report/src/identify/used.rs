@@ -1,0 +1,106 @@
+//! Which part of a recording was used, and why not all of it.
+
+use super::{spoken, units, units::with_unit};
+use undrift::results::{Identify, Omission, Omitted, Used};
+
+/// Why the rest of a recording is to be looked at, of parts that were left out for more than handling at its ends.
+pub(super) fn doubts(result: &Identify) -> Vec<String> {
+    let doubtful = result.used.iter().filter(|used| used.is_doubtful());
+    let doubts = doubtful.map(|used| {
+        let parts = used.left_out.iter();
+        let parts = Vec::from_iter(parts.filter_map(|part| doubt(used, part)));
+        of_several(result, used, parts.join("; "))
+    });
+    doubts.collect()
+}
+
+fn doubt(used: &Used, part: &Omitted) -> Option<String> {
+    let (start, end) = (part.start_s.0, part.end_s.0);
+    Some(match part.why {
+        Omission::Handled => return None,
+        Omission::Bump => format!("a bump at {start:.0} to {end:.0} s"),
+        Omission::Session => format!("another session at {start:.0} to {end:.0} s"),
+        Omission::Step => {
+            let name = part.axis.as_deref().unwrap_or_default();
+            let size = with_unit(part.step.0.abs(), units(name).constant);
+            let at = if end <= used.start_s.0 { end } else { start };
+            format!(
+                "{} steps by {size} at {at:.0} s (re-zeroed, or the sensor was moved)",
+                spoken(name)
+            )
+        }
+    })
+}
+
+/// The part of each recording that was used, as sentences; nothing of one that was used whole.
+pub(super) fn spans(result: &Identify) -> String {
+    let sentences = result.used.iter().map(|used| {
+        let parts = used.left_out.iter().map(|part| {
+            let (start, end) = (part.start_s.0, part.end_s.0);
+            let why = match part.why {
+                Omission::Handled => "handled",
+                Omission::Bump => "bump",
+                Omission::Step => "beyond the step",
+                Omission::Session => "another session",
+            };
+            format!("{start:.0} to {end:.0} s ({why})")
+        });
+        let left_out = Vec::from_iter(parts).join(", ");
+        let (start, end) = (used.start_s.0, used.end_s.0);
+        let text = format!("used {start:.0} to {end:.0} s, left out {left_out}.");
+        let text = of_several(result, used, text);
+        match text.strip_prefix("used ") {
+            Some(rest) => format!(" Used {rest}"),
+            None => format!(" {text}"),
+        }
+    });
+    sentences.collect()
+}
+
+/// A text after the name of its recording, where there are several.
+fn of_several(result: &Identify, used: &Used, text: String) -> String {
+    match result.pool {
+        Some(_) => format!("{}: {text}", used.record),
+        None => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_span_used_is_said_and_a_step_is_a_doubt() {
+        let handled = Omitted {
+            end_s: 6.0.into(),
+            ..Omitted::default()
+        };
+        let mut result = Identify {
+            used: vec![Used {
+                start_s: 6.0.into(),
+                end_s: 1800.0.into(),
+                length_s: 1800.0.into(),
+                left_out: vec![handled],
+                ..Used::default()
+            }],
+            ..Identify::default()
+        };
+        assert_eq!(doubts(&result), Vec::<String>::new());
+        assert_eq!(
+            spans(&result),
+            " Used 6 to 1800 s, left out 0 to 6 s (handled)."
+        );
+        result.used[0].left_out.push(Omitted {
+            why: Omission::Step,
+            start_s: 900.0.into(),
+            end_s: 1800.0.into(),
+            axis: Some("accel_x".into()),
+            step: (-0.25 * 9.80665e-3).into(),
+        });
+        assert_eq!(
+            doubts(&result),
+            ["accelerometer x steps by 0.250 mg at 900 s (re-zeroed, or the sensor was moved)"]
+        );
+        assert!(spans(&result).ends_with("900 to 1800 s (beyond the step)."));
+    }
+}

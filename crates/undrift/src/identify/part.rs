@@ -1,0 +1,266 @@
+//! The part of a record in which its sensor lies still: without the seconds in which it was handled, bumps, what is
+//! before or after a step, other sessions.
+
+use super::{
+    NotStatic,
+    steps::{Step, steps},
+    windows::Windows,
+};
+use crate::{
+    record::Record,
+    results::{Omission, Omitted},
+};
+use std::ops::Range;
+use undrift_noise::identify::SHORTEST;
+
+/// Windows that may move, as a knock or two do; and their share.
+const KNOCKS: usize = 5;
+const SHARE: f64 = 0.02;
+/// Shortest rest that is worth identifying, or that ends the handling of the sensor \[s\].
+const LEAST_REST: f64 = 12.0;
+/// Share of a record that rests at least, where what was handled is at its ends.
+const RESTS: f64 = 0.5;
+/// A gap longer than this \[s\] and this share of the samples is between two sessions, as are stamps that go back as far.
+const APART: f64 = 10.0;
+const APART_SHARE: f64 = 0.1;
+/// Stamps that go back by more \[s\] begin anew.
+const BACK: f64 = 1.0;
+
+/// A part of a record.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Part {
+    /// The samples used.
+    pub(super) used: Range<usize>,
+    /// Those of bumps, which are missing then.
+    pub(super) bumps: Vec<Range<usize>>,
+    /// What is not used, in order.
+    pub(super) left_out: Vec<Omitted>,
+}
+
+/// The part of a record at a rate \[Hz\] in which all its axes rest; gaps between its stamps are NaN, where that is possible.
+///
+/// # Errors
+/// [`NotStatic::Moving`] where it moves for longer than knocks last and not just at its ends.
+pub(super) fn part_at_rest(record: &Record, rate_hz: f64) -> Result<Part, NotStatic> {
+    let windows = Windows::of(record, rate_hz);
+    let seconds = |windows_: usize| (windows_ * windows.width) as f64 / rate_hz;
+    let length = record.length() as f64 / rate_hz;
+    let end_of = |window: usize| match window >= windows.count {
+        true => length,
+        false => seconds(window),
+    };
+    let mut left_out = Vec::new();
+    let session = longest_session(record, &windows, rate_hz);
+    left_out.extend(within(&(0..windows.count), &session).map(|part| Omitted {
+        why: Omission::Session,
+        start_s: seconds(part.start).into(),
+        end_s: end_of(part.end).into(),
+        ..Omitted::default()
+    }));
+    let bumped = windows.bumped(&session);
+    let noisy = short_runs(&windows.loud(&session));
+    let masked: Vec<bool> = bumped.iter().zip(&noisy).map(|(a, b)| a | b).collect();
+    let found = steps(&windows, &session, &masked);
+    let piece = longest_piece(&session, &found);
+    left_out.extend(found.iter().filter_map(|step| {
+        let before = step.at.start < piece.start;
+        let next = found.iter().find(|other| other.at.start > step.at.start);
+        let last = found.iter().rfind(|other| other.at.start < step.at.start);
+        let (start, end) = match before {
+            true => (last.map_or(session.start, |last| last.at.end), step.at.end),
+            false => (
+                step.at.start,
+                next.map_or(session.end, |next| next.at.start),
+            ),
+        };
+        let (start_s, end_s) = (seconds(start).into(), end_of(end).into());
+        let resting = (start..end).filter(|window| windows.rests(*window)).count();
+        let lies_still = resting as f64 >= RESTS * (end - start) as f64;
+        let step = lies_still.then(|| (step.axis.to_owned(), step.size));
+        (end > start).then(|| Omitted {
+            why: if lies_still {
+                Omission::Step
+            } else {
+                Omission::Handled
+            },
+            start_s,
+            end_s,
+            step: step.as_ref().map(|(_, size)| *size).into(),
+            axis: step.map(|(axis, _)| axis),
+        })
+    }));
+    let disturbed = disturbed(&windows, &piece);
+    let moving = |range: Range<usize>| disturbed[range].iter().filter(|moves| **moves).count();
+    let refused = || NotStatic::Moving {
+        moving_s: seconds(moving(0..piece.len())),
+        length_s: seconds(windows.count),
+        rest: longest(&windows)
+            .map(|rest| (seconds(rest.start).ceil(), seconds(rest.end).floor()))
+            .filter(|(start, end)| {
+                end - start >= LEAST_REST && (end - start) * rate_hz >= SHORTEST as f64
+            }),
+    };
+    let rest = ((LEAST_REST / seconds(1)).ceil() as usize).clamp(1, (piece.len() / 4).max(1));
+    let Some(still) = between_handling(&disturbed, rest) else {
+        return match windows.count {
+            0..3 => Ok(Part {
+                used: 0..record.length(),
+                ..Part::default()
+            }),
+            _ => Err(refused()),
+        };
+    };
+    let count = moving(still.clone());
+    if (still.len() as f64) < RESTS * piece.len() as f64
+        || count > KNOCKS && count as f64 > SHARE * still.len() as f64
+    {
+        return Err(refused());
+    }
+    let kept = piece.start + still.start..piece.start + still.end;
+    left_out.extend(within(&piece, &kept).map(|part| Omitted {
+        why: Omission::Handled,
+        start_s: seconds(part.start).into(),
+        end_s: end_of(part.end).into(),
+        ..Omitted::default()
+    }));
+    let mut bumps = Vec::new();
+    for run in runs(&disturbed[still.clone()]) {
+        let run = kept.start + run.start..kept.start + run.end;
+        left_out.push(Omitted {
+            why: Omission::Bump,
+            start_s: seconds(run.start).into(),
+            end_s: seconds(run.end).into(),
+            ..Omitted::default()
+        });
+        bumps.push(run.start * windows.width..run.end * windows.width);
+    }
+    left_out.sort_by(|a, b| a.start_s.0.total_cmp(&b.start_s.0));
+    let end = match kept.end == windows.count {
+        true => record.length(),
+        false => kept.end * windows.width,
+    };
+    Ok(Part {
+        used: kept.start * windows.width..end,
+        bumps,
+        left_out,
+    })
+}
+
+/// What of a whole is before and after its part.
+fn within(whole: &Range<usize>, part: &Range<usize>) -> impl Iterator<Item = Range<usize>> + use<> {
+    let parts = [whole.start..part.start, part.end..whole.end];
+    parts.into_iter().filter(|part| !part.is_empty())
+}
+
+/// The windows of the longest session: between long gaps, and stamps that begin anew.
+fn longest_session(record: &Record, windows: &Windows, rate_hz: f64) -> Range<usize> {
+    let least = (APART * rate_hz).max(APART_SHARE * record.length() as f64);
+    let mut ends: Vec<Range<usize>> = Vec::new();
+    // Filled gaps are windows without a sample; between stamps that are there, they are not filled.
+    let missing: Vec<bool> = (0..windows.count).map(|k| !windows.has(k)).collect();
+    let long = |run: &Range<usize>| (run.len() * windows.width) as f64 > least;
+    ends.extend(runs(&missing).filter(long));
+    if let Some(timing) = record.timing.as_ref().filter(|_| !record.stamps.is_empty()) {
+        let gaps = timing.gaps.iter();
+        let gaps = gaps.filter(|gap| gap.length_s * rate_hz > least);
+        let stamps = &record.stamps;
+        let back = |k: &&usize| stamps[**k - 1] - stamps[**k] > BACK;
+        let back = timing.not_increasing.iter().filter(back).copied();
+        let breaks = gaps.map(|gap| gap.index + 1).chain(back);
+        ends.extend(breaks.map(|at| at / windows.width..at.div_ceil(windows.width)));
+    }
+    ends.sort_by_key(|end| end.start);
+    longest_between(&(0..windows.count), ends.into_iter())
+}
+
+/// The longest piece of a part between its steps.
+fn longest_piece(part: &Range<usize>, steps: &[Step]) -> Range<usize> {
+    longest_between(part, steps.iter().map(|step| step.at.clone()))
+}
+
+/// The longest of the pieces between breaks in order.
+fn longest_between(
+    part: &Range<usize>,
+    breaks: impl Iterator<Item = Range<usize>>,
+) -> Range<usize> {
+    let (mut best, mut start) = (0..0, part.start);
+    for at in breaks.chain([part.end..part.end]) {
+        let piece = start..at.start.max(start);
+        if piece.len() > best.len() {
+            best = piece;
+        }
+        start = start.max(at.end);
+    }
+    best
+}
+
+/// Which windows of a part move, or shake beside ones that do, or for a moment.
+fn disturbed(windows: &Windows, part: &Range<usize>) -> Vec<bool> {
+    let (mut disturbed, loud) = (windows.moving(part), windows.loud(part));
+    let short = short_runs(&loud);
+    for run in runs(&loud) {
+        let near = run.start.saturating_sub(1)..(run.end + 1).min(disturbed.len());
+        if short[run.start] || disturbed[near].contains(&true) {
+            disturbed[run].fill(true);
+        }
+    }
+    disturbed
+}
+
+/// The runs that are as short as a knock, where they are few: an engine is none.
+fn short_runs(flags: &[bool]) -> Vec<bool> {
+    let short = || runs(flags).filter(|run| run.len() <= KNOCKS);
+    let total: usize = short().map(|run| run.len()).sum();
+    let mut found = vec![false; flags.len()];
+    if total <= KNOCKS || total as f64 <= SHARE * flags.len() as f64 {
+        short().for_each(|run| found[run].fill(true));
+    }
+    found
+}
+
+/// From the first rest of so many windows to the end of the last, a window less where the record begins or ends otherwise.
+fn between_handling(disturbed: &[bool], rest: usize) -> Option<Range<usize>> {
+    let count = disturbed.len();
+    let rests = |from: &usize| !disturbed[*from..from + rest].contains(&true);
+    let mut places = 0..(count + 1).saturating_sub(rest);
+    let first = places.clone().find(rests)?;
+    let end = places.rfind(rests)? + rest;
+    let start = if first == 0 { 0 } else { first + 1 };
+    let end = if end == count { count } else { end - 1 };
+    (start < end).then_some(start..end)
+}
+
+/// The runs of windows that have a flag.
+fn runs(flags: &[bool]) -> impl Iterator<Item = Range<usize>> {
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        let start = at + flags[at..].iter().position(|flag| *flag)?;
+        let length = flags[start..].iter().position(|flag| !flag);
+        at = length.map_or(flags.len(), |length| start + length);
+        Some(start..at)
+    })
+}
+
+/// The longest run of windows that rest, without the first and last where the record goes on.
+fn longest(windows: &Windows) -> Option<Range<usize>> {
+    let (mut best, mut start) = (0..0, 0);
+    for window in 0..=windows.count {
+        if window < windows.count && windows.rests(window) {
+            continue;
+        }
+        let from = if start == 0 { 0 } else { start + 1 };
+        let to = if window == windows.count {
+            windows.count
+        } else {
+            window.saturating_sub(1)
+        };
+        if to.saturating_sub(from) > best.len() {
+            best = from..to;
+        }
+        start = window + 1;
+    }
+    (!best.is_empty()).then_some(best)
+}
+
+#[cfg(test)]
+mod tests;
