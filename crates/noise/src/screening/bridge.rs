@@ -71,7 +71,7 @@ mod tests {
         let nan = f64::NAN;
         assert_eq!(inflation(&[&[1.0; 10]]), 1.0);
         assert_eq!(inflation(&[&[nan; 10]]), 1.0);
-        // Weights 1, 2, 2, 1 of six samples; a gap at the end is none.
+        // Weights 1, 2, 2, 1 of six samples; a gap at the end does not count.
         let found = inflation(&[&[1.0, 1.0, nan, nan, 1.0, 1.0, nan]]);
         assert!((found - 10.0 / 6.0).abs() < 1e-12, "{found}");
     }

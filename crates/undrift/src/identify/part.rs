@@ -23,7 +23,7 @@ const RESTS: f64 = 0.5;
 /// A gap longer than this \[s\] and this share of the samples is between two sessions, as are stamps that go back as far.
 const APART: f64 = 10.0;
 const APART_SHARE: f64 = 0.1;
-/// Stamps that go back by more \[s\] begin anew.
+/// Stamps that go back by more \[s\] restart.
 const BACK: f64 = 1.0;
 
 /// A part of a record.
@@ -152,7 +152,7 @@ fn within(whole: &Range<usize>, part: &Range<usize>) -> impl Iterator<Item = Ran
     parts.into_iter().filter(|part| !part.is_empty())
 }
 
-/// The windows of the longest session: between long gaps, and stamps that begin anew.
+/// The windows of the longest session: between long gaps, and stamps that restart.
 fn longest_session(record: &Record, windows: &Windows, rate_hz: f64) -> Range<usize> {
     let least = (APART * rate_hz).max(APART_SHARE * record.length() as f64);
     let mut ends: Vec<Range<usize>> = Vec::new();
@@ -184,7 +184,7 @@ fn longest_between(
     breaks: impl Iterator<Item = Range<usize>>,
 ) -> Range<usize> {
     let (mut best, mut start) = (0..0, part.start);
-    for at in breaks.chain([part.end..part.end]) {
+    for at in breaks.chain(std::iter::once(part.end..part.end)) {
         let piece = start..at.start.max(start);
         if piece.len() > best.len() {
             best = piece;
@@ -207,7 +207,7 @@ fn disturbed(windows: &Windows, part: &Range<usize>) -> Vec<bool> {
     disturbed
 }
 
-/// The runs that are as short as a knock, where they are few: an engine is none.
+/// The runs that are as short as a knock, where they are few: an engine is not a knock.
 fn short_runs(flags: &[bool]) -> Vec<bool> {
     let short = || runs(flags).filter(|run| run.len() <= KNOCKS);
     let total: usize = short().map(|run| run.len()).sum();

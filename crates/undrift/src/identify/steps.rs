@@ -1,4 +1,4 @@
-//! Where the level of a record steps: a gyro that takes its zero anew, a sensor that is tilted.
+//! Where the level of a record steps: a gyro that re-zeroes, a sensor that is tilted.
 
 use super::windows::{STEPS, Windows};
 use std::ops::Range;

@@ -82,7 +82,7 @@ fn the_seconds_in_the_hand_are_left_out() {
 
 #[test]
 fn a_step_ends_the_part_that_is_used() {
-    // A gyro that takes its zero anew, 0.05 deg/s; a tilt of 0.2 and of 3 degrees within two seconds.
+    // A gyro that re-zeroes, 0.05 deg/s; a tilt of 0.2 and of 3 degrees within two seconds.
     let zero = |axis: usize, t: f64| {
         if axis == 1 && t >= 600.0 {
             0.05 * DEG
@@ -128,7 +128,7 @@ fn a_bump_is_cut_out_of_the_middle() {
 
 #[test]
 fn of_two_sessions_the_longer_is_used() {
-    // The stamps begin anew after ten minutes, or an hour is between.
+    // The stamps restart after ten minutes, or an hour is between.
     for second in [0.0, 4200.0] {
         let mut record = record(|_, _| 0.0);
         let stamp = |k: u32| {

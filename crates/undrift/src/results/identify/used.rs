@@ -48,9 +48,9 @@ pub enum Omission {
     Handled,
     /// It was knocked, for some seconds amid the recording.
     Bump,
-    /// Beyond a step of an axis: it took its zero anew, or was tilted.
+    /// Beyond a step of an axis: it was re-zeroed, or tilted.
     Step,
-    /// Another session, before or after a long gap or time stamps that begin anew.
+    /// Another session, before or after a long gap or time stamps that restart.
     Session,
 }
 
