@@ -31,11 +31,9 @@ mod detect;
 mod entry;
 mod error;
 mod fix;
-mod lines;
 mod mcap_records;
 mod opened;
 mod time;
-mod utf16;
 mod visible;
 mod zstandard;
 

@@ -1,5 +1,7 @@
 //! Opening a file for reading, compressed or not.
 
+mod utf16;
+
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
@@ -8,7 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use flate2::bufread::MultiGzDecoder;
 
-use crate::{ReadError, nearby, utf16, zstandard};
+use crate::{ReadError, nearby, zstandard};
 
 /// A byte stream to read from.
 pub type Source = Box<dyn BufRead + Send>;

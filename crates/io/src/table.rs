@@ -24,6 +24,7 @@ mod columns;
 mod counter;
 mod fields;
 mod header;
+pub(crate) mod lines;
 mod monitor;
 #[cfg(feature = "parquet")]
 mod parquet;
@@ -45,9 +46,9 @@ use counter::Counter;
 
 use crate::ReadError;
 use crate::epoch::Epoch;
-use crate::lines::MAX_LINE;
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::Source;
+use crate::table::lines::MAX_LINE;
 use wanted::{Defect, Keep, NextRow, no_rows};
 
 /// What a table is read from.

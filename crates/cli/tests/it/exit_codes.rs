@@ -36,7 +36,7 @@ const ENDS: [(&str, i32, &str); 45] = [
         "drive.toml --at 60,110 --bias-models arma --strict",
     ),
     ("outages", 1, "drive.toml --start 500 --count 2"),
-    ("outages", 2, "drive.toml"),
+    ("outages", 0, "drive.toml"),
     ("outages", 2, "drive.toml --count 2 --length 0"),
     ("outages", 2, "drive.toml --count 2 --track track.csv"),
     (

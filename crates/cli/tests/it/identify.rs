@@ -326,7 +326,7 @@ fn stamps_that_are_not_even_are_said_and_reported() {
         .map(|(_, line)| format!("{line}\n"))
         .collect();
     let (said, json) = found(&gap);
-    assert!(said.contains("(1 gap,"), "{said}");
+    assert!(said.contains("1 gap: 50 lost samples"), "{said}");
     assert_eq!(json["timing"]["gaps"][0]["missing"], 50);
 }
 

@@ -230,7 +230,7 @@ fn a_reader_that_went_away_costs_no_file() {
     let record = record(&folder, 5000);
     let model = folder.join("imu.toml");
     for arguments in [
-        vec!["inspect", &record, "-o", model.to_str().unwrap()],
+        vec!["inspect", &record, "--json", model.to_str().unwrap()],
         identify(&record, &["-o", model.to_str().unwrap()]),
         identify(&record, &["--json", "-", "-o", model.to_str().unwrap()]),
     ] {

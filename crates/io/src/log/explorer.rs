@@ -15,10 +15,10 @@ use crate::ReadError;
 use crate::entry::{Entries, Stream, StreamKind, Wanted, What};
 use crate::epoch::ClockSource;
 use crate::fix::on_earth;
-use crate::lines::Lines;
 use crate::number;
 use crate::skipped::{SkipKind, shown};
 use crate::source::Source;
+use crate::table::lines::Lines;
 use crate::time::{self, WeekClock};
 
 const STREAM: &str = "solution";

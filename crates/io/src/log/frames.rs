@@ -9,8 +9,8 @@ use std::ops::Range;
 use memchr::memchr;
 
 use crate::entry::{Stream, StreamKind};
-use crate::lines::Window;
 use crate::source::Source;
+use crate::table::lines::Window;
 
 /// What the messages of a format look like; a message has a head `H`.
 pub(super) struct Layout<H> {

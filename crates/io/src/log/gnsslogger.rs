@@ -20,10 +20,10 @@ use super::receiver::{Ready, by_lines, check};
 use crate::ReadError;
 use crate::entry::{Entries, Stream, StreamKind, Wanted};
 use crate::epoch::ClockSource;
-use crate::lines::Lines;
 use crate::number;
 use crate::skipped::{SkipKind, shown};
 use crate::source::Source;
+use crate::table::lines::Lines;
 use crate::time::WeekClock;
 
 /// Providers of fixes: satellites, all together, cells and Wi-Fi.

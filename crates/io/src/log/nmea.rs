@@ -19,9 +19,9 @@ mod sentence;
 use super::receiver::{Ready, by_lines, check, one_stream};
 use crate::ReadError;
 use crate::entry::{Entries, Stream, StreamKind, Wanted};
-use crate::lines::Lines;
 use crate::skipped::SkipKind;
 use crate::source::Source;
+use crate::table::lines::Lines;
 use epoch::{Epoch, Heights, Times};
 use sentence::{Sentence, sentences};
 

@@ -7,8 +7,8 @@ use undrift_nav::{Matrix3, Vector3};
 use super::receiver::{Ready, one_stream};
 use crate::entry::{Fix, Stream, StreamKind};
 use crate::fix::{independent, on_earth};
-use crate::lines::Lines;
 use crate::source::Source;
+use crate::table::lines::Lines;
 
 mod join;
 mod rows;

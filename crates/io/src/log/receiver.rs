@@ -8,9 +8,9 @@ use super::frames::{Frames, Layout, NextFrame};
 use crate::ReadError;
 use crate::entry::{Entries, Entry, Fix, Stream, StreamKind, Wanted, What};
 use crate::epoch::Epoch;
-use crate::lines::{Lines, NextLine};
 use crate::skipped::{SkipKind, Unfit};
 use crate::source::Source;
+use crate::table::lines::{Lines, NextLine};
 
 /// Entries that are ready to be given out.
 #[derive(Default)]

@@ -17,10 +17,10 @@ use super::receiver::{Ready, by_lines, check};
 use crate::ReadError;
 use crate::entry::{Entries, Entry, Stream, StreamKind, Wanted, What};
 use crate::epoch::ClockSource;
-use crate::lines::{Lines, MAX_LINE};
 use crate::number;
 use crate::skipped::{SkipKind, shown};
 use crate::source::{self, Source};
+use crate::table::lines::{Lines, MAX_LINE};
 use crate::time::WeekClock;
 
 /// The first line of the text that is made of a folder.

@@ -6,10 +6,10 @@ use super::fields::{self, Delimiter, Fields};
 use super::stamps;
 use super::wanted::{Column, Keep, Preview, TableOptions, starts_a_row};
 use crate::error::{NAMES_SHOWN, the_file_has};
-use crate::lines::{Lines, MAX_LINE, NextLine};
 use crate::number;
 use crate::skipped::{SkipKind, Skipped, shown};
 use crate::source::Source;
+use crate::table::lines::{Lines, MAX_LINE, NextLine};
 use crate::time::WeekClock;
 use crate::{ReadError, nearby, visible};
 

@@ -8,9 +8,9 @@ use super::stamps::Stamps;
 use super::wanted::{Keep, NextRow, TableOptions, starts_a_row};
 use crate::ReadError;
 use crate::epoch::Epoch;
-use crate::lines::{self, Lines};
 use crate::skipped::Skipped;
 use crate::source::Source;
+use crate::table::lines::{self, Lines};
 
 /// Reads the wanted columns of a text.
 pub(super) struct TextTable {

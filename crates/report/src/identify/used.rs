@@ -72,6 +72,7 @@ mod tests {
     #[test]
     fn the_span_used_is_said_and_a_step_is_a_doubt() {
         let handled = Omitted {
+            start_s: 0.0.into(),
             end_s: 6.0.into(),
             ..Omitted::default()
         };

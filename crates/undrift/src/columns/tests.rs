@@ -55,7 +55,7 @@ fn names_of_many_programs() {
         ("sdvn", Some(VelocityStd(0)), None),
         ("ve_std_mps", Some(VelocityStd(1)), Some("m/s")),
         ("svd_mps", Some(VelocityStd(2)), Some("m/s")),
-        ("speed", None, None),
+        ("speed", Some(Speed), None),
         ("roll_deg", Some(Attitude(0)), Some("deg")),
         ("heading", Some(Attitude(2)), None),
         ("temp", Some(Temperature), None),
@@ -153,6 +153,7 @@ fn every_ending_and_spelling_is_the_unit_that_it_says() {
         ("_s", Time, 1.0),
         ("_m", Length, 1.0),
         ("_hz", Frequency, 1.0),
+        ("_dege7", Angle, 1e-7 * degree),
     ];
     let temperatures = ["_kelvin", "_celsius", "_degc", "_c"];
     let spellings = [

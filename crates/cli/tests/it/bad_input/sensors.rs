@@ -71,7 +71,7 @@ fn accelerometer_in_g_called_metres() {
     ];
     let warnings = times(&ACCEL, 1.0 / 9.80665)
         .write("accel_g")
-        .distrusted(0, &parts);
+        .distrusted(3, &parts);
     // With a wrong unit the innovations say nothing of the receiver.
     assert!(
         !warnings.iter().any(|w| w.contains("std_factor")),

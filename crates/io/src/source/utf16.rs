@@ -44,19 +44,21 @@ impl Text {
             .map(|pair| (self.order)([pair[0], pair[1]]));
         self.units.extend(&mut pairs);
         let mut passed = buffer.len() & !1;
+        let mut any = passed > 0;
         if passed == 0 && !buffer.is_empty() {
             // A pair of bytes across two buffers, or a byte too many at the end.
             let mut pair = Vec::new();
             (&mut self.source).take(2).read_to_end(&mut pair)?;
             let pair: Result<[u8; 2], _> = pair.try_into();
+            any = pair.is_ok();
             self.units.extend(pair.map(self.order));
             passed = 0;
         }
         self.source.consume(passed);
         let is_first_half = |unit: &u16| (0xd800..0xdc00).contains(unit);
-        let at_end = passed == 0 && self.units.is_empty();
+        let at_end = !any && self.units.is_empty();
         let rest = match self.units.last() {
-            Some(last) if is_first_half(last) && passed > 0 => self.units.pop(),
+            Some(last) if is_first_half(last) && any => self.units.pop(),
             _ => None,
         };
         self.given = 0;
