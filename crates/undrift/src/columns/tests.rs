@@ -154,6 +154,9 @@ fn every_ending_and_spelling_is_the_unit_that_it_says() {
         ("_m", Length, 1.0),
         ("_hz", Frequency, 1.0),
         ("_dege7", Angle, 1e-7 * degree),
+        ("_deg_1e7", Angle, 1e-7 * degree),
+        ("_1e7", Angle, 1e-7 * degree),
+        ("_e7", Angle, 1e-7 * degree),
     ];
     let temperatures = ["_kelvin", "_celsius", "_degc", "_c"];
     let spellings = [

@@ -67,26 +67,26 @@ fn refused(folder: &Path, arguments: &[&str], expected: &[&str]) {
 #[test]
 fn a_log_that_moves() {
     let folder = folder("moves");
-    // Turns and brakes from 40 s on.
+    // Turns and brakes from 25 s on, the larger part.
     write(&folder, HEADER, |axis, t, still| match axis {
-        2 if t > 40.0 => still + 15.0 * (t / 2.0).sin(),
-        3 if t > 40.0 => still + 0.2 * (t / 3.0).cos(),
+        2 if t > 25.0 => still + 15.0 * (t / 2.0).sin(),
+        3 if t > 25.0 => still + 0.2 * (t / 3.0).cos(),
         _ => still,
     });
     // A window of a second less at the end of the rest.
-    refused(&folder, &[], &["the IMU moves in", "--span 0,39"]);
+    refused(&folder, &[], &["the IMU moves in", "--span 0,24"]);
     // What it says is an option.
     let (output, said) = identify(
         &folder,
-        &["record.csv", "--span", "0,39", "-o", "rest.toml"],
+        &["record.csv", "--span", "0,24", "-o", "rest.toml"],
     );
     assert!(
         output.status.success() && said.contains("turn-on"),
         "{said}"
     );
     let model = ImuModel::load(&folder.join("rest.toml")).unwrap();
-    assert_eq!(model.provenance.samples, Some(3900));
-    assert!(model.provenance.record.unwrap().contains("0 to 39 s"));
+    assert_eq!(model.provenance.samples, Some(2400));
+    assert!(model.provenance.record.unwrap().contains("0 to 24 s"));
     // Forced, the model says so, and nobody takes it for a good one.
     let forced = ["record.csv", "--force", "--strict", "-o", "imu.toml"];
     let (output, said) = identify(&folder, &forced);
