@@ -53,7 +53,7 @@ impl RunningSums {
         let sum = self.values[from + length] - self.values[from];
         // Of n samples the m that are there count n/m times: the variance of white noise is n²/m samples', not n.
         let factor = length as f64 / (length - missing).max(1) as f64;
-        (WHOLE * missing <= length).then(|| (sum * factor, missing as f64 * factor))
+        (WHOLE * missing <= length).then_some((sum * factor, missing as f64 * factor))
     }
 }
 

@@ -157,6 +157,16 @@ fn every_ending_and_spelling_is_the_unit_that_it_says() {
         ("_deg_1e7", Angle, 1e-7 * degree),
         ("_1e7", Angle, 1e-7 * degree),
         ("_e7", Angle, 1e-7 * degree),
+        ("_mm_s", Velocity, 1e-3),
+        ("_mmps", Velocity, 1e-3),
+        ("_cm_s", Velocity, 1e-2),
+        ("_km_h", Velocity, 1.0 / 3.6),
+        ("_kmh", Velocity, 1.0 / 3.6),
+        ("_kph", Velocity, 1.0 / 3.6),
+        ("_knots", Velocity, 1852.0 / 3600.0),
+        ("_kn", Velocity, 1852.0 / 3600.0),
+        ("_mm", Length, 1e-3),
+        ("_cm", Length, 1e-2),
     ];
     let temperatures = ["_kelvin", "_celsius", "_degc", "_c"];
     let spellings = [
