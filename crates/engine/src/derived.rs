@@ -101,7 +101,8 @@ fn slope(places: &[(f64, Geodetic)]) -> Option<DerivedVelocity> {
     })
 }
 
-/// Fixes of which none has a velocity, with the slope of the positions about each one: for what may look ahead.
+/// Fixes of which none has a velocity, with the slope of the positions about each one: for what may look ahead. Slopes that
+/// share their positions share their errors: the variance of each is that of one, times how many do.
 pub fn with_velocities(mut fixes: Vec<GnssFix>) -> Vec<GnssFix> {
     if fixes.iter().any(|fix| fix.velocity.is_some()) {
         return fixes;
@@ -115,7 +116,8 @@ pub fn with_velocities(mut fixes: Vec<GnssFix>) -> Vec<GnssFix> {
         let around = places.get(from..to).and_then(slope);
         // At the ends the line has its middle elsewhere.
         let around = around.filter(|v| (v.time - fix.time).abs() < 0.25 * half);
-        fix.velocity = around.map(|velocity| (velocity.v_n, velocity.covariance));
+        let sharing = (to - from) as f64;
+        fix.velocity = around.map(|velocity| (velocity.v_n, velocity.covariance * sharing));
     }
     fixes
 }
@@ -173,5 +175,17 @@ mod tests {
         };
         let mut positions = Positions::default();
         assert!(fixes(5.0, 0.0).all(|fix| positions.add(&with_velocity(fix)).is_none()));
+    }
+
+    #[test]
+    fn slopes_that_share_their_positions_are_as_good_as_one_together() {
+        let found = with_velocities(fixes(5.0, 0.5).collect());
+        let (_, covariance) = found[20].velocity.unwrap();
+        // Eleven positions within a second to either side, as in the slope of them alone.
+        let east = 0.25 * 11.0 / 9.0 / 4.4 + FLOOR * FLOOR;
+        assert!(
+            (covariance[(1, 1)] / (11.0 * east) - 1.0).abs() < 0.02,
+            "{covariance}"
+        );
     }
 }

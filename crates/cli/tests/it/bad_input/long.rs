@@ -52,8 +52,9 @@ fn an_hour_takes_the_memory_of_minutes() {
     let text = case.read("nav.json").unwrap();
     let result: Value = serde_json::from_str(&text).unwrap();
     let covariance = &result["summary"]["covariance"];
-    // Nine of navigation, twelve of the sensors, three scale factors, two time offsets, the rate of the clock.
-    assert_eq!(covariance["states"], 27);
+    // Nine of navigation, twelve of the sensors, three scale factors, the lever arm, two time offsets, the rate of the
+    // clock.
+    assert_eq!(covariance["states"], 30);
     // It is written on both sides of its diagonal, not computed twice.
     assert_eq!(covariance["asymmetry"], 0.0);
     let least = covariance["least_eigenvalue"].as_f64().unwrap();
