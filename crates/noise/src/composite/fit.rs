@@ -141,7 +141,7 @@ impl CompositeFit {
 }
 
 /// Fits the terms of `set` to a record sampled every `interval` \[s\] by exact maximum likelihood of
-/// its block averages, whose model is that of the terms exactly ([`block_average`]); NaN is a
+/// its block averages, whose model is that of the terms exactly ([`block_average`](super::block_average)); NaN is a
 /// missing sample. A record of `max_points` or fewer is taken as it is. Else the white density is
 /// that of the full rate (`white_full_rate`) where the two agree within three standard errors and
 /// no short memory shows; and quantisation, which blocks lose sight of, is found with the white
