@@ -8,7 +8,10 @@ use crate::{
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
-use undrift::drive::{Drive, Logs};
+use undrift::{
+    drive::{Drive, Logs},
+    inspect::Inspection,
+};
 use undrift_report::inspect as report;
 
 /// Name of a drive file that is kept in memory only.
@@ -41,15 +44,16 @@ pub struct Source {
 impl Source {
     /// The drive of a drive file, or of logs.
     pub fn of(files: &[PathBuf], data: Option<&Path>, kept: &Kept) -> Result<Self> {
-        match files {
-            [file] if !is_log(file) => {
-                if kept.save_drive.is_some() {
-                    let mistake = "--save-drive needs logs in place of a drive file";
-                    bail!(Invalid(mistake.into()));
-                }
-                Self::load(file, data)
+        let [file] = files else {
+            return Self::of_logs(files, inspect::read, data, kept);
+        };
+        match log(file) {
+            Some(found) => Self::of_logs(files, |_| Ok(vec![found]), data, kept),
+            None if kept.save_drive.is_some() => {
+                let mistake = "--save-drive needs logs in place of a drive file";
+                bail!(Invalid(mistake.into()));
             }
-            logs => Self::of_logs(logs, data, kept),
+            None => Self::load(file, data),
         }
     }
 
@@ -91,7 +95,13 @@ impl Source {
         })
     }
 
-    fn of_logs(files: &[PathBuf], data: Option<&Path>, kept: &Kept) -> Result<Self> {
+    /// The drive of logs, as `read` finds them.
+    fn of_logs(
+        files: &[PathBuf],
+        read: impl FnOnce(&[PathBuf]) -> Result<Vec<Inspection>>,
+        data: Option<&Path>,
+        kept: &Kept,
+    ) -> Result<Self> {
         if let Some(drive) = files.iter().find(|file| is_toml(file)) {
             let drive = drive.display();
             let mistake = format!("specify {drive} alone, which names its logs, or logs alone");
@@ -101,7 +111,7 @@ impl Source {
             let mistake = "--data needs a drive file; specify the logs with their folder";
             bail!(Invalid(mistake.into()));
         }
-        let (inspections, motion) = inspect::described(files)?;
+        let (inspections, motion) = inspect::described(read(files)?);
         if inspections.len() < files.len() {
             bail!("not every file could be read");
         }
@@ -137,10 +147,9 @@ fn is_toml(file: &Path) -> bool {
         .is_some_and(|name| name.eq_ignore_ascii_case("toml"))
 }
 
-/// Whether a file is a log; what can be read once alone is not looked into.
-fn is_log(file: &Path) -> bool {
+/// What a file is, if it is a log; what can be read once alone is not looked into.
+fn log(file: &Path) -> Option<Inspection> {
     let again = std::fs::metadata(file).is_ok_and(|about| about.is_file() || about.is_dir());
-    again
-        && !is_toml(file)
-        && undrift::inspect::inspect(file).is_ok_and(|log| !log.parts.is_empty())
+    let found = (again && !is_toml(file)).then(|| undrift::inspect::inspect(file).ok());
+    found.flatten().filter(|log| !log.parts.is_empty())
 }

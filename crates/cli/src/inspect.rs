@@ -51,7 +51,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let json = arguments.json.file().into_iter();
     let outputs = json.chain(arguments.output.as_deref());
     let files = Files::claim(arguments.files.iter().map(PathBuf::as_path), outputs)?;
-    let (inspections, motion) = described(&arguments.files)?;
+    let (inspections, motion) = described(read(&arguments.files)?);
     let json = results::text(&inspections);
     let shown = arguments.json.write(&files, &json)?;
     if !shown {
@@ -73,9 +73,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// What files are, in words, and what the motion shows of them together. Those that cannot be read are reported and
-/// left out.
-pub fn described(files: &[PathBuf]) -> Result<(Vec<Inspection>, Motion)> {
+/// What files are. Those that cannot be read are reported and left out.
+pub fn read(files: &[PathBuf]) -> Result<Vec<Inspection>> {
     let mut inspections = Vec::new();
     for file in files {
         match inspect::inspect(file) {
@@ -86,9 +85,14 @@ pub fn described(files: &[PathBuf]) -> Result<(Vec<Inspection>, Motion)> {
     if inspections.is_empty() {
         bail!("no file could be read");
     }
+    Ok(inspections)
+}
+
+/// What files are, in words, and what the motion shows of them together.
+pub fn described(mut inspections: Vec<Inspection>) -> (Vec<Inspection>, Motion) {
     let motion = terminal::stage("aligning", || inspect::motion(&mut inspections));
     inspections.iter_mut().for_each(report::fill);
-    Ok((inspections, motion))
+    (inspections, motion)
 }
 
 /// Refuses logs that lack what a drive needs: an IMU and fixes. `drive` is the drive file made of them.

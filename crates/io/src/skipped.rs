@@ -148,7 +148,7 @@ impl Skipped {
             });
     }
 
-    /// Adds what was left out elsewhere of the same records, later in them.
+    /// Adds what another reader of the same file has skipped, later in it.
     pub fn merge(&mut self, other: &Self) {
         for (kind, entry) in other.iter() {
             let own = self.kinds.entry(kind).or_insert(SkipEntry {

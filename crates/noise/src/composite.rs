@@ -34,8 +34,8 @@ pub(crate) mod search;
 
 pub(crate) use averages::{Averages, Beside, NOTHING};
 pub(crate) use blocks::Span;
+pub(crate) use blocks::block_beyond_memory;
 pub use blocks::{average_in_blocks, block_average};
-pub(crate) use blocks::{block_average_of_share, block_beyond_memory, share_present};
 pub(crate) use fit::fit_beside;
 pub use fit::{CompositeFit, FitOptions, Flag, Term, fit, fit_several};
 pub(crate) use interval::intervals_beside;

@@ -23,7 +23,7 @@ use crate::{
 };
 use undrift_noise::{
     ImuModel, Provenance,
-    identify::{Axis, IdentifyError, Options, identify},
+    identify::{Axis, IdentifyError, Options, Sampled, identify},
     model_file::AXES,
     parallel,
     screening::Timing,
@@ -81,6 +81,29 @@ pub fn recordings(
     }
 }
 
+/// An axis and what it is identified with: of a sensor slower than its record its `own` samples, with this temperature.
+fn at_own_rate<'a>(
+    samples: &'a [f64],
+    own: &'a Option<(Vec<f64>, Vec<usize>, f64)>,
+    options: &Options<'a>,
+    temperature: Option<&'a [f64]>,
+) -> Sampled<'a> {
+    match own {
+        Some((values, _, every)) => Sampled {
+            samples: values,
+            options: Options {
+                rate_hz: options.rate_hz / every,
+                temperature,
+                ..*options
+            },
+        },
+        None => Sampled {
+            samples,
+            options: *options,
+        },
+    }
+}
+
 /// Identifies every axis of a record, on all cores. `done` is called after each axis.
 pub fn run(record: &Record, options: &Options<'_>, done: impl Fn() + Sync) -> Identified {
     let axes = parallel::map(record.axes.len(), |axis| {
@@ -93,21 +116,7 @@ pub fn run(record: &Record, options: &Options<'_>, done: impl Fn() + Sync) -> Id
                 .map(|place| all.get(*place).copied().unwrap_or(f64::NAN))
                 .collect()
         });
-        let (samples, options) = match &own {
-            Some((values, _, every)) => {
-                let rate_hz = options.rate_hz / every;
-                let temperature = warmth.as_deref();
-                (
-                    values,
-                    Options {
-                        rate_hz,
-                        temperature,
-                        ..*options
-                    },
-                )
-            }
-            None => (samples, *options),
-        };
+        let Sampled { samples, options } = at_own_rate(samples, &own, options, warmth.as_deref());
         let found = identify(samples, name.starts_with("accel"), &options);
         let step = found
             .as_ref()

@@ -1,5 +1,5 @@
 //! Heights that contradict the solution while the rest of the position does not: another height reference (sea level
-//! against ellipsoid), or a receiver that has lost its vertical solution. Then the height alone is left out.
+//! against ellipsoid), or a receiver that has lost its vertical solution. Then the height alone is rejected.
 
 use crate::{
     estimator::Estimator,
@@ -13,7 +13,7 @@ use undrift_nav::{
 
 /// NIS per degree of freedom below which the horizontal part agrees with the solution: three standard deviations.
 const AGREES: f64 = 9.0;
-/// Of a height that is left out, the standard deviation is this many times what it is off by.
+/// Standard deviation of a rejected height, in multiples of its innovation.
 const BLIND: f64 = 10.0;
 
 /// The gate of heights alone.

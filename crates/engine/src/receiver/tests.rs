@@ -129,7 +129,7 @@ fn positions_that_contradict_alone_are_rejected_for_a_quarter_of_a_minute() {
 
 /// Another height reference: the rest of the positions is used, and after a quarter of a minute the height alone is doubted.
 #[test]
-fn heights_that_contradict_alone_are_left_out_alone() {
+fn heights_that_contradict_alone_are_rejected_alone() {
     let raised = |fix: &mut GnssFix| {
         if let Some((Position::Geodetic(place), _)) = &mut fix.position {
             place.height += 35.0;

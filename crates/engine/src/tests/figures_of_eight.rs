@@ -25,16 +25,14 @@ fn figures_of_eight() -> Trajectory {
     motion
 }
 
-/// An IMU just switched on, 3 deg/s and 30 mg, and a receiver of 0.07 m/s in calm motion, which is known.
+/// An IMU just switched on, 3 deg/s and 30 mg, and a receiver of 0.07 m/s in calm motion.
 fn drive(seed: u64) -> Scenario {
     let noise = GnssNoise {
         velocity_std: [0.07; 3],
         ..receiver()
     };
     let sensors = imu([5e-3 * DEG, 3.0 * DEG], [1e-3, 0.3]);
-    let mut scenario = Scenario::of(sensors, &figures_of_eight(), &noise, seed);
-    scenario.settings.fix_errors.known = true;
-    scenario
+    Scenario::of(sensors, &figures_of_eight(), &noise, seed)
 }
 
 /// Velocities behind a tracking loop of this time constant \[s\].

@@ -327,6 +327,4 @@ impl Recording {
 }
 
 #[cfg(test)]
-mod apart;
-#[cfg(test)]
 mod tests;

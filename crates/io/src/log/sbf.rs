@@ -1,5 +1,5 @@
-//! Septentrio Binary Format: fixes of PVTGeodetic with PosCovGeodetic and VelCovGeodetic, or of the Cartesian blocks of
-//! the same names where there are none; inertial samples of ExtSensorMeas, and the receiver's own inertial solution, INSNavGeod, as reference.
+//! Septentrio Binary Format: fixes of PVTGeodetic with PosCovGeodetic and VelCovGeodetic or, in a file without these, of
+//! PVTCartesian with PosCovCartesian and VelCovCartesian; inertial samples of ExtSensorMeas, and the receiver's own inertial solution, INSNavGeod, as reference.
 //!
 //! By the reference guides of the AsteRx and mosaic receivers. Blocks with the same time make one fix; what
 //! is between the blocks, NMEA or anything else, is passed over. Times are GPS seconds of the week in

@@ -36,8 +36,9 @@ impl Monitor {
             .map(<[u8]>::trim_ascii)
             .filter(|line| !line.is_empty());
         let mut lines = Vec::from_iter(lines.take(LINES));
-        let most = |count: usize| count > 1 && 10 * count >= MOST * lines.len();
-        let timed = most(lines.iter().filter(|line| timed(line).is_some()).count());
+        let most = |count: usize, all: usize| count > 1 && 10 * count >= MOST * all;
+        let count = lines.iter().filter(|line| timed(line).is_some()).count();
+        let timed = most(count, lines.len());
         if timed {
             lines = lines
                 .iter()
@@ -47,7 +48,7 @@ impl Monitor {
         }
         let labelled = Vec::from_iter(lines.iter().filter_map(|line| labelled(line)));
         let mut labels: Vec<String> = Vec::new();
-        if labelled.len() > 1 && 10 * labelled.len() >= MOST * lines.len() {
+        if most(labelled.len(), lines.len()) {
             for (label, _) in labelled.into_iter().flatten() {
                 if !labels.contains(&label) {
                     labels.push(label);

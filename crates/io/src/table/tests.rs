@@ -377,7 +377,7 @@ fn what_a_program_says_before_its_rows_is_passed_over() {
         let preview = opened.preview(5).unwrap();
         assert_eq!((preview.names.len(), preview.rows.len()), (6, 2), "{words}");
     }
-    // A line of units is none of these, and a header that is too short stays one.
+    // A line of units is no leading line of words, and a header with too few columns stays the header.
     let (found, skipped) = rows("t,a,b\ns,g,g\n1,2,3\n", &named(&["b", "t"]));
     assert_eq!((found.len(), skipped.count(SkipKind::Text)), (1, 1));
     assert!(message("t,a\n1,2,3\n", &named(&["a"])).contains("the header has 2"));

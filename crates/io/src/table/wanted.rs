@@ -228,6 +228,16 @@ pub struct Preview {
     pub rows: Vec<Vec<f64>>,
 }
 
+impl Preview {
+    /// Where in the header and in a row a column is, from 0; `None` of a name that the header lacks.
+    pub fn place(&self, column: &Column) -> Option<usize> {
+        match column {
+            Column::Number(number) => number.checked_sub(1),
+            Column::Name(name) => self.header.iter().position(|known| known == name),
+        }
+    }
+}
+
 /// What comes next in a table.
 pub(super) enum NextRow {
     /// The row with this line or number, read or not.

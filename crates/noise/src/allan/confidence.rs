@@ -449,7 +449,7 @@ mod tests {
 
     /// Of one sample's width the modified deviation is the overlapping one, and the rates of a random walk are averages
     /// of it over a sample: neighbouring differences have variance 2/3 and covariance 1/6. 400 000 simulated records of 20 rates
-    /// gave 16.998. The formula's average over a phase's sample, which there is none of, would give 14.68.
+    /// gave 16.998. A formula that averages the phase over a sample, which this deviation does not, would give 14.68.
     #[test]
     fn at_one_sample_the_modified_degrees_of_freedom_are_those_of_differences_of_exact_averages() {
         let count = 19.0;

@@ -423,7 +423,7 @@ mod tests {
             (4.0, vec![0.0, 2.0, 4.0, 8.0])
         );
         assert_eq!(of(&[9.0, 2.0, 2.0, 2.0], -1.0).0, 2.0);
-        // One that sees no white noise is none.
+        // A fit without white noise is rejected.
         assert_eq!(
             of(&[9.0, 1.0, 4.0, 6.0], 2.0),
             (4.0, vec![0.0, 2.0, 4.0, 8.0])

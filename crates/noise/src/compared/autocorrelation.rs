@@ -171,7 +171,7 @@ mod tests {
         assert_eq!(of(0.1959), Err(Unfit::White));
         assert!(of(0.1961).is_ok());
         assert_eq!(process(&[1.0], 100, 1.0), Err(Unfit::White));
-        // One lag down to 1/e has no slope, and one that rises is none of a process.
+        // A single lag above 1/e has no slope, and an autocovariance that rises is not a process's.
         assert_eq!(process(&[1.0, 0.5, 0.1], 100, 1.0), Err(Unfit::White));
         assert_eq!(process(&[1.0, 0.5, 0.9, 0.1], 100, 1.0), Err(Unfit::White));
         let flat = process(&[1.0, 0.5, 0.4, 0.2], 100, 3.0);

@@ -78,13 +78,14 @@ impl<'a> Averages<'a> {
     pub(crate) fn cost(&self, terms: &CompositeTerms) -> f64 {
         let likelihood = || -> Option<f64> {
             let filter = terms.to_shaping(self.interval).ok()?;
-            Some(restricted(&self.under(&filter).ok()?) + (self.beside)(&filter))
+            Some(self.restricted(&filter).ok()? + (self.beside)(&filter))
         };
         likelihood().map_or(f64::INFINITY, |found| -found)
     }
-}
 
-/// The restricted log-likelihood of independent records.
-fn restricted(records: &[RecordLikelihood]) -> f64 {
-    records.iter().map(RecordLikelihood::restricted).sum()
+    /// The restricted log-likelihood of all records under the filter of a sample.
+    pub(crate) fn restricted(&self, filter: &ShapingFilter) -> Result<f64, CompositeError> {
+        let records = self.under(filter)?;
+        Ok(records.iter().map(RecordLikelihood::restricted).sum())
+    }
 }

@@ -161,7 +161,7 @@ pub(crate) fn share_present(record: &[f64], m: usize) -> f64 {
     let (mut blocks, mut sum) = (0.0, 0.0);
     for block in record.chunks_exact(m.max(1)) {
         let missing = block.iter().filter(|v| v.is_nan()).count();
-        if missing == 0 || MISSING * missing <= m {
+        if MISSING * missing <= m {
             blocks += 1.0;
             sum += m as f64 / (m - missing) as f64;
         }

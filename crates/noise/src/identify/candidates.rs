@@ -15,7 +15,7 @@ use crate::{
     allan::{Curve, Terms},
     arma::{self, ArmaFit, FitOptions, Selection},
     compared::Method,
-    composite::{self, CompositeTerms, Flag, Level, ParameterInterval, TermSet},
+    composite::{self, Averages, CompositeTerms, Flag, ParameterInterval, TermSet},
     drift_score::{self, HorizonScore},
     model_file::{Arma, AxisModel},
     pandit_wu::{self, PanditWu, PanditWuOptions},
@@ -293,21 +293,12 @@ impl Task<'_> {
         let shortest = (COMPARED_S * self.rate_hz).round() as usize;
         let samples: usize = self.records.iter().map(|record| record.len()).sum();
         let block = samples.div_ceil(COMPARED).max(shortest);
-        let likelihood = |filter: &ShapingFilter, record: &[f64]| {
-            let averages = composite::average_in_blocks(record, block).ok()?;
-            let present = composite::share_present(record, block);
-            let filter = composite::block_average_of_share(filter, block, present).ok()?;
-            let likelihood = composite::log_likelihood(&averages, &filter, Level::Estimated);
-            Some(likelihood.ok()?.restricted())
-        };
-        let likelihoods = || -> Option<f64> {
+        let likelihood = || -> Option<f64> {
             let filter = fitted.shaping(0.0, self.rate_hz)?;
-            let beside = self.beside(&filter);
-            let records = self.records.iter();
-            let sum: Option<f64> = records.map(|record| likelihood(&filter, record)).sum();
-            Some(sum? + beside)
+            let averages = Averages::new(&self.records, block, 1.0 / self.rate_hz).ok()?;
+            Some(averages.restricted(&filter).ok()? + self.beside(&filter))
         };
-        likelihoods().map_or(f64::INFINITY, |sum| 2.0 * parameters as f64 - 2.0 * sum)
+        likelihood().map_or(f64::INFINITY, |sum| 2.0 * parameters as f64 - 2.0 * sum)
     }
 
     fn ljung_box(&self, fit: &ArmaFit) -> Option<f64> {

@@ -185,10 +185,7 @@ fn longest_between(
 ) -> Range<usize> {
     let (mut best, mut start) = (0..0, part.start);
     for at in breaks.chain(std::iter::once(part.end..part.end)) {
-        let piece = start..at.start.max(start);
-        if piece.len() > best.len() {
-            best = piece;
-        }
+        best = longer(best, start..at.start.max(start));
         start = start.max(at.end);
     }
     best
@@ -225,9 +222,19 @@ fn between_handling(disturbed: &[bool], rest: usize) -> Option<Range<usize>> {
     let mut places = 0..(count + 1).saturating_sub(rest);
     let first = places.clone().find(rests)?;
     let end = places.rfind(rests)? + rest;
-    let start = if first == 0 { 0 } else { first + 1 };
-    let end = if end == count { count } else { end - 1 };
-    (start < end).then_some(start..end)
+    let still = inside(&(first..end), count);
+    (!still.is_empty()).then_some(still)
+}
+
+/// A rest, a window less at either end where the record of `count` windows goes on.
+fn inside(rest: &Range<usize>, count: usize) -> Range<usize> {
+    let start = if rest.start == 0 { 0 } else { rest.start + 1 };
+    let end = if rest.end == count {
+        count
+    } else {
+        rest.end - 1
+    };
+    start..end
 }
 
 /// The runs of windows that have a flag.
@@ -243,23 +250,15 @@ fn runs(flags: &[bool]) -> impl Iterator<Item = Range<usize>> {
 
 /// The longest run of windows that rest, without the first and last where the record goes on.
 fn longest(windows: &Windows) -> Option<Range<usize>> {
-    let (mut best, mut start) = (0..0, 0);
-    for window in 0..=windows.count {
-        if window < windows.count && windows.rests(window) {
-            continue;
-        }
-        let from = if start == 0 { 0 } else { start + 1 };
-        let to = if window == windows.count {
-            windows.count
-        } else {
-            window.saturating_sub(1)
-        };
-        if to.saturating_sub(from) > best.len() {
-            best = from..to;
-        }
-        start = window + 1;
-    }
-    (!best.is_empty()).then_some(best)
+    let rests: Vec<bool> = (0..windows.count).map(|k| windows.rests(k)).collect();
+    let runs = runs(&rests).map(|run| inside(&run, windows.count));
+    let longest = runs.fold(0..0, longer);
+    (!longest.is_empty()).then_some(longest)
+}
+
+/// The longer of two parts, the first where they are as long.
+fn longer(one: Range<usize>, other: Range<usize>) -> Range<usize> {
+    if other.len() > one.len() { other } else { one }
 }
 
 #[cfg(test)]

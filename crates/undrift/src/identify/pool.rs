@@ -1,14 +1,14 @@
 //! Several records of one sensor or type: one model, the spread of the turn-on constants, the record that differs.
 
 use super::{
-    AxisError, Identified, RecordSeries, RecordingError,
+    AxisError, Identified, RecordSeries, RecordingError, at_own_rate,
     settings::{Prepared, Settings, common_rate},
 };
 use crate::record::own_values;
 use crate::results::{self, AxisPool, Differing, Number, PooledRecord, RecordShare, by_name};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use undrift_noise::{
-    identify::{self as noise, Between, IdentifyError, Options, Sampled, Share},
+    identify::{self as noise, Between, IdentifyError, Sampled, Share},
     number::rounded,
     parallel,
 };
@@ -72,19 +72,9 @@ pub(super) fn run_pool(
             .iter()
             .map(|pooled| own_values(&pooled.record.samples[axis]));
         let own: Vec<_> = own.collect();
-        let sampled = records.iter().zip(&own).map(|(pooled, own)| match own {
-            // A sensor slower than its record.
-            Some((values, _, every)) => Sampled {
-                samples: values,
-                options: Options {
-                    temperature: None,
-                    ..settings.options(&pooled.record, rate_hz / every)
-                },
-            },
-            None => Sampled {
-                samples: &pooled.record.samples[axis],
-                options: settings.options(&pooled.record, rate_hz),
-            },
+        let sampled = records.iter().zip(&own).map(|(pooled, own)| {
+            let options = settings.options(&pooled.record, rate_hz);
+            at_own_rate(&pooled.record.samples[axis], own, &options, None)
         });
         let sampled: Vec<Sampled<'_>> = sampled.collect();
         let found = noise::identify_pool(&sampled, names[axis].starts_with("accel"), level);

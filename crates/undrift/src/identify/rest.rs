@@ -1,6 +1,6 @@
 //! Whether a record is one of a sensor at rest, in the units that it is said to be in.
 
-use super::part::part_at_rest;
+use super::part::{Part, part_at_rest};
 use crate::{
     inspect::about_gravity,
     record::{Record, own_values},
@@ -80,11 +80,22 @@ pub enum NotStatic {
 /// tell are looked at: gravity takes three accelerometers. One that was handled before or after it lay still is
 /// static: that part is left out ([`super::prepare`]).
 pub fn not_static(record: &Record, rate_hz: f64) -> Option<NotStatic> {
-    wrong_numbers(record, rate_hz).or_else(|| part_at_rest(record, rate_hz).err())
+    static_part(record, rate_hz).err()
+}
+
+/// The part of a record at a rate \[Hz\] in which its sensor lies still.
+///
+/// # Errors
+/// Why it is no static recording.
+pub(super) fn static_part(record: &Record, rate_hz: f64) -> Result<Part, NotStatic> {
+    match wrong_numbers(record, rate_hz) {
+        Some(problem) => Err(problem),
+        None => part_at_rest(record, rate_hz),
+    }
 }
 
 /// What in a record's numbers no sensor at rest reads in the units stated.
-pub(super) fn wrong_numbers(record: &Record, rate_hz: f64) -> Option<NotStatic> {
+fn wrong_numbers(record: &Record, rate_hz: f64) -> Option<NotStatic> {
     // Of a sensor that is slower than the record its own samples.
     let own = record.samples.iter().map(|samples| own_values(samples));
     let own: Vec<_> = own.collect();

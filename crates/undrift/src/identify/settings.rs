@@ -1,10 +1,6 @@
 //! What a recording is identified with, and how it is made ready for that.
 
-use super::{
-    NotStatic,
-    part::{Part, part_at_rest},
-    rest::wrong_numbers,
-};
+use super::{NotStatic, part::Part, rest::static_part};
 use crate::{
     hash,
     record::Record,
@@ -138,11 +134,7 @@ pub fn prepare(record: Record, settings: &Settings) -> Result<Prepared, Recordin
     let (record, times) = record.without_repeats();
     let rate_hz = rate_hz / times;
     let mut record = record.with_gaps();
-    let found = match wrong_numbers(&record, rate_hz) {
-        Some(problem) => Err(problem),
-        None => part_at_rest(&record, rate_hz),
-    };
-    let (part, not_static) = match found {
+    let (part, not_static) = match static_part(&record, rate_hz) {
         Ok(part) => (Some(part), None),
         Err(problem) => (None, Some(problem)),
     };

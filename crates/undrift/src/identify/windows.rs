@@ -60,7 +60,7 @@ impl Windows {
     pub(super) fn moving(&self, part: &Range<usize>) -> Vec<bool> {
         self.any(part, |levels| {
             levels.off(part, BLOCK, |k| {
-                let block = (k - part.start) / BLOCK;
+                let block = k / BLOCK;
                 (block * BLOCK).saturating_sub(BLOCK)..(block + 2) * BLOCK
             })
         })
@@ -69,10 +69,7 @@ impl Windows {
     /// Which windows of a part have an axis whose mean is off the median of the seconds around it.
     pub(super) fn bumped(&self, part: &Range<usize>) -> Vec<bool> {
         self.any(part, |levels| {
-            levels.off(part, 1, |k| {
-                let at = k - part.start;
-                at.saturating_sub(BESIDE)..at + BESIDE + 1
-            })
+            levels.off(part, 1, |k| k.saturating_sub(BESIDE)..k + BESIDE + 1)
         })
     }
 
@@ -151,7 +148,8 @@ impl Levels {
         }
     }
 
-    /// Which windows of a part are off the median of those around, which are the same of `every` windows in a row.
+    /// Which windows of a part are off the median of those around, by their places in the part, which are the same of `every`
+    /// windows in a row.
     fn off(
         &self,
         part: &Range<usize>,
@@ -163,7 +161,7 @@ impl Levels {
         let mut near = Vec::new();
         let of = |(k, mean): (usize, &f64)| {
             if k % every == 0 {
-                let around = around(part.start + k);
+                let around = around(k);
                 let around = around.start..around.end.min(means.len());
                 near.clear();
                 near.extend(means[around].iter().filter(|x| !x.is_nan()));

@@ -59,7 +59,7 @@ fn unit_of_force(measured: &Measured, format: Format, part: &Part) -> Option<Lin
     let units = [("g", 1.0), ("mg", 1000.0)];
     let (unit, _) = units
         .into_iter()
-        .find(|(_, gravity)| (0.85..1.15).contains(&(size / gravity)))?;
+        .find(|(_, gravity)| about_gravity([0.0, 0.0, size / gravity * STANDARD_GRAVITY]))?;
     match format {
         _ if !format.is_log() => None,
         Format::SensorLogger => Some(Line::text(

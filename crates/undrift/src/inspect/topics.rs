@@ -1,22 +1,20 @@
 //! Which stream of inertial samples a log is read from, where it has several.
 
-use super::{known::Known, parts::Line};
+use super::{known::Known, measure::about_gravity, parts::Line};
 use crate::drive::Logs;
 use std::path::Path;
 use undrift_io::{format::Format, imu::ImuFormat, imu::ImuReader, log::AND};
-use undrift_nav::{Vector3, earth::STANDARD_GRAVITY};
+use undrift_nav::Vector3;
 
 /// Samples of each that are looked at.
 const LOOKED_AT: usize = 2000;
-/// Magnitude of the mean specific force of an IMU that measures gravity, in gravity.
-const GRAVITY: std::ops::Range<f64> = 0.85..1.15;
 
 /// What the beginning of a stream shows.
 #[derive(Clone, Copy, Default)]
 struct Beginning {
     /// Whether a gyro measures anything.
     turns: bool,
-    /// Magnitude of the mean specific force \\[m/s\u{b2}\\].
+    /// Magnitude of the mean specific force [m/s²].
     force: f64,
 }
 
@@ -29,7 +27,7 @@ pub(super) fn choose(path: &Path, logs: &Logs, format: Format, names: &[String])
         Some((name.clone(), look(reader)))
     };
     let seen: Vec<_> = names.iter().filter_map(beginning).collect();
-    let whole = |of: &Beginning| of.turns && GRAVITY.contains(&(of.force / STANDARD_GRAVITY));
+    let whole = |of: &Beginning| of.turns && about_gravity([0.0, 0.0, of.force]);
     let first = |fits: &dyn Fn(&Beginning) -> bool| {
         let found = seen.iter().find(|(_, beginning)| fits(beginning));
         found.map(|(name, _)| name.clone())

@@ -137,10 +137,7 @@ pub(super) fn find(beginning: &Preview, format: &RecordFormat) -> Result<RecordC
 
 /// The first numbers of a column.
 fn values(beginning: &Preview, column: &Column) -> Vec<f64> {
-    let place = match column {
-        Column::Number(number) => number.checked_sub(1),
-        Column::Name(name) => beginning.header.iter().position(|known| known == name),
-    };
+    let place = beginning.place(column);
     let rows = beginning.rows.iter();
     rows.filter_map(|row| row.get(place?).copied()).collect()
 }

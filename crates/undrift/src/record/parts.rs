@@ -21,13 +21,7 @@ impl Record {
             None => ((time * rate_hz).round() as usize).min(length),
         };
         let part = at(span.0)..at(span.1).max(at(span.0));
-        let cut = |values: &mut Vec<f64>| {
-            values.truncate(part.end);
-            values.drain(..part.start.min(values.len()));
-        };
-        self.samples.iter_mut().for_each(cut);
-        self.temperature.iter_mut().for_each(cut);
-        cut(&mut self.stamps);
+        self.cut(&part);
         self.timing = timing(&self.stamps).ok();
         self
     }
@@ -39,6 +33,11 @@ impl Record {
                 samples[range.clone()].fill(f64::NAN);
             }
         }
+        self.cut(part);
+    }
+
+    /// Cuts off what is before and after a part.
+    fn cut(&mut self, part: &Range<usize>) {
         let cut = |values: &mut Vec<f64>| {
             values.truncate(part.end);
             values.drain(..part.start.min(values.len()));

@@ -3,7 +3,7 @@
 //! The faster of the two makes the samples of a record; the other has a value in some of them and NaN in the rest,
 //! from which [`own_values`] takes its own samples.
 
-use undrift_io::table::{Column, Preview, TableOptions};
+use undrift_io::table::{Preview, TableOptions};
 
 /// Share of the rows with one sensor alone that means rates of their own, not missing values.
 const APART: f64 = 0.2;
@@ -60,16 +60,12 @@ pub(super) fn mixed(
     wanted: &TableOptions,
     indices: &[usize],
 ) -> Option<Merge> {
-    let place = |(_, column): &(String, Column)| match column {
-        Column::Number(number) => number.checked_sub(1),
-        Column::Name(name) => beginning.header.iter().position(|known| known == name),
-    };
     let columns = wanted.columns.iter().zip(indices);
     let of = |gyro: bool| -> Option<Vec<(usize, usize)>> {
         let those = columns.clone().enumerate();
         let those = those.filter(|(_, (_, index))| (**index < 3) == gyro);
         those
-            .map(|(slot, (column, _))| Some((slot, place(column)?)))
+            .map(|(slot, (column, _))| Some((slot, beginning.place(&column.1)?)))
             .collect()
     };
     let (gyro, accel) = (of(true)?, of(false)?);

@@ -45,19 +45,23 @@ impl<K: Key, V: Default> Default for Keyed<K, V> {
     }
 }
 
+/// The place of a key among all.
+fn place<K: Key>(key: K) -> usize {
+    let at = K::ALL.iter().position(|other| *other == key);
+    at.unwrap_or_default()
+}
+
 impl<K: Key, V> Index<K> for Keyed<K, V> {
     type Output = V;
 
     fn index(&self, key: K) -> &V {
-        let at = K::ALL.iter().position(|other| *other == key);
-        &self.values[at.unwrap_or_default()]
+        &self.values[place(key)]
     }
 }
 
 impl<K: Key, V> IndexMut<K> for Keyed<K, V> {
     fn index_mut(&mut self, key: K) -> &mut V {
-        let at = K::ALL.iter().position(|other| *other == key);
-        &mut self.values[at.unwrap_or_default()]
+        &mut self.values[place(key)]
     }
 }
 

@@ -1,5 +1,7 @@
 //! Against recordings that other software wrote: testdata/golden/formats/rosbag, .../mcap and .../rosbag2.
 
+mod apart;
+
 use std::io::BufReader;
 use std::path::PathBuf;
 
