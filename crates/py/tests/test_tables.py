@@ -32,11 +32,16 @@ def same(found: undrift.Navigation, expected: undrift.Navigation) -> None:
     assert found.rpy == pytest.approx(expected.rpy, abs=1e-7)
 
 
+def navigate(*logs: Any, **settings: Any) -> undrift.Navigation:
+    """With the antenna where the simulation's drive file has it."""
+    return undrift.navigate(*logs, lever_arm=(0.0, 0.0, 0.0), **settings)
+
+
 def test_logs_of_a_simulation_are_logs_of_a_drive(
     sim: undrift.Simulation, expected: undrift.Navigation
 ) -> None:
-    same(undrift.navigate(sim.imu, sim.gnss, "adis16405", truth=sim.truth), expected)
-    assert undrift.navigate(sim.imu, sim.gnss, "adis16405", truth=sim.truth).rmse is not None
+    same(navigate(sim.imu, sim.gnss, "adis16405", truth=sim.truth), expected)
+    assert navigate(sim.imu, sim.gnss, "adis16405", truth=sim.truth).rmse is not None
 
 
 def test_units_travel_with_a_frame(
@@ -45,22 +50,22 @@ def test_units_travel_with_a_frame(
     pandas = pytest.importorskip("pandas")
     imu, gnss = sim.imu.to_pandas(), sim.gnss.to_pandas()
     assert imu.attrs["units"]["gyro_x"] == "rad/s"
-    same(undrift.navigate(imu, gnss, "adis16405", truth=sim.truth.to_pandas()), expected)
+    same(navigate(imu, gnss, "adis16405", truth=sim.truth.to_pandas()), expected)
     # In degrees, and the frame states so.
     imu[["gyro_x", "gyro_y", "gyro_z"]] *= 180.0 / np.pi
     imu.attrs["units"] |= dict.fromkeys(("gyro_x", "gyro_y", "gyro_z"), "deg/s")
-    same(undrift.navigate(imu, gnss, "adis16405"), expected)
+    same(navigate(imu, gnss, "adis16405"), expected)
     # A unit of the call is above that of the frame.
     imu.attrs["units"] |= dict.fromkeys(("gyro_x", "gyro_y", "gyro_z"), "rad/s")
-    same(undrift.navigate(imu, gnss, "adis16405", gyro_unit="deg/s"), expected)
+    same(navigate(imu, gnss, "adis16405", gyro_unit="deg/s"), expected)
     # Through files: Parquet keeps attributes, CSV the names.
     sim.imu.to_pandas().to_parquet(tmp_path / "imu.parquet")
     sim.imu.to_pandas(units=True).to_csv(tmp_path / "imu.csv", index=False)
     sim.gnss.to_pandas(units=True).to_csv(tmp_path / "gnss.csv", index=False)
     assert "gyro_x [rad/s]" in sim.imu.to_pandas(units=True)
     again = pandas.read_parquet(tmp_path / "imu.parquet")
-    same(undrift.navigate(again, pandas.read_csv(tmp_path / "gnss.csv"), "adis16405"), expected)
-    by_name = undrift.navigate(
+    same(navigate(again, pandas.read_csv(tmp_path / "gnss.csv"), "adis16405"), expected)
+    by_name = navigate(
         pandas.read_csv(tmp_path / "imu.csv"), pandas.read_csv(tmp_path / "gnss.csv"), "adis16405"
     )
     same(by_name, expected)
@@ -78,7 +83,7 @@ def test_units_travel_with_an_arrow_table(
     parquet.write_table(sim.imu.to_arrow(), tmp_path / "imu.parquet")
     imu = parquet.read_table(tmp_path / "imu.parquet")
     assert imu.schema.field("accel_z").metadata == {b"unit": b"m/s^2"}
-    same(undrift.navigate(imu, sim.gnss.to_arrow(), "adis16405"), expected)
+    same(navigate(imu, sim.gnss.to_arrow(), "adis16405"), expected)
 
 
 def test_times_with_a_zone_and_an_index_of_times(
@@ -94,7 +99,7 @@ def test_times_with_a_zone_and_an_index_of_times(
         return frame
 
     for zone in ("Europe/Berlin", "UTC"):
-        found = undrift.navigate(dated(sim.imu, zone), dated(sim.gnss, zone), "adis16405")
+        found = navigate(dated(sim.imu, zone), dated(sim.gnss, zone), "adis16405")
         assert found.time[0] == pytest.approx(start.timestamp() + expected.time[0], abs=1e-5)
         # Stamps to a microsecond, some 1e-5 m at 10 m/s.
         assert found.lat == pytest.approx(expected.lat, abs=1e-10)
@@ -103,7 +108,7 @@ def test_times_with_a_zone_and_an_index_of_times(
             dated(log, "UTC").set_index("time").rename_axis(keys.get("name"))
             for log in (sim.imu, sim.gnss)
         )
-        found = undrift.navigate(imu, gnss, "adis16405")
+        found = navigate(imu, gnss, "adis16405")
         assert found.lat == pytest.approx(expected.lat, abs=1e-10)
     # Dates of Python, in the list of a dict.
     made = {name: values for name, values in sim.imu.to_pandas(units=True).items()}
