@@ -64,7 +64,10 @@ impl HeightGate {
         };
         self.0.note(time, &height, &update, false, summary);
         match outcome {
-            Outcome::Rejected => (BLIND * innovation.z).powi(2),
+            Outcome::Rejected => {
+                let blind = BLIND * innovation.z;
+                blind * blind
+            }
             _ => 0.0,
         }
     }
