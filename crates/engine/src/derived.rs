@@ -1,7 +1,7 @@
 //! What a fix says of the antenna: its place, and its velocity where the receiver reports positions only.
 
-use alloc::collections::VecDeque;
-use alloc::vec::Vec;
+use crate::median::median;
+use alloc::{collections::VecDeque, vec::Vec};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{
@@ -99,6 +99,33 @@ fn slope(places: &[(f64, Geodetic)]) -> Option<DerivedVelocity> {
         v_n,
         covariance: Matrix3::from_diagonal(&variance.map(|v| v + floor)),
     })
+}
+
+/// Of χ²(1), the median.
+const MEDIAN: f64 = 0.455;
+/// Steps that third differences need to be worth something.
+const LEAST_DIFFERENCES: usize = 12;
+/// Even intervals differ by no more than this share.
+const EVEN: f64 = 0.1;
+
+/// Variances of the white part of positions \[m²\] at these times \[s\], at most: from their third differences, whose
+/// variance is 20 times that of each and which motion without a jerk does not enter (as the modified Allan variance's
+/// second ones, without speed and acceleration). Medians, so that outliers do not count. `None` of too few even steps.
+pub(crate) fn white_variance(track: &[(f64, Vector3)]) -> Option<Vector3> {
+    let mut squares: [Vec<f64>; 3] = Default::default();
+    for of in track.windows(4) {
+        let [a, b, c, d] = [0, 1, 2, 3].map(|k| of[k]);
+        let step = (d.0 - a.0) / 3.0;
+        let even = |from: f64, to: f64| (to - from - step).abs() < EVEN * step;
+        if even(a.0, b.0) && even(b.0, c.0) {
+            let third = d.1 - a.1 - (c.1 - b.1) * 3.0;
+            for i in 0..3 {
+                squares[i].push(third[i] * third[i]);
+            }
+        }
+    }
+    let enough = squares[0].len() >= LEAST_DIFFERENCES;
+    enough.then(|| Vector3::from_fn(|i, _| median(&squares[i]) / (20.0 * MEDIAN)))
 }
 
 /// Fixes of which none has a velocity, with the slope of the positions about each one: for what may look ahead. Slopes that

@@ -23,6 +23,12 @@ pub struct Preintegrated {
     pub dvel_by_g: Matrix3,
     /// Its derivative by the accelerometer bias \[s\].
     pub dvel_by_a: Matrix3,
+    /// `dvel` integrated over the span: what the position moves by beyond velocity and gravity \[m\].
+    pub dpos: Vector3,
+    /// Its derivative by the gyro bias \[m s\].
+    pub dpos_by_g: Matrix3,
+    /// Its derivative by the accelerometer bias \[s²\].
+    pub dpos_by_a: Matrix3,
 }
 
 impl Default for Preintegrated {
@@ -35,6 +41,9 @@ impl Default for Preintegrated {
             dvel: Vector3::zeros(),
             dvel_by_g: Matrix3::zeros(),
             dvel_by_a: Matrix3::zeros(),
+            dpos: Vector3::zeros(),
+            dpos_by_g: Matrix3::zeros(),
+            dpos_by_a: Matrix3::zeros(),
         }
     }
 }
@@ -45,9 +54,15 @@ impl Preintegrated {
         // Specific force in the middle of the turn.
         let force = dvel + dtheta.cross(dvel) * 0.5;
         let c = self.turn.to_rotation_matrix().into_inner();
-        self.dvel_by_g -= c * skew(&force) * self.turn_by_g;
+        // Over the increment the velocity grows evenly: its mean is what it was and half of what comes.
+        let half = 0.5 * dt;
+        let (by_g, moved) = (c * skew(&force) * self.turn_by_g, c * force);
+        self.dpos_by_g += self.dvel_by_g * dt - by_g * half;
+        self.dpos_by_a += self.dvel_by_a * dt - c * (half * dt);
+        self.dpos += self.dvel * dt + moved * half;
+        self.dvel_by_g -= by_g;
         self.dvel_by_a -= c * dt;
-        self.dvel += c * force;
+        self.dvel += moved;
         let turn = from_rotation_vector(dtheta);
         self.turn_by_g =
             turn.to_rotation_matrix().transpose() * self.turn_by_g - Matrix3::identity() * dt;
@@ -73,6 +88,17 @@ mod tests {
         motion
     }
 
+    /// A constant force without turning: half its square of time.
+    #[test]
+    fn a_steady_push_moves_by_half_its_square_of_time() {
+        let mut motion = Preintegrated::default();
+        for _ in 0..7 {
+            motion.add(&Vector3::zeros(), &Vector3::new(0.6, 0.0, -0.3), 0.3);
+        }
+        let expected = Vector3::new(2.0, 0.0, -1.0) * (0.5 * 2.1 * 2.1);
+        assert!((motion.dpos - expected).norm() < 1e-12, "{}", motion.dpos);
+    }
+
     #[test]
     fn the_derivatives_are_those_of_the_motion() {
         let none = Vector3::zeros();
@@ -90,6 +116,10 @@ mod tests {
             assert!((dvel - plain.dvel_by_g.column(i)).norm() < 2e-2, "{dvel}");
             let dvel = (moved(&none, &bias).dvel - plain.dvel) / size;
             assert!((dvel - plain.dvel_by_a.column(i)).norm() < 1e-3, "{dvel}");
+            let dpos = (turned.dpos - plain.dpos) / size;
+            assert!((dpos - plain.dpos_by_g.column(i)).norm() < 2e-2, "{dpos}");
+            let dpos = (moved(&none, &bias).dpos - plain.dpos) / size;
+            assert!((dpos - plain.dpos_by_a.column(i)).norm() < 1e-3, "{dpos}");
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Alignment in motion: attitude and biases from a bounded window of samples and fixes.
+//! Alignment in motion: attitude and biases from a bounded window of samples and fixes, by the fixes' velocities or, where
+//! they have none, by their positions.
 //!
 //! A least-squares search over the window ([`super::wahba`]) finds attitude, velocity and biases at its end
 //! with their covariance, which the filter takes over. An uncertain or ambiguous result waits for
@@ -7,11 +8,11 @@
 use super::{
     basis::{bias_variances, noise_of_mean},
     result::MotionFailure,
-    segments::{Segment, segments},
+    segments::{Segment, Sighting, segments},
     wahba::{EndCovariance, Guess, Problem},
 };
 use crate::{
-    derived::antenna,
+    derived::{antenna, white_variance},
     estimator::{self, Estimator},
     settings::Settings,
 };
@@ -24,6 +25,7 @@ use undrift_nav::{
     covariance::AXES,
     filter::InitialStd,
     mechanisation::NavState,
+    parameters::Parameter,
     sample::{GnssFix, ImuSample},
 };
 
@@ -58,6 +60,12 @@ const CERTAIN: f64 = 0.05;
 /// Largest one for a solution that need not wait for a longer window \[rad\]: the filter, unlike the window, cannot undo
 /// what it took from an attitude that was some degrees off.
 const GOOD: f64 = 0.017;
+/// By so much an attitude may be less certain than [`CERTAIN`] once that many windows have gone by.
+const MOST_WINDOWS: f64 = 4.0;
+/// Positions that a velocity about one of them is read from lie no further from it than this \[s\].
+const NEAR: f64 = 1.1;
+/// Least share of their stated variance that positions have in the search: nothing is exact.
+const LEAST_SHARE: f64 = 0.01;
 /// Squared residuals for each degree of freedom, at most.
 const FIT: f64 = 10.0;
 /// Standard deviation of the filter's velocity and attitude before the window determines them \[m/s, rad\].
@@ -87,6 +95,8 @@ pub(super) struct MotionAligner {
     /// The solution so far, at the window's start; the window then grows from there to [`LONGEST`].
     solved: Option<Guess>,
     searched: Option<f64>,
+    /// Time of the first fix of all \[s\].
+    began: Option<f64>,
     /// Least time between two searches, as a share of the window, while none has succeeded; it grows where they keep failing.
     pause: f64,
     /// Searches of the whole window that found nothing.
@@ -148,9 +158,19 @@ impl MotionAligner {
         settings: &Settings,
         rest: Option<GyroBias>,
     ) -> Option<AlignedInMotion> {
-        if fix.position.is_none() || fix.velocity.is_none() || self.samples.is_empty() {
+        if fix.position.is_none() || self.samples.is_empty() {
             return None;
         }
+        match self.by_velocity() {
+            // Positions alone between fixes that have a velocity.
+            Some(true) if fix.velocity.is_none() => return None,
+            Some(false) if fix.velocity.is_some() => {
+                self.fixes.clear();
+                self.solved = None;
+            }
+            _ => {}
+        }
+        self.began.get_or_insert(fix.time);
         if let Some((_, variance)) = rest {
             self.longest = longest(variance);
         }
@@ -192,14 +212,15 @@ impl MotionAligner {
         settings: &Settings,
         rest: Option<GyroBias>,
     ) -> Result<AlignedInMotion, MotionFailure> {
-        let spread = self.spread_now();
+        let seen = self.sightings();
+        let spread = spread(&seen);
         self.spread = self.spread.max(spread);
         let (gyro, accel) = settings.sensors.split_at(3);
         let gyro_prior = match rest {
             Some((mean, variance)) => (mean, Vector3::repeat(variance)),
             None => (Vector3::zeros(), bias_variances(gyro, GYRO_FLOOR)),
         };
-        let segments = self.segments(&gyro_prior.0);
+        let segments = self.segments(&seen, &gyro_prior.0);
         if segments.len() < FEWEST {
             return Err(MotionFailure::TooFew);
         }
@@ -219,6 +240,10 @@ impl MotionAligner {
             accel: (Vector3::zeros(), bias_variances(accel, ACCEL_FLOOR)),
             gyro_noise: noise_of_mean(gyro, 1.0),
             accel_noise: noise_of_mean(accel, 1.0),
+            late: (self.by_velocity() == Some(false)).then(|| {
+                let prior = settings.parameters.prior(Parameter::TimeOffset);
+                prior.map_or(0.0, |prior| prior.std * prior.std)
+            }),
         };
         // Noise larger than stated makes residuals and covariance larger, and a difference mean less.
         let fit = |cost: f64| (cost / (3 * (segments.len() - 1)) as f64).max(1.0);
@@ -235,7 +260,7 @@ impl MotionAligner {
             }
         };
         // Once more about the bias found: a segment is linear in it.
-        let again = self.segments(&guess.gyro);
+        let again = self.segments(&seen, &guess.gyro);
         let problem = Problem {
             segments: &again,
             reference: guess.gyro,
@@ -253,10 +278,13 @@ impl MotionAligner {
         let attitude = covariance.fixed_view::<3, 3>(3, 3) * fit;
         let worst = (c_nb * attitude * c_nb.transpose()).diagonal().max().sqrt();
         // A number that is not one is not certain either.
-        if worst.is_nan() || worst > CERTAIN {
+        let last = *self.fixes.back().ok_or(MotionFailure::TooFew)?;
+        // Better an attitude that is uncertain than none.
+        let waited = last.time - self.began.unwrap_or(last.time);
+        let certain = CERTAIN * (waited / LONGEST).clamp(1.0, MOST_WINDOWS);
+        if worst.is_nan() || worst > certain {
             return Err(MotionFailure::Uncertain(worst));
         }
-        let last = *self.fixes.back().ok_or(MotionFailure::TooFew)?;
         if worst > GOOD && last.time - first.time < LONGEST {
             self.solved = Some(solution.guess);
             return Err(MotionFailure::Settling(worst));
@@ -277,26 +305,65 @@ impl MotionAligner {
         })
     }
 
-    /// How far apart the velocities of the window are \[m/s\].
-    fn spread_now(&self) -> f64 {
-        let (low, high) = self.fixes.iter().filter_map(|fix| fix.velocity).fold(
-            (
-                Vector3::repeat(f64::INFINITY),
-                Vector3::repeat(f64::NEG_INFINITY),
-            ),
-            |(low, high), (v, _)| (low.inf(&v), high.sup(&v)),
-        );
-        (high - low).xy().norm()
+    /// Whether the fixes of the window have velocities; `None` without fixes.
+    fn by_velocity(&self) -> Option<bool> {
+        self.fixes.front().map(|fix| fix.velocity.is_some())
     }
 
-    fn segments(&self, gyro: &Vector3) -> Vec<Segment> {
-        segments(self.samples.iter(), self.fixes.iter(), SPACING, gyro)
+    /// What the fixes of the window say.
+    fn sightings(&self) -> Vec<Sighting> {
+        if self.by_velocity() == Some(true) {
+            let velocity = |fix: &GnssFix| {
+                fix.velocity.map(|(v_n, covariance)| Sighting {
+                    time: fix.time,
+                    v_n,
+                    variance: covariance.diagonal(),
+                    ..Sighting::default()
+                })
+            };
+            return self.fixes.iter().filter_map(velocity).collect();
+        }
+        let Some(first) = self.fixes.front().and_then(antenna) else {
+            return Vec::new();
+        };
+        let position = |fix: &GnssFix| {
+            Some(Sighting {
+                time: fix.time,
+                place: first.offset_to(&antenna(fix)?),
+                variance: fix.position?.1.diagonal(),
+                ..Sighting::default()
+            })
+        };
+        let mut seen: Vec<Sighting> = self.fixes.iter().filter_map(position).collect();
+        let track: Vec<(f64, Vector3)> = seen.iter().map(|s| (s.time, s.place)).collect();
+        // What is common to all of them is no matter here: where it is shown, their white part alone counts.
+        let white = white_variance(&track);
+        let (mut from, mut to) = (0, 0);
+        for (k, of) in seen.iter_mut().enumerate() {
+            while of.time - track[from].0 > NEAR && from < k {
+                from += 1;
+            }
+            while to + 1 < track.len() && (track[to + 1].0 - of.time <= NEAR || to < k) {
+                to += 1;
+            }
+            let ((begin, here), (end, there)) = (track[from], track[to]);
+            if end > begin {
+                of.v_n = (there - here) / (end - begin);
+            }
+            if let Some(white) = white {
+                of.variance = white.sup(&(of.variance * LEAST_SHARE)).inf(&of.variance);
+            }
+        }
+        seen
+    }
+
+    fn segments(&self, seen: &[Sighting], gyro: &Vector3) -> Vec<Segment> {
+        segments(self.samples.iter(), seen.iter(), SPACING, gyro)
     }
 
     /// Why there is no alignment.
     pub(super) fn failure(&self) -> MotionFailure {
         match self.failure {
-            MotionFailure::NoVelocity if self.searched.is_some() => MotionFailure::TooFew,
             MotionFailure::TooSteady { within, .. } => MotionFailure::TooSteady {
                 change: self.spread,
                 within,
@@ -304,6 +371,15 @@ impl MotionAligner {
             other => other,
         }
     }
+}
+
+/// How far apart velocities are over ground: the diagonal of the box that holds them \[m/s\].
+fn spread(seen: &[Sighting]) -> f64 {
+    let wide = Vector3::repeat(f64::INFINITY);
+    let (low, high) = seen.iter().fold((wide, -wide), |(low, high), fix| {
+        (low.inf(&fix.v_n), high.sup(&fix.v_n))
+    });
+    (high - low).xy().norm()
 }
 
 /// The filter with what the window says: covariance of velocity, attitude and biases, truth less estimate.

@@ -111,12 +111,9 @@ pub enum RestFailure {
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, thiserror::Error)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum MotionFailure {
-    /// The fixes have no velocity.
+    /// There were never enough fixes one after the other.
     #[default]
-    #[error("alignment in motion needs velocities, which the fixes lack")]
-    NoVelocity,
-    /// There were never enough fixes with a velocity one after the other.
-    #[error("alignment in motion needs more consecutive fixes with a velocity")]
+    #[error("alignment in motion needs more consecutive fixes")]
     TooFew,
     /// The velocity hardly changed.
     #[error(
@@ -153,7 +150,7 @@ fn of_attitude(rest: &RestFailure, motion: &MotionFailure) -> String {
     match (rest, motion) {
         (
             RestFailure::TooSlow { .. } | RestFailure::NeverMoved { .. },
-            MotionFailure::NoVelocity | MotionFailure::TooFew | MotionFailure::TooSteady { .. },
+            MotionFailure::TooFew | MotionFailure::TooSteady { .. },
         ) => rest.to_string(),
         _ => format!("{rest}, and {motion}"),
     }
@@ -163,13 +160,12 @@ impl MotionFailure {
     /// How far the search came.
     pub(super) fn stage(&self) -> u8 {
         match self {
-            Self::NoVelocity => 0,
-            Self::TooFew => 1,
-            Self::TooSteady { .. } => 2,
-            Self::Ambiguous => 3,
-            Self::Uncertain(_) => 4,
-            Self::Settling(_) => 5,
-            Self::Misfit(_) => 6,
+            Self::TooFew => 0,
+            Self::TooSteady { .. } => 1,
+            Self::Ambiguous => 2,
+            Self::Uncertain(_) => 3,
+            Self::Settling(_) => 4,
+            Self::Misfit(_) => 5,
         }
     }
 }

@@ -2,22 +2,28 @@
 
 use crate::estimator::STAMP_ROUNDING;
 use alloc::vec::Vec;
-use undrift_nav::{
-    Vector3,
-    preintegration::Preintegrated,
-    sample::{GnssFix, ImuSample},
-};
+use undrift_nav::{Vector3, preintegration::Preintegrated, sample::ImuSample};
+
+/// What a fix says of the antenna.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sighting {
+    pub(super) time: f64,
+    /// Velocity [m/s]; where positions are what is measured, about.
+    pub(super) v_n: Vector3,
+    /// Position in `n` against the first \[m\], where that is measured.
+    pub(super) place: Vector3,
+    /// Variances of what is measured.
+    pub(super) variance: Vector3,
+}
 
 /// Motion from the fix before to this one.
 #[derive(Clone, Copy, Debug, Default)]
-#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Segment {
     pub(super) motion: Preintegrated,
     /// Angular rate at the end [rad/s].
     pub(super) omega_b: Vector3,
-    /// Velocity of the antenna at the end [m/s] and its variances.
-    pub(super) v_n: Vector3,
-    pub(super) variance: Vector3,
+    /// The fix at the end.
+    pub(super) fix: Sighting,
 }
 
 impl Segment {
@@ -30,29 +36,21 @@ impl Segment {
     }
 }
 
-/// The segments between the fixes that have a velocity and are at least `spacing` \[s\] apart, the last one in any case; the
-/// first one has no length and holds the velocity of the start. `gyro` is the gyro bias about which it is
-/// linear [rad/s].
+/// The segments between the fixes that are at least `spacing` \[s\] apart, the last one in any case; the first one has no
+/// length and holds the fix of the start. `gyro` is the gyro bias about which it is linear [rad/s].
 pub(super) fn segments<'a>(
     samples: impl Iterator<Item = &'a ImuSample>,
-    fixes: impl Iterator<Item = &'a GnssFix>,
+    fixes: impl Iterator<Item = &'a Sighting>,
     spacing: f64,
     gyro: &Vector3,
 ) -> Vec<Segment> {
-    let mut fixes = fixes
-        .filter_map(|fix| {
-            fix.velocity
-                .map(|(v, covariance)| (fix.time, v, covariance.diagonal()))
-        })
-        .peekable();
+    let mut fixes = fixes.peekable();
     let mut segments: Vec<Segment> = Vec::new();
     let mut open = Segment::default();
     for sample in samples {
         let mut done = sample.time - sample.dt;
-        while let Some((time, v_n, variance)) =
-            fixes.next_if(|(time, ..)| *time <= sample.time + STAMP_ROUNDING)
-        {
-            let time = time.min(sample.time);
+        while let Some(fix) = fixes.next_if(|fix| fix.time <= sample.time + STAMP_ROUNDING) {
+            let time = fix.time.min(sample.time);
             if segments.is_empty() {
                 done = time;
                 open.omega_b = sample.dtheta / sample.dt - gyro;
@@ -63,11 +61,7 @@ pub(super) fn segments<'a>(
             // The window ends with the last fix, however near the one before it is.
             let last = fixes.peek().is_none();
             if segments.is_empty() || open.motion.dt >= spacing || last && open.motion.dt > 0.0 {
-                segments.push(Segment {
-                    v_n,
-                    variance,
-                    ..open
-                });
+                segments.push(Segment { fix: *fix, ..open });
                 open = Segment::default();
             }
         }
@@ -81,21 +75,19 @@ pub(super) fn segments<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use undrift_nav::{Matrix3, sample::FixQuality};
-
     /// Samples of 0.1 s from 0 to 5 s that turn by 0.2 rad/s and push by 3 m/s², and fixes with a velocity of their time.
-    fn log(fixes: &[f64]) -> (Vec<ImuSample>, Vec<GnssFix>) {
+    fn log(fixes: &[f64]) -> (Vec<ImuSample>, Vec<Sighting>) {
         let sample = |k: u32| ImuSample {
             time: 0.1 * f64::from(k + 1),
             dt: 0.1,
             dtheta: Vector3::new(0.0, 0.0, 0.02),
             dvel: Vector3::new(0.3, 0.0, 0.0),
         };
-        let fix = |time: &f64| GnssFix {
+        let fix = |time: &f64| Sighting {
             time: *time,
-            position: None,
-            velocity: Some((Vector3::new(*time, 0.0, 0.0), Matrix3::identity() * 0.04)),
-            quality: FixQuality::Unknown,
+            v_n: Vector3::new(*time, 0.0, 0.0),
+            variance: Vector3::repeat(0.04),
+            ..Sighting::default()
         };
         (
             (0..50).map(sample).collect(),
@@ -108,7 +100,7 @@ mod tests {
         let (samples, fixes) = log(&[0.55, 0.8, 1.3, 1.7, 2.6, 2.9]);
         let gyro = Vector3::new(0.0, 0.0, 0.05);
         let found = segments(samples.iter(), fixes.iter(), 1.0, &gyro);
-        let seen: Vec<(f64, f64)> = found.iter().map(|s| (s.motion.dt, s.v_n.x)).collect();
+        let seen: Vec<(f64, f64)> = found.iter().map(|s| (s.motion.dt, s.fix.v_n.x)).collect();
         let expected = [(0.0, 0.55), (1.15, 1.7), (1.2, 2.9)];
         assert_eq!(seen.len(), 3, "{seen:?}");
         for ((dt, at), (length, time)) in seen.into_iter().zip(expected) {
@@ -116,19 +108,15 @@ mod tests {
         }
         for segment in &found {
             assert!((segment.omega_b.z - 0.15).abs() < 1e-12);
-            assert!((segment.variance - Vector3::repeat(0.04)).norm() < 1e-15);
+            assert!((segment.fix.variance - Vector3::repeat(0.04)).norm() < 1e-15);
         }
-        // None are passed over without a spacing; a fix without a velocity is none.
-        let (samples, mut fixes) = log(&[0.5, 1.0, 2.0]);
-        let lengths = |fixes: &[GnssFix]| -> Vec<f64> {
-            let found = segments(samples.iter(), fixes.iter(), 0.0, &gyro);
-            found
-                .iter()
-                .map(|s| (100.0 * s.motion.dt).round())
-                .collect()
-        };
-        assert_eq!(lengths(&fixes), [0.0, 50.0, 100.0]);
-        fixes[1].velocity = None;
-        assert_eq!(lengths(&fixes), [0.0, 150.0]);
+        // None are passed over without a spacing.
+        let (samples, fixes) = log(&[0.5, 1.0, 2.0]);
+        let found = segments(samples.iter(), fixes.iter(), 0.0, &gyro);
+        let lengths: Vec<f64> = found
+            .iter()
+            .map(|s| (100.0 * s.motion.dt).round())
+            .collect();
+        assert_eq!(lengths, [0.0, 50.0, 100.0]);
     }
 }

@@ -9,7 +9,8 @@
 //!
 //! The sensors' white noise makes velocity and attitude wander on the way. Both are states of a Kalman
 //! filter that whitens the residuals, and the parameters' effect runs through it beside the
-//! data: generalised least squares (Rosenberg 1973; de Jong 1991). All is linear about one trajectory, so
+//! data: generalised least squares (Rosenberg 1973; de Jong 1991). Where fixes have no velocity, the position and the
+//! time by which it is late are states of that filter, too. All is linear about one trajectory, so
 //! nothing becomes certain by moving the point of linearisation, as in an extended filter that starts
 //! with a wide heading.
 
@@ -41,6 +42,8 @@ pub(super) struct Guess {
 const ITERATIONS: usize = 20;
 /// Headings that the search starts from.
 const HEADINGS: usize = 12;
+/// What is known of the first velocity before the positions show it, one standard deviation \[m/s\].
+const UNKNOWN_VELOCITY: f64 = 300.0;
 /// Attitudes within this angle are the same minimum \[rad\].
 const SAME: f64 = 0.15;
 
@@ -71,6 +74,9 @@ pub(super) struct Problem<'a> {
     /// Squared densities of the sensors' white noise [rad²/s], [m²/s³].
     pub(super) gyro_noise: f64,
     pub(super) accel_noise: f64,
+    /// Where the segments have positions in place of velocities: variance of the time by which fixes hold later than
+    /// their stamps \[s²\].
+    pub(super) late: Option<f64>,
 }
 
 /// Attitude error at the start in body axes, gyro bias, accelerometer bias.
@@ -81,20 +87,27 @@ type Information = SMatrix<f64, 9, 9>;
 /// accelerometer bias [m/s²] at the end of the window: its covariance.
 pub(super) type EndCovariance = SMatrix<f64, 12, 12>;
 
+/// States of the filter that whitens velocities: velocity in `n` [m/s] and what has wandered in the attitude, body
+/// axes \[rad\].
+const BY_VELOCITY: usize = 6;
+/// States of the filter that whitens positions: those, the position in `n` \[m\], and by how much fixes hold later than
+/// their stamps \[s\].
+const BY_POSITION: usize = 10;
+/// Where its position and its lateness stand.
+const PLACE: usize = 6;
+const LATE: usize = 9;
+
 /// A guess put through the window up to some segment: cost with its linearisation `JᵀJ` and `Jᵀr`, and how far it came.
-#[derive(Default)]
-struct Linearised {
+struct Linearised<const S: usize> {
     cost: f64,
     information: Information,
     gradient: Unknowns,
     q_nb: Quaternion,
-    v_n: Vector3,
-    /// What has wandered in the attitude, body axes \[rad\].
-    turned: Vector3,
-    /// Errors of velocity in `n` and attitude in body axes: the wander's covariance, and the effect of the parameters,
-    /// column by column.
-    wander: [[f64; 6]; 6],
-    effect: [[f64; 6]; 9],
+    /// The filter's states.
+    state: [f64; S],
+    /// Their errors: the wander's covariance, and the effect of the parameters, column by column.
+    wander: [[f64; S]; S],
+    effect: [[f64; S]; 9],
 }
 
 /// A matrix times a vector. Written out, like all that is done for each segment: it is where an alignment spends its
@@ -110,28 +123,53 @@ fn times(matrix: &Matrix3, x: &[f64; 3]) -> [f64; 3] {
     product
 }
 
-/// Adds to the velocity's or, from 3 on, the attitude's part of a column.
+/// Adds to three of a column, from a place on.
 #[inline(always)]
-fn add(column: &mut [f64; 6], from: usize, part: &[f64; 3]) {
+fn add<const S: usize>(column: &mut [f64; S], from: usize, part: &[f64; 3]) {
     for i in 0..3 {
         column[from + i] += part[i];
     }
 }
 
-/// What errors of velocity and attitude become in a segment: `lean` takes attitude to velocity, `back` the axes along.
-#[inline(always)]
-fn carry(column: &mut [f64; 6], lean: &Matrix3, back: &Matrix3) {
-    let turned = [column[3], column[4], column[5]];
-    add(column, 0, &times(lean, &turned));
-    column[3..].copy_from_slice(&times(back, &turned));
+/// What a segment does to errors of the states.
+struct Transition {
+    dt: f64,
+    /// From attitude to velocity and to position.
+    lean: [Matrix3; 2],
+    /// The axes along.
+    back: Matrix3,
 }
 
-impl Linearised {
+impl Transition {
+    #[inline(always)]
+    fn carry<const S: usize>(&self, column: &mut [f64; S]) {
+        let turned = [column[3], column[4], column[5]];
+        if S == BY_POSITION {
+            let moved = [0, 1, 2].map(|i| column[i] * self.dt);
+            add(column, PLACE, &moved);
+            add(column, PLACE, &times(&self.lean[1], &turned));
+        }
+        add(column, 0, &times(&self.lean[0], &turned));
+        column[3..6].copy_from_slice(&times(&self.back, &turned));
+    }
+}
+
+impl<const S: usize> Linearised<S> {
+    /// Velocity in `n` \[m/s\].
+    fn v_n(&self) -> Vector3 {
+        Vector3::new(self.state[0], self.state[1], self.state[2])
+    }
+
+    /// What has wandered in the attitude, body axes \[rad\].
+    fn turned(&self) -> Vector3 {
+        Vector3::new(self.state[3], self.state[4], self.state[5])
+    }
+
     /// Carries wander and effect over a segment: `c` takes its first axes to `n`.
     #[inline(always)]
-    fn carry(&mut self, motion: &Preintegrated, c: &Matrix3, lean: &Matrix3, back: &Matrix3) {
+    fn carry(&mut self, motion: &Preintegrated, c: &Matrix3, transition: &Transition) {
         for column in &mut self.effect {
-            carry(column, lean, back);
+            transition.carry(column);
         }
         for i in 0..3 {
             let column = |of: &Matrix3| of.column(i).into();
@@ -139,14 +177,19 @@ impl Linearised {
             add(&mut self.effect[3 + i], 0, &times(c, &column(by_g)));
             add(&mut self.effect[3 + i], 3, &column(&motion.turn_by_g));
             add(&mut self.effect[6 + i], 0, &times(c, &column(by_a)));
+            if S == BY_POSITION {
+                let [by_g, by_a] = [&motion.dpos_by_g, &motion.dpos_by_a];
+                add(&mut self.effect[3 + i], PLACE, &times(c, &column(by_g)));
+                add(&mut self.effect[6 + i], PLACE, &times(c, &column(by_a)));
+            }
         }
         let wander = &mut self.wander;
         // Symmetric: carried on both sides.
         for _ in 0..2 {
             for column in &mut *wander {
-                carry(column, lean, back);
+                transition.carry(column);
             }
-            for i in 0..6 {
+            for i in 0..S {
                 for j in 0..i {
                     (wander[i][j], wander[j][i]) = (wander[j][i], wander[i][j]);
                 }
@@ -154,38 +197,40 @@ impl Linearised {
         }
     }
 
-    /// Updates with the velocity of the IMU at the end of a segment, component by component.
+    /// Updates with a number that measures the sum of states, each times its weight.
     #[inline(always)]
-    fn update(&mut self, v_n: &Vector3, variance: &Vector3) {
-        for axis in 0..3 {
-            let sum = self.wander[axis][axis] + variance[axis];
-            let residual = v_n[axis] - self.v_n[axis];
-            let (mut row, mut gain) = ([0.0; 9], [0.0; 6]);
+    fn update<const K: usize>(&mut self, weighed: [(usize, f64); K], measured: f64, variance: f64) {
+        let (mut row, mut gain, mut residual, mut sum) = ([0.0; 9], [0.0; S], measured, variance);
+        for (state, weight) in weighed {
             for i in 0..9 {
-                row[i] = self.effect[i][axis];
+                row[i] += weight * self.effect[i][state];
             }
-            for i in 0..6 {
-                gain[i] = self.wander[axis][i] / sum;
+            for i in 0..S {
+                gain[i] += weight * self.wander[state][i];
             }
-            self.cost += residual * residual / sum;
-            for i in 0..9 {
-                let weighed = row[i] / sum;
-                self.gradient[i] += weighed * residual;
-                for j in 0..9 {
-                    self.information[(j, i)] += weighed * row[j];
-                }
-                for j in 0..6 {
-                    self.effect[i][j] -= gain[j] * row[i];
-                }
+            residual -= weight * self.state[state];
+        }
+        for (state, weight) in weighed {
+            sum += weight * gain[state];
+        }
+        for of in &mut gain {
+            *of /= sum;
+        }
+        self.cost += residual * residual / sum;
+        for i in 0..9 {
+            let weighed = row[i] / sum;
+            self.gradient[i] += weighed * residual;
+            for j in 0..9 {
+                self.information[(j, i)] += weighed * row[j];
             }
-            for i in 0..3 {
-                self.v_n[i] += gain[i] * residual;
-                self.turned[i] += gain[3 + i] * residual;
+            for j in 0..S {
+                self.effect[i][j] -= gain[j] * row[i];
             }
-            for i in 0..6 {
-                for j in 0..6 {
-                    self.wander[i][j] -= gain[i] * gain[j] * sum;
-                }
+        }
+        for i in 0..S {
+            self.state[i] += gain[i] * residual;
+            for j in 0..S {
+                self.wander[i][j] -= gain[i] * gain[j] * sum;
             }
         }
     }
@@ -193,10 +238,15 @@ impl Linearised {
 
 impl Problem<'_> {
     /// A guess at the start of the window, with the priors of the biases; `gyro` is the mean of the gyro prior.
-    fn start(&self, guess: &Guess, gyro: &Vector3) -> Linearised {
+    fn start<const S: usize>(&self, guess: &Guess, gyro: &Vector3) -> Linearised<S> {
         let mut at = Linearised {
+            cost: 0.0,
+            information: Information::zeros(),
+            gradient: Unknowns::zeros(),
             q_nb: guess.q_nb,
-            ..Linearised::default()
+            state: [0.0; S],
+            wander: [[0.0; S]; S],
+            effect: [[0.0; S]; 9],
         };
         for i in 0..3 {
             at.effect[i][3 + i] = 1.0;
@@ -214,65 +264,141 @@ impl Problem<'_> {
     }
 
     /// The guess put through the first `count` segments; `gyro` is the mean of the gyro prior.
-    fn linearise(&self, guess: &Guess, count: usize, gyro: &Vector3) -> Linearised {
+    fn linearise<const S: usize>(
+        &self,
+        guess: &Guess,
+        count: usize,
+        gyro: &Vector3,
+    ) -> Linearised<S> {
         let earth = LocalEarth::at(&self.place);
         let gravity = Vector3::new(0.0, 0.0, earth.gravity);
         let by_gyro = guess.gyro - self.reference;
-        let mut at = self.start(guess, gyro);
+        let mut at = self.start::<S>(guess, gyro);
         for (k, s) in self.segments.iter().take(count).enumerate() {
+            let (motion, dt) = (&s.motion, s.motion.dt);
             let c = at.q_nb.to_rotation_matrix().into_inner();
-            let dvel =
-                s.motion.dvel + s.motion.dvel_by_g * by_gyro + s.motion.dvel_by_a * guess.accel;
-            let frame = earth.earth_rate() + earth.transport_rate(&s.v_n);
-            let turn = s.motion.turn * from_rotation_vector(&(s.motion.turn_by_g * by_gyro));
-            let back = turn.to_rotation_matrix().transpose().into_inner();
-            let lean = -c * skew(&dvel);
-
-            at.v_n += c * dvel
-                + lean * at.turned
-                + (gravity - (frame + earth.earth_rate()).cross(&s.v_n)) * s.motion.dt;
-            at.turned = back * at.turned;
-            at.carry(&s.motion, &c, &lean, &back);
+            let dvel = motion.dvel + motion.dvel_by_g * by_gyro + motion.dvel_by_a * guess.accel;
+            let frame = earth.earth_rate() + earth.transport_rate(&s.fix.v_n);
+            let turn = motion.turn * from_rotation_vector(&(motion.turn_by_g * by_gyro));
+            let mut transition = Transition {
+                dt,
+                lean: [-c * skew(&dvel), Matrix3::zeros()],
+                back: turn.to_rotation_matrix().transpose().into_inner(),
+            };
+            let (v_n, turned) = (at.v_n(), at.turned());
+            let falls = gravity - (frame + earth.earth_rate()).cross(&s.fix.v_n);
+            if S == BY_POSITION {
+                let dpos =
+                    motion.dpos + motion.dpos_by_g * by_gyro + motion.dpos_by_a * guess.accel;
+                transition.lean[1] = -c * skew(&dpos);
+                let moved =
+                    v_n * dt + c * dpos + transition.lean[1] * turned + falls * (0.5 * dt * dt);
+                add(&mut at.state, PLACE, &moved.into());
+            }
+            let gained = c * dvel + transition.lean[0] * turned + falls * dt;
+            add(&mut at.state, 0, &gained.into());
+            at.state[3..6].copy_from_slice((transition.back * turned).as_slice());
+            at.carry(motion, &c, &transition);
             for i in 0..3 {
-                at.wander[i][i] += self.accel_noise * s.motion.dt;
-                at.wander[3 + i][3 + i] += self.gyro_noise * s.motion.dt;
+                at.wander[i][i] += self.accel_noise * dt;
+                at.wander[3 + i][3 + i] += self.gyro_noise * dt;
+                if S == BY_POSITION {
+                    let together = self.accel_noise * dt * dt / 2.0;
+                    at.wander[i][PLACE + i] += together;
+                    at.wander[PLACE + i][i] += together;
+                    at.wander[PLACE + i][PLACE + i] += together * dt * (2.0 / 3.0);
+                }
             }
-            at.q_nb = from_rotation_vector(&(-frame * s.motion.dt)) * at.q_nb * turn;
-
-            let v_n = s.v_n - at.q_nb * (s.omega_b - by_gyro).cross(&self.lever_arm);
-            if k > 0 {
-                at.update(&v_n, &s.variance);
-                continue;
-            }
-            at.v_n = v_n;
-            for i in 0..3 {
-                at.wander[i][i] = s.variance[i];
-            }
+            at.q_nb = from_rotation_vector(&(-frame * dt)) * at.q_nb * turn;
+            self.fix(&mut at, k == 0, s, &(s.omega_b - by_gyro));
         }
-        at.q_nb *= from_rotation_vector(&at.turned);
+        at.q_nb *= from_rotation_vector(&at.turned());
         at
+    }
+
+    /// Takes the fix at the end of a segment, the first one as it is; turning at `omega_b` \[rad/s\].
+    #[inline(always)]
+    fn fix<const S: usize>(
+        &self,
+        at: &mut Linearised<S>,
+        first: bool,
+        s: &Segment,
+        omega_b: &Vector3,
+    ) {
+        let v_n = s.fix.v_n - at.q_nb * omega_b.cross(&self.lever_arm);
+        if S == BY_VELOCITY {
+            for i in 0..3 {
+                if first {
+                    at.state[i] = v_n[i];
+                    at.wander[i][i] = s.fix.variance[i];
+                } else {
+                    at.update([(i, 1.0)], v_n[i], s.fix.variance[i]);
+                }
+            }
+            return;
+        }
+        let place = s.fix.place - at.q_nb * self.lever_arm;
+        if first {
+            at.state[..3].copy_from_slice(v_n.as_slice());
+            at.state[PLACE..LATE].copy_from_slice(place.as_slice());
+            for i in 0..3 {
+                at.wander[i][i] = UNKNOWN_VELOCITY * UNKNOWN_VELOCITY;
+                at.wander[PLACE + i][PLACE + i] = s.fix.variance[i];
+            }
+            at.wander[LATE][LATE] = self.late.unwrap_or(0.0);
+            return;
+        }
+        let moving = at.v_n();
+        for i in 0..3 {
+            at.update(
+                [(PLACE + i, 1.0), (LATE, moving[i])],
+                place[i],
+                s.fix.variance[i],
+            );
+        }
     }
 
     /// The end of the window after [`Problem::refine`]: attitude, velocity of the IMU and their covariance
     /// with the biases'; `None` where something is not determined at all.
     pub(super) fn end(&self, guess: &Guess) -> Option<(Quaternion, Vector3, EndCovariance)> {
-        let linear = self.linearise(guess, self.segments.len(), &self.gyro.0);
-        let parameters = linear.information.try_inverse()?;
-        let mut effect = SMatrix::<f64, 12, 9>::zeros();
-        effect
-            .fixed_view_mut::<6, 9>(0, 0)
-            .copy_from(&linear.effect.into());
-        effect.fixed_view_mut::<6, 6>(6, 3).fill_with_identity();
-        let mut covariance = effect * parameters * effect.transpose();
-        let mut wander = covariance.fixed_view_mut::<6, 6>(0, 0);
-        wander += SMatrix::from(linear.wander);
-        Some((linear.q_nb, linear.v_n, covariance))
+        match self.late {
+            Some(_) => self.end_of::<BY_POSITION>(guess),
+            None => self.end_of::<BY_VELOCITY>(guess),
+        }
     }
 
-    /// Improves a guess on the first `count` segments. Levenberg-Marquardt; Nocedal & Wright, section 10.3.
+    fn end_of<const S: usize>(
+        &self,
+        guess: &Guess,
+    ) -> Option<(Quaternion, Vector3, EndCovariance)> {
+        let linear = self.linearise::<S>(guess, self.segments.len(), &self.gyro.0);
+        let parameters = linear.information.try_inverse()?;
+        let effect = SMatrix::<f64, 12, 9>::from_fn(|i, j| match i {
+            0..6 => linear.effect[j][i],
+            _ if i == 3 + j => 1.0,
+            _ => 0.0,
+        });
+        let mut covariance = effect * parameters * effect.transpose();
+        for i in 0..6 {
+            for j in 0..6 {
+                covariance[(i, j)] += linear.wander[i][j];
+            }
+        }
+        Some((linear.q_nb, linear.v_n(), covariance))
+    }
+
+    /// Improves a guess on the first `count` segments.
     fn improve(&self, guess: &Guess, count: usize, gyro: &Vector3) -> Minimum {
+        match self.late {
+            Some(_) => self.improve_by::<BY_POSITION>(guess, count, gyro),
+            None => self.improve_by::<BY_VELOCITY>(guess, count, gyro),
+        }
+    }
+
+    /// Levenberg-Marquardt; Nocedal & Wright, section 10.3.
+    fn improve_by<const S: usize>(&self, guess: &Guess, count: usize, gyro: &Vector3) -> Minimum {
         let mut best = *guess;
-        let mut linear = self.linearise(&best, count, gyro);
+        let mut linear = self.linearise::<S>(&best, count, gyro);
         let mut damping = 1e-3;
         for _ in 0..ITERATIONS {
             let mut matrix = linear.information;
@@ -293,7 +419,7 @@ impl Problem<'_> {
                 gyro: best.gyro + part(3),
                 accel: best.accel + part(6),
             };
-            let tried = self.linearise(&next, count, gyro);
+            let tried = self.linearise::<S>(&next, count, gyro);
             if tried.cost <= linear.cost {
                 // What a whole step promises: small next to one standard deviation's, 1.
                 let promised = linear.gradient.dot(&step);
@@ -337,7 +463,7 @@ impl Problem<'_> {
             span += s.motion.dt;
         }
         let gravity = Vector3::new(0.0, 0.0, LocalEarth::at(&self.place).gravity);
-        let change = self.segments[early - 1].v_n - self.segments[0].v_n;
+        let change = self.segments[early - 1].fix.v_n - self.segments[0].fix.v_n;
         let force = change - gravity * span;
         let (Some(up), Some(level)) = (
             force.try_normalize(1e-9),

@@ -1,6 +1,6 @@
 //! The linearised window against closed forms and differences.
 
-use super::*;
+use super::{super::segments::Sighting, *};
 use alloc::vec;
 use undrift_nav::{attitude::from_rpy, earth};
 
@@ -17,6 +17,7 @@ fn problem(segments: &[Segment]) -> Problem<'_> {
         accel: (Vector3::zeros(), Vector3::repeat(1e-2)),
         gyro_noise: GYRO_NOISE,
         accel_noise: ACCEL_NOISE,
+        late: None,
     }
 }
 
@@ -38,15 +39,17 @@ fn the_sensors_noise_makes_attitude_and_velocity_wander() {
     segment
         .motion
         .add(&Vector3::zeros(), &Vector3::new(0.0, 0.0, up * dt), dt);
-    segment.variance = Vector3::repeat(1e15);
-    let start = Segment {
-        variance: Vector3::repeat(known),
-        ..Segment::default()
-    };
+    segment.fix.variance = Vector3::repeat(1e15);
+    let mut start = Segment::default();
+    start.fix.variance = Vector3::repeat(known);
     let mut segments = vec![start];
     segments.resize(count + 1, segment);
     let problem = problem(&segments);
-    let at = problem.linearise(&guess(Vector3::zeros()), segments.len(), &Vector3::zeros());
+    let at = problem.linearise::<BY_VELOCITY>(
+        &guess(Vector3::zeros()),
+        segments.len(),
+        &Vector3::zeros(),
+    );
     let duration = dt * count as f64;
     let near = |found: f64, expected: f64| {
         // The Earth has turned by a milliradian: its square.
@@ -72,22 +75,22 @@ fn the_sensors_noise_makes_attitude_and_velocity_wander() {
     near(at.effect[8][2].abs(), duration);
 }
 
-/// A window of a sensor that turns and shakes, with velocities that are not quite those it makes from an attitude on.
-fn shaken(mut q_nb: Quaternion) -> Vec<Segment> {
-    let mut segments = Vec::new();
+/// A window of a sensor that turns and shakes, with velocities, or positions that hold 0.03 s late, which are not quite
+/// those it makes from an attitude on.
+fn shaken(mut q_nb: Quaternion, variance: Vector3) -> Vec<Segment> {
     let gravity = Vector3::new(0.0, 0.0, earth::gravity(45f64.to_radians(), 300.0));
-    let mut v = Vector3::new(3.0, -2.0, 0.5);
-    let variance = Vector3::new(0.01, 0.02, 0.03);
-    segments.push(Segment {
+    let (mut v, mut r) = (Vector3::new(3.0, -2.0, 0.5), Vector3::zeros());
+    let mut fix = Sighting {
         v_n: v,
         variance,
+        ..Sighting::default()
+    };
+    let mut segments = vec![Segment {
+        fix,
         ..Segment::default()
-    });
+    }];
     for k in 0..12 {
-        let mut segment = Segment {
-            variance,
-            ..Segment::default()
-        };
+        let mut segment = Segment::default();
         for j in 0..5 {
             let t = f64::from(5 * k + j);
             let turn = Vector3::new(0.02 * t.sin(), 0.03 * (0.7 * t).cos(), 0.05);
@@ -95,9 +98,14 @@ fn shaken(mut q_nb: Quaternion) -> Vec<Segment> {
             segment.motion.add(&turn, &push, 0.1);
             segment.omega_b = turn / 0.1;
         }
-        v += q_nb * segment.motion.dvel + gravity * segment.motion.dt;
+        let dt = segment.motion.dt;
+        r += v * dt + q_nb * segment.motion.dpos + gravity * (0.5 * dt * dt);
+        v += q_nb * segment.motion.dvel + gravity * dt;
         q_nb *= segment.motion.turn;
-        segment.v_n = v + Vector3::new(0.1 * f64::from(k).cos(), 0.1, 0.02);
+        let off = Vector3::new(0.1 * f64::from(k).cos(), 0.1, 0.02);
+        fix.v_n = v + off;
+        fix.place = r + off + v * 0.03;
+        segment.fix = fix;
         segments.push(segment);
     }
     segments
@@ -108,15 +116,19 @@ fn shaken(mut q_nb: Quaternion) -> Vec<Segment> {
 fn the_gradient_is_the_slope_of_the_cost() {
     // What wanders in the attitude is taken to first order: without it the two agree.
     for (gyro_noise, tolerance) in [(1e-14, 1e-6), (GYRO_NOISE, 0.01)] {
-        assert_slope(gyro_noise, tolerance);
+        assert_slope::<BY_VELOCITY>(gyro_noise, tolerance, None);
+        assert_slope::<BY_POSITION>(gyro_noise, tolerance, Some(0.0));
     }
+    // The time by which they are late is taken times the velocity at the guess, not times its slope.
+    assert_slope::<BY_POSITION>(1e-14, 0.02, Some(0.01));
 }
 
-fn assert_slope(gyro_noise: f64, tolerance: f64) {
+fn assert_slope<const S: usize>(gyro_noise: f64, tolerance: f64, late: Option<f64>) {
     let q_nb = from_rpy(&Vector3::new(0.1, -0.05, 0.4));
-    let segments = shaken(q_nb);
+    let segments = shaken(q_nb, Vector3::new(0.01, 0.02, 0.03));
     let mut problem = problem(&segments);
     problem.gyro_noise = gyro_noise;
+    problem.late = late;
     let prior = Vector3::new(1e-3, -2e-3, 1e-3);
     let start = Guess {
         q_nb,
@@ -132,9 +144,9 @@ fn assert_slope(gyro_noise: f64, tolerance: f64) {
             1 => moved.gyro += step,
             _ => moved.accel += step,
         }
-        problem.linearise(&moved, segments.len(), &prior).cost
+        problem.linearise::<S>(&moved, segments.len(), &prior).cost
     };
-    let at = problem.linearise(&start, segments.len(), &prior);
+    let at = problem.linearise::<S>(&start, segments.len(), &prior);
     for unknown in 0..9 {
         let h = 1e-5;
         let slope = -0.5 * (cost(unknown, h) - cost(unknown, -h)) / (2.0 * h);
@@ -153,7 +165,7 @@ fn a_guess_costs_what_the_priors_say() {
     let mut problem = problem(&[]);
     problem.gyro.1 = Vector3::new(1.0, 4.0, 9.0);
     problem.accel = (Vector3::new(1.0, 1.0, 1.0), Vector3::new(16.0, 25.0, 36.0));
-    let at = problem.start(
+    let at = problem.start::<BY_VELOCITY>(
         &Guess {
             gyro: Vector3::new(1.0, 2.0, 3.0),
             accel: Vector3::new(5.0, 6.0, 7.0),
