@@ -215,4 +215,35 @@ mod tests {
             "{covariance}"
         );
     }
+
+    #[test]
+    fn third_differences_show_white_noise_and_no_motion() {
+        // Speeding up, turning: differences of a cubic's third order are constant, here of 6 · 0.01 · 0.2³.
+        let track = |count: u32, wobble: f64, step: f64| -> Vec<(f64, Vector3)> {
+            let at = |k: u32| {
+                let t = step * f64::from(k);
+                let side = if k % 2 == 0 { wobble } else { -wobble };
+                let place = Vector3::new(5.0 * t + 2.0 * t * t, 0.01 * t.powi(3), side);
+                (t, place)
+            };
+            (0..count).map(at).collect()
+        };
+        let white = white_variance(&track(40, 0.1, 0.2)).unwrap();
+        // To either side in turn: differences of eight times as much.
+        let expected = 64.0 * 0.01 / (20.0 * MEDIAN);
+        assert!((white.z / expected - 1.0).abs() < 1e-9, "{white}");
+        let jerk = (0.06f64 * 0.008).powi(2) / (20.0 * MEDIAN);
+        assert!(white.x < 1e-20 && (white.y / jerk - 1.0).abs() < 1e-6);
+        // Fifteen positions make twelve differences.
+        assert!(white_variance(&track(15, 0.1, 0.2)).is_some());
+        assert!(white_variance(&track(14, 0.1, 0.2)).is_none());
+        // Steps that are not even are passed over: every second one here is twice as long.
+        let mut uneven = track(60, 0.1, 0.2);
+        let mut at = 0;
+        uneven.retain(|_| {
+            at += 1;
+            at % 3 != 0
+        });
+        assert!(white_variance(&uneven).is_none());
+    }
 }

@@ -11,14 +11,18 @@
 //! interval it is the white part, over long spans it grows to the whole. Medians stand for the means, so that outliers
 //! and jumps do not count. The velocities' own error grows with L, so γ never says more of the whole than the fixes do:
 //! white and correlated part together have the stated variance, unless the white part alone is larger.
+//!
+//! Positions alone show their white part in their third differences ([`white_variance`]). What else they state lasts, and
+//! for how long they cannot show.
 
 mod watch;
 
 pub(crate) use watch::FixWatch;
 
-use crate::median::median;
 use crate::{
+    derived::white_variance,
     measurement::Repeats,
+    median::median,
     settings::fix_errors::{Correlated, FixErrors, FromFixes},
 };
 use alloc::{vec, vec::Vec};
@@ -91,6 +95,9 @@ const MOST_SHARE: f64 = 0.99;
 const SHORTEST: f64 = 5.0;
 /// The velocities' own error makes the differences grow sooner, by about this factor.
 const SOONER: f64 = 2.0;
+/// For how long the rest of the error of positions lasts that have no velocities beside them: minutes, as of multipath,
+/// atmosphere and orbits (Groves 2013, section 9.3) \[s\].
+const UNSEEN_TIME: f64 = 100.0;
 /// Longest correlation time \[s\]: longer ones are treated as equal.
 pub const LONGEST_CORRELATION: f64 = 1000.0;
 /// Standard errors by which the positions contradict a velocity that is wrong.
@@ -112,30 +119,29 @@ const STEP_SHARE: f64 = 0.25;
 struct Seen {
     time: f64,
     position: Position,
-    velocity: Vector3,
-    /// Stated variances of position and velocity.
+    /// Stated variances of the position.
     stated: Vector3,
-    stated_velocity: Vector3,
+    /// The velocity and its stated variances.
+    velocity: Option<(Vector3, Vector3)>,
 }
 
 impl Seen {
-    /// Of a fix with position and velocity.
+    /// Of a fix with a position.
     fn of(fix: &GnssFix) -> Option<Self> {
-        let ((position, r), (velocity, r_v)) = (fix.position?, fix.velocity?);
-        let (stated, stated_velocity) = (r.diagonal(), r_v.diagonal());
-        let mut variances = stated.iter().chain(stated_velocity.iter());
-        let usable = variances.all(|r| *r > 0.0 && r.is_finite());
-        usable.then_some(Self {
+        let (position, r) = fix.position?;
+        let seen = Self {
             time: fix.time,
             position,
-            velocity,
-            stated,
-            stated_velocity,
-        })
+            stated: r.diagonal(),
+            velocity: fix.velocity.map(|(v_n, r)| (v_n, r.diagonal())),
+        };
+        let usable = |r: &Vector3| r.iter().all(|r| *r > 0.0 && r.is_finite());
+        let moves = seen.velocity.as_ref();
+        (usable(&seen.stated) && moves.is_none_or(|(_, r)| usable(r))).then_some(seen)
     }
 }
 
-/// Fixes with position and velocity in order of time.
+/// Fixes in order of time: those with position and velocity, or, where none has a velocity, all with a position.
 #[derive(Default)]
 struct Track {
     time: Vec<f64>,
@@ -150,12 +156,12 @@ struct Track {
     metres: Vector3,
 }
 
-/// Looks into the first fixes of a log; `None` where there are too few with position and velocity.
+/// Looks into the first fixes of a log; `None` where there are too few.
 pub fn study(fixes: impl IntoIterator<Item = GnssFix>) -> Option<FixStudy> {
     let mut repeats = Repeats::default();
     let own = fixes.into_iter().filter(|fix| !repeats.is(fix));
-    let track = Track::of(own.take(MOST).filter_map(|fix| Seen::of(&fix)));
-    let study = study_track(&track)?;
+    let seen: Vec<Seen> = own.filter_map(|fix| Seen::of(&fix)).take(MOST).collect();
+    let study = study_track(&Track::of(seen.iter()))?;
     Some(FixStudy {
         repeated: repeats.count(),
         ..study
@@ -172,6 +178,9 @@ fn study_track(track: &Track) -> Option<FixStudy> {
     let interval = median(&steps);
     if interval <= 0.0 || interval.is_nan() {
         return None;
+    }
+    if track.velocity.is_empty() {
+        return study_positions(track, interval);
     }
     let stated =
         Vector3::from_fn(|i, _| median(&track.stated.iter().map(|r| r[i]).collect::<Vec<_>>()));
@@ -238,11 +247,37 @@ fn study_track(track: &Track) -> Option<FixStudy> {
     })
 }
 
+/// As [`study_track`], of positions alone.
+fn study_positions(track: &Track, interval: f64) -> Option<FixStudy> {
+    let places = track.time.iter().copied().zip(track.place.iter().copied());
+    let places: Vec<(f64, Vector3)> = places.collect();
+    let stated = track.stated.iter().sum::<Vector3>() / track.stated.len() as f64;
+    let white = white_variance(&places)?.component_div(&stated);
+    let (_, white) = of_axes(&white.into(), false);
+    let mut errors = FixErrors {
+        known: true,
+        ..FixErrors::default()
+    };
+    if white < WHITE_SHARE {
+        errors.correlated = Some(Correlated {
+            share: (1.0 - white).min(MOST_SHARE),
+            time: UNSEEN_TIME,
+        });
+    }
+    Some(FixStudy {
+        interval,
+        repeated: 0,
+        velocity_late: None,
+        errors,
+    })
+}
+
 impl Track {
-    fn of(fixes: impl Iterator<Item = Seen>) -> Self {
+    fn of<'a>(fixes: impl Iterator<Item = &'a Seen> + Clone) -> Self {
+        let by_velocity = fixes.clone().any(|fix| fix.velocity.is_some());
         let mut track = Self::default();
         let mut before: Option<(Position, Vector3)> = None;
-        for fix in fixes {
+        for fix in fixes.filter(|fix| fix.velocity.is_some() == by_velocity) {
             let (place, written, metres) = match (fix.position, before) {
                 (Position::Geodetic(here), last) => {
                     let place = match last {
@@ -263,9 +298,11 @@ impl Track {
             before = Some((fix.position, place));
             track.time.push(fix.time);
             track.place.push(place);
-            track.velocity.push(fix.velocity);
             track.stated.push(fix.stated);
-            track.stated_velocity.push(fix.stated_velocity);
+            if let Some((v_n, stated)) = fix.velocity {
+                track.velocity.push(v_n);
+                track.stated_velocity.push(stated);
+            }
             track.written.push(written);
             track.metres = metres;
         }

@@ -547,6 +547,11 @@ impl Run {
             self.summary.fixes_before += u64::from(begins);
             return Ok(());
         };
+        if due < solution.began - STAMP_ROUNDING {
+            // Of a time before the start, in which an alignment had it already.
+            self.summary.fixes_before += u64::from(begins);
+            return Ok(());
+        }
         solution.advance_to(due);
         if !withheld {
             solution.grow_to(due);

@@ -22,6 +22,8 @@ pub(super) const MOST_LATE: f64 = 10.0;
 pub(super) struct Solution {
     #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::filter"))]
     pub(super) filter: Box<dyn Estimator>,
+    /// Time of its start \[s\].
+    pub(super) began: f64,
     /// While a gap is being bridged.
     bridge: Option<Bridge>,
     /// Time of the last node of a smoother \[s\].
@@ -42,6 +44,7 @@ impl Clone for Solution {
 impl Solution {
     pub(super) fn new(filter: Box<dyn Estimator>) -> Self {
         Self {
+            began: filter.nav().time,
             filter,
             bridge: None,
             last_node: f64::NEG_INFINITY,

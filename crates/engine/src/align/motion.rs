@@ -13,11 +13,11 @@ use super::{
 };
 use crate::{
     derived::{antenna, white_variance},
-    estimator::{self, Estimator},
+    estimator::{self, Estimator, STAMP_ROUNDING},
     settings::Settings,
 };
 use alloc::collections::VecDeque;
-use alloc::{boxed::Box, vec::Vec};
+use alloc::{boxed::Box, vec, vec::Vec};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{
@@ -52,20 +52,38 @@ const LONGEST_PAUSE: f64 = 5.0;
 /// Velocities needed for a search to be worth it.
 const FEWEST: usize = 6;
 /// How far apart the velocities of a search must be \[m/s\].
-const SPREAD: f64 = 1.0;
+const SPREAD: f64 = 0.5;
 /// A second minimum is out of the question when the best one's squared residuals are less by this much.
 const RIVAL: f64 = 25.0;
-/// Largest standard deviation of the attitude about any axis for an acceptable solution \[rad\].
-const CERTAIN: f64 = 0.05;
-/// Largest one for a solution that need not wait for a longer window \[rad\]: the filter, unlike the window, cannot undo
-/// what it took from an attitude that was some degrees off.
+/// Largest standard deviation of the attitude about any axis for a start at once \[rad\]: the filter, unlike the window,
+/// cannot undo what it took from an attitude that was some degrees off.
 const GOOD: f64 = 0.017;
-/// By so much an attitude may be less certain than [`CERTAIN`] once that many windows have gone by.
-const MOST_WINDOWS: f64 = 4.0;
+/// After so long without a start \[s\] it may be larger …
+const PATIENT: f64 = 20.0;
+/// … by so much for each second more \[rad/s\]: 3 deg after a minute …
+const LENIENT: f64 = 0.0009;
+/// … and never larger than this \[rad\].
+const CERTAIN: f64 = 0.2;
 /// Positions that a velocity about one of them is read from lie no further from it than this \[s\].
 const NEAR: f64 = 1.1;
 /// Least share of their stated variance that positions have in the search: nothing is exact.
-const LEAST_SHARE: f64 = 0.01;
+const LEAST_SHARE: f64 = 1e-4;
+/// Variances of positions in the search, times what their scatter shows: what fits nothing may fit positions whose errors
+/// last for a second, or sensors that shake.
+const LOOSER: [f64; 3] = [1.0, 10.0, 100.0];
+/// Standard deviation of the time by which positions are late, in those of the filter's: logs of positions alone have
+/// clocks that nothing else compares.
+const LATENESS: f64 = 3.0;
+/// Squared residuals for each degree of freedom, at most, where positions may be taken to be looser.
+const CLOSE: f64 = 2.0;
+/// A change of that time that matters no more \[s\].
+const SAME_TIME: f64 = 0.01;
+/// Searches about a time by which positions are late, at most.
+const MOST_ROUNDS: usize = 6;
+/// Standard deviation of a position that says nothing \[m\].
+const NOTHING: f64 = 1e6;
+/// Biases are no larger than this, in standard deviations of their priors: else motion and fixes do not belong together.
+const MOST_BIAS: f64 = 5.0;
 /// Squared residuals for each degree of freedom, at most.
 const FIT: f64 = 10.0;
 /// Standard deviation of the filter's velocity and attitude before the window determines them \[m/s, rad\].
@@ -93,7 +111,7 @@ pub(super) struct MotionAligner {
     /// Length of the window while there is no solution \[s\].
     longest: f64,
     /// The solution so far, at the window's start; the window then grows from there to [`LONGEST`].
-    solved: Option<Guess>,
+    solved: Option<Solved>,
     searched: Option<f64>,
     /// Time of the first fix of all \[s\].
     began: Option<f64>,
@@ -104,6 +122,17 @@ pub(super) struct MotionAligner {
     failure: MotionFailure,
     /// Largest spread of velocities in a window [m/s].
     spread: f64,
+}
+
+/// A solution that is not certain enough yet.
+#[derive(Clone, Copy)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
+struct Solved {
+    guess: Guess,
+    /// By how much fixes hold later than their stamps \[s\].
+    late: f64,
+    /// The one of [`LOOSER`].
+    looser: f64,
 }
 
 /// A result: the filter at the last fix of the window.
@@ -187,7 +216,15 @@ impl MotionAligner {
             return None;
         }
         self.searched = Some(fix.time);
-        match self.search(settings, rest) {
+        let from = self.solved.map_or(0.0, |solved| solved.looser);
+        let mut looser = LOOSER.into_iter().filter(|looser| *looser >= from);
+        let found = looser.find_map(|looser| {
+            let found = self.search(settings, rest, looser);
+            let misfit = matches!(found, Err(MotionFailure::Misfit(_)));
+            let last = looser == LOOSER[2] || self.by_velocity() == Some(true);
+            (last || !misfit).then_some(found)
+        });
+        match found.unwrap_or(Err(MotionFailure::TooFew)) {
             Ok(found) => Some(found),
             Err(failure) => {
                 let nothing =
@@ -211,8 +248,10 @@ impl MotionAligner {
         &mut self,
         settings: &Settings,
         rest: Option<GyroBias>,
+        looser: f64,
     ) -> Result<AlignedInMotion, MotionFailure> {
-        let seen = self.sightings();
+        let begun = self.solved.map_or(0.0, |solved| solved.late);
+        let mut seen = self.sightings(looser, begun);
         let spread = spread(&seen);
         self.spread = self.spread.max(spread);
         let (gyro, accel) = settings.sensors.split_at(3);
@@ -230,25 +269,33 @@ impl MotionAligner {
                 within: self.longest,
             });
         }
-        let first = *self.fixes.front().ok_or(MotionFailure::TooFew)?;
+        let [first, last] = [self.fixes.front(), self.fixes.back()];
+        let (first, last) = (
+            *first.ok_or(MotionFailure::TooFew)?,
+            *last.ok_or(MotionFailure::TooFew)?,
+        );
+        let place = antenna(&first).ok_or(MotionFailure::TooFew)?;
+        let lateness = (self.by_velocity() == Some(false)).then(|| {
+            let prior = settings.parameters.prior(Parameter::TimeOffset);
+            prior.map_or(0.0, |prior| LATENESS * LATENESS * prior.std * prior.std)
+        });
+        let solved = self.solved.take();
+        let mut late = begun;
         let problem = Problem {
             segments: &segments,
             reference: gyro_prior.0,
-            place: antenna(&first).ok_or(MotionFailure::TooFew)?,
+            place,
             lever_arm: settings.lever_arm,
             gyro: gyro_prior,
             accel: (Vector3::zeros(), bias_variances(accel, ACCEL_FLOOR)),
             gyro_noise: noise_of_mean(gyro, 1.0),
             accel_noise: noise_of_mean(accel, 1.0),
-            late: (self.by_velocity() == Some(false)).then(|| {
-                let prior = settings.parameters.prior(Parameter::TimeOffset);
-                prior.map_or(0.0, |prior| prior.std * prior.std)
-            }),
+            late: lateness.map(|variance| (0.0, variance)),
         };
         // Noise larger than stated makes residuals and covariance larger, and a difference mean less.
         let fit = |cost: f64| (cost / (3 * (segments.len() - 1)) as f64).max(1.0);
-        let guess = match self.solved.take() {
-            Some(guess) => guess,
+        let mut guess = match solved {
+            Some(solved) => solved.guess,
             None => {
                 let solutions = problem.solve();
                 let best = solutions.first().ok_or(MotionFailure::Ambiguous)?;
@@ -259,46 +306,88 @@ impl MotionAligner {
                 best.guess
             }
         };
-        // Once more about the bias found: a segment is linear in it.
-        let again = self.segments(&seen, &guess.gyro);
-        let problem = Problem {
-            segments: &again,
-            reference: guess.gyro,
-            ..problem
+        // Once more about the bias found, in which a segment is linear, and about the time by which fixes are late, in
+        // which their positions are not.
+        let mut rounds = MOST_ROUNDS;
+        let (solution, end, fit) = loop {
+            let again = self.segments(&seen, &guess.gyro);
+            if again.len() < FEWEST {
+                return Err(MotionFailure::TooFew);
+            }
+            let problem = Problem {
+                segments: &again,
+                reference: guess.gyro,
+                late: lateness.map(|variance| (-late, variance)),
+                ..problem
+            };
+            let solution = problem.refine(&guess);
+            let end = problem
+                .end(&solution.guess)
+                .ok_or(MotionFailure::Ambiguous)?;
+            guess = solution.guess;
+            rounds -= 1;
+            let later = end.by_position.map_or(0.0, |(_, (later, _))| later);
+            if rounds == 0 || later.abs() < SAME_TIME {
+                late += later;
+                break (solution, end, fit(solution.cost));
+            }
+            late += later;
+            seen = self.sightings(looser, late);
         };
-        let solution = problem.refine(&guess);
-        let (q_nb, v_n, covariance) = problem
-            .end(&solution.guess)
-            .ok_or(MotionFailure::Ambiguous)?;
-        let fit = fit(solution.cost);
-        if fit > FIT {
+        let priors = [(&guess.gyro, &gyro_prior), (&guess.accel, &problem.accel)];
+        let far = |(bias, (mean, variance)): (&Vector3, &(Vector3, Vector3))| {
+            let off = (bias - mean).component_div(&variance.map(f64::sqrt));
+            off.amax() > MOST_BIAS
+        };
+        let looser_yet = self.by_velocity() == Some(false) && looser < LOOSER[2];
+        let most = if looser_yet { CLOSE } else { FIT };
+        if fit > most || priors.into_iter().any(far) {
             return Err(MotionFailure::Misfit(fit));
         }
-        let c_nb = q_nb.to_rotation_matrix().into_inner();
-        let attitude = covariance.fixed_view::<3, 3>(3, 3) * fit;
+        let c_nb = end.q_nb.to_rotation_matrix().into_inner();
+        let attitude = end.covariance.fixed_view::<3, 3>(3, 3) * fit;
         let worst = (c_nb * attitude * c_nb.transpose()).diagonal().max().sqrt();
-        // A number that is not one is not certain either.
-        let last = *self.fixes.back().ok_or(MotionFailure::TooFew)?;
-        // Better an attitude that is uncertain than none.
         let waited = last.time - self.began.unwrap_or(last.time);
-        let certain = CERTAIN * (waited / LONGEST).clamp(1.0, MOST_WINDOWS);
-        if worst.is_nan() || worst > certain {
+        // A number that is not one is not certain either.
+        if worst.is_nan() || worst > CERTAIN {
             return Err(MotionFailure::Uncertain(worst));
         }
-        if worst > GOOD && last.time - first.time < LONGEST {
-            self.solved = Some(solution.guess);
+        let enough = GOOD + LENIENT * (waited - PATIENT).max(0.0);
+        if worst > enough {
+            if last.time - first.time < LONGEST {
+                let guess = solution.guess;
+                self.solved = Some(Solved {
+                    guess,
+                    late,
+                    looser,
+                });
+            }
             return Err(MotionFailure::Settling(worst));
         }
-        let end = NavState {
-            time: last.time,
-            position: antenna(&last)
+        let position = match end.by_position {
+            Some((moved, _)) => place.displaced(&moved),
+            None => antenna(&last)
                 .ok_or(MotionFailure::TooFew)?
-                .displaced(&-(q_nb * settings.lever_arm)),
-            v_n,
-            q_nb,
+                .displaced(&-(end.q_nb * settings.lever_arm)),
         };
-        let filter = filter(&end, &last, &solution.guess, &(covariance * fit), settings)
-            .ok_or(MotionFailure::Misfit(fit))?;
+        let nav = NavState {
+            time: last.time,
+            position,
+            v_n: end.v_n,
+            q_nb: end.q_nb,
+        };
+        let late = end
+            .by_position
+            .map(|(_, (_, variance))| (late, (variance * fit).sqrt()));
+        let filter = filter(
+            &nav,
+            late,
+            &last,
+            &solution.guess,
+            &(end.covariance * fit),
+            settings,
+        )
+        .ok_or(MotionFailure::Misfit(fit))?;
         Ok(AlignedInMotion {
             filter,
             duration: last.time - first.time,
@@ -310,8 +399,10 @@ impl MotionAligner {
         self.fixes.front().map(|fix| fix.velocity.is_some())
     }
 
-    /// What the fixes of the window say.
-    fn sightings(&self) -> Vec<Sighting> {
+    /// What the fixes of the window say. Positions hold `late` \[s\] after their stamps, those of the future left out, and
+    /// have the variance that they show by their scatter times `looser`, at most what they state; the last sighting says
+    /// nothing but the time of the window's end.
+    fn sightings(&self, looser: f64, late: f64) -> Vec<Sighting> {
         if self.by_velocity() == Some(true) {
             let velocity = |fix: &GnssFix| {
                 fix.velocity.map(|(v_n, covariance)| Sighting {
@@ -328,7 +419,7 @@ impl MotionAligner {
         };
         let position = |fix: &GnssFix| {
             Some(Sighting {
-                time: fix.time,
+                time: fix.time + late,
                 place: first.offset_to(&antenna(fix)?),
                 variance: fix.position?.1.diagonal(),
                 ..Sighting::default()
@@ -351,8 +442,18 @@ impl MotionAligner {
                 of.v_n = (there - here) / (end - begin);
             }
             if let Some(white) = white {
-                of.variance = white.sup(&(of.variance * LEAST_SHARE)).inf(&of.variance);
+                let least = white.sup(&(of.variance * LEAST_SHARE));
+                of.variance = (least * looser).inf(&of.variance);
             }
+        }
+        if let Some(last) = self.fixes.back() {
+            seen.retain(|of| of.time < last.time - STAMP_ROUNDING);
+            let end = seen.last().copied().unwrap_or_default();
+            seen.push(Sighting {
+                time: last.time,
+                variance: Vector3::repeat(NOTHING * NOTHING),
+                ..end
+            });
         }
         seen
     }
@@ -382,9 +483,11 @@ fn spread(seen: &[Sighting]) -> f64 {
     (high - low).xy().norm()
 }
 
-/// The filter with what the window says: covariance of velocity, attitude and biases, truth less estimate.
+/// The filter with what the window says: covariance of velocity, attitude and biases, truth less estimate, and by how much
+/// fixes are late with its standard deviation \[s\].
 fn filter(
     end: &NavState,
+    late: Option<(f64, f64)>,
     fix: &GnssFix,
     guess: &Guess,
     covariance: &EndCovariance,
@@ -397,6 +500,13 @@ fn filter(
         attitude: Vector3::repeat(WIDE),
     };
     let mut filter = estimator::build(*end, &std, &settings.sensors, settings.parameters).ok()?;
+    if let (Some((late, std)), Some(at)) = (late, settings.parameters.start(Parameter::TimeOffset))
+    {
+        filter.renew(Parameter::TimeOffset, std);
+        let mut error = vec![0.0; filter.states()];
+        error[filter.sensors().states() + at] = late;
+        filter.take_out(&error);
+    }
     let velocity = Matrix3::identity() * (WIDE * WIDE);
     let correlated = [settings.fix_errors.split(&position).1, Vector3::zeros()];
     filter.set_position_velocity_covariance(&position, &velocity, &correlated);

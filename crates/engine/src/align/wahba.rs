@@ -74,9 +74,21 @@ pub(super) struct Problem<'a> {
     /// Squared densities of the sensors' white noise [rad²/s], [m²/s³].
     pub(super) gyro_noise: f64,
     pub(super) accel_noise: f64,
-    /// Where the segments have positions in place of velocities: variance of the time by which fixes hold later than
-    /// their stamps \[s²\].
-    pub(super) late: Option<f64>,
+    /// Where the segments have positions in place of velocities: the time by which fixes hold later than the segments
+    /// have it, and its variance \[s, s²\].
+    pub(super) late: Option<(f64, f64)>,
+}
+
+/// The end of a window.
+pub(super) struct End {
+    /// Body to navigation.
+    pub(super) q_nb: Quaternion,
+    /// Velocity of the IMU \[m/s\].
+    pub(super) v_n: Vector3,
+    /// Where the segments have positions: that of the IMU against their origin \[m\], and by how much fixes hold later
+    /// than the segments have it, with its variance \[s, s²\].
+    pub(super) by_position: Option<(Vector3, (f64, f64))>,
+    pub(super) covariance: EndCovariance,
 }
 
 /// Attitude error at the start in body axes, gyro bias, accelerometer bias.
@@ -345,7 +357,7 @@ impl Problem<'_> {
                 at.wander[i][i] = UNKNOWN_VELOCITY * UNKNOWN_VELOCITY;
                 at.wander[PLACE + i][PLACE + i] = s.fix.variance[i];
             }
-            at.wander[LATE][LATE] = self.late.unwrap_or(0.0);
+            (at.state[LATE], at.wander[LATE][LATE]) = self.late.unwrap_or_default();
             return;
         }
         let moving = at.v_n();
@@ -358,19 +370,15 @@ impl Problem<'_> {
         }
     }
 
-    /// The end of the window after [`Problem::refine`]: attitude, velocity of the IMU and their covariance
-    /// with the biases'; `None` where something is not determined at all.
-    pub(super) fn end(&self, guess: &Guess) -> Option<(Quaternion, Vector3, EndCovariance)> {
+    /// The end of the window after [`Problem::refine`]; `None` where something is not determined at all.
+    pub(super) fn end(&self, guess: &Guess) -> Option<End> {
         match self.late {
             Some(_) => self.end_of::<BY_POSITION>(guess),
             None => self.end_of::<BY_VELOCITY>(guess),
         }
     }
 
-    fn end_of<const S: usize>(
-        &self,
-        guess: &Guess,
-    ) -> Option<(Quaternion, Vector3, EndCovariance)> {
+    fn end_of<const S: usize>(&self, guess: &Guess) -> Option<End> {
         let linear = self.linearise::<S>(guess, self.segments.len(), &self.gyro.0);
         let parameters = linear.information.try_inverse()?;
         let effect = SMatrix::<f64, 12, 9>::from_fn(|i, j| match i {
@@ -384,7 +392,19 @@ impl Problem<'_> {
                 covariance[(i, j)] += linear.wander[i][j];
             }
         }
-        Some((linear.q_nb, linear.v_n(), covariance))
+        let by_position = (S == BY_POSITION).then(|| {
+            let state = &linear.state;
+            let place = Vector3::new(state[PLACE], state[PLACE + 1], state[PLACE + 2]);
+            let row = Unknowns::from_fn(|j, _| linear.effect[j][LATE]);
+            let variance = linear.wander[LATE][LATE] + row.dot(&(parameters * row));
+            (place, (state[LATE], variance))
+        });
+        Some(End {
+            q_nb: linear.q_nb,
+            v_n: linear.v_n(),
+            by_position,
+            covariance,
+        })
     }
 
     /// Improves a guess on the first `count` segments.

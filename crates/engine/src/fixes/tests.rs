@@ -251,7 +251,8 @@ fn a_track_is_of_sound_fixes_in_metres() {
         fix(1, 1.0, -1.0),
         fix(2, 4.0, 0.25),
     ];
-    let track = Track::of(fixes.iter().filter_map(Seen::of));
+    let seen: Vec<Seen> = fixes.iter().filter_map(Seen::of).collect();
+    let track = Track::of(seen.iter());
     assert_eq!(track.time, [0.0, 2.0]);
     assert_eq!(track.stated[1], Vector3::repeat(4.0));
     assert_eq!(track.stated_velocity[1], Vector3::repeat(0.25));
@@ -262,4 +263,40 @@ fn a_track_is_of_sound_fixes_in_metres() {
     let metres = track.metres;
     assert!((6.3e6..6.45e6).contains(&metres.x) && metres.z == 1.0);
     assert!((metres.y / metres.x - 0.5).abs() < 0.005, "{metres}");
+}
+
+/// Positions without velocities that jump to either side in turn, which state 3 m.
+fn positions(wobble: f64) -> FixStudy {
+    let start = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    study((0..100).map(|k| {
+        let time = 0.2 * f64::from(k);
+        let side = if k % 2 == 0 { wobble } else { -wobble };
+        let place = Vector3::new(4.0 * time + side, side, side);
+        GnssFix {
+            time,
+            position: Some((
+                Position::Geodetic(start.displaced(&place)),
+                Matrix3::identity() * 9.0,
+            )),
+            velocity: None,
+            quality: FixQuality::Unknown,
+        }
+    }))
+    .unwrap()
+}
+
+#[test]
+fn what_positions_alone_do_not_scatter_by_lasts() {
+    let share = |wobble: f64| positions(wobble).errors.correlated.map(|c| c.share);
+    // Differences of eight times as much, over 20 variances.
+    let white = |wobble: f64| 64.0 * wobble * wobble / (20.0 * MEDIAN) / 9.0;
+    let found = share(0.5).unwrap();
+    assert!((found / (1.0 - white(0.5)) - 1.0).abs() < 1e-4, "{found}");
+    assert_eq!(positions(0.5).errors.correlated.unwrap().time, UNSEEN_TIME);
+    assert_eq!(share(0.01), Some(MOST_SHARE));
+    // As white as they state, or more: nothing of it lasts.
+    assert!(white(1.1) > WHITE_SHARE && share(1.1).is_none() && share(5.0).is_none());
+    let of = positions(5.0);
+    assert_eq!((of.errors.position_factor, of.velocity_late), (1.0, None));
+    assert!((of.interval - 0.2).abs() < 1e-9 && of.errors.known);
 }

@@ -45,8 +45,7 @@ impl FixWatch {
     /// What all of them show.
     pub(crate) fn study(&self) -> Option<FixStudy> {
         let full = self.full.iter().flat_map(|block| block.iter());
-        let track = Track::of(full.chain(&self.last).copied());
-        study_track(&track)
+        study_track(&Track::of(full.chain(&self.last)))
     }
 }
 

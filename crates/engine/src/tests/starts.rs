@@ -1,0 +1,80 @@
+//! Starts in motion where the fixes are positions alone.
+
+use super::{DEG, Scenario, imu, receiver};
+use crate::align::AttitudeSource;
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use undrift_nav::parameters::{Parameter, Parameters, Prior};
+use undrift_simulate::{GnssNoise, Trajectory};
+
+/// A slow robot that winds its way from the first sample on: 1.2 m/s, 35 deg/s to either side.
+fn winding(seconds: f64) -> Trajectory {
+    let mut motion = Trajectory::straight(1.2, 2.0, seconds);
+    let (mut start, mut way) = (0.5, 1.0);
+    while start < seconds - 5.0 {
+        start = motion.turn_rate.step_to(start, 1.0, way * 35.0 * DEG) + 2.0;
+        way = -way;
+    }
+    motion
+}
+
+/// An IMU just switched on, 0.3 deg/s and 30 mg, positions of 5 cm ten times a second that hold `late` \[s\] after their
+/// stamps, nothing known of the attitude.
+fn drive(seed: u64, late: f64) -> Scenario {
+    let noise = GnssNoise {
+        position_std: [0.05; 3],
+        rate_hz: 10.0,
+        ..receiver()
+    };
+    let sensors = imu([5e-3 * DEG, 0.3 * DEG], [1e-3, 0.3]);
+    let mut scenario = Scenario::of(sensors, &winding(90.0), &noise, seed);
+    scenario.settings.align.attitude = None;
+    scenario.settings.parameters =
+        Parameters::none().with(Parameter::TimeOffset, Prior::constant(0.1));
+    for fix in &mut scenario.log.gnss {
+        fix.velocity = None;
+        fix.time -= late;
+    }
+    scenario
+}
+
+#[test]
+fn positions_alone_align_what_never_stood() {
+    for (seed, late) in [(1, 0.0), (2, 0.15), (3, -0.1)] {
+        let seen = drive(seed, late).navigate();
+        let alignment = seen.summary.alignment.unwrap();
+        assert!(matches!(alignment.source, AttitudeSource::Motion { .. }));
+        let started = seen.summary.started.unwrap();
+        assert!(started < 60.0, "seed {seed}: {started}");
+        // The attitude at the start, and all that comes after.
+        let first = seen.epochs[0];
+        for i in 6..9 {
+            assert!(
+                first.error[i].abs() < 4.0 * first.std[i],
+                "seed {seed}, axis {i}: {first:?}"
+            );
+        }
+        let worst = seen.most(started + 10.0, 90.0, |epoch| {
+            epoch.heading().0 / epoch.heading().1
+        });
+        assert!(worst < 4.0, "seed {seed}: {worst}");
+        assert!(seen.last().heading().1 < 2.0 * DEG);
+    }
+}
+
+/// Without turns and changes of speed there is no heading to find, and none is made up.
+#[test]
+fn steady_motion_by_positions_alone_does_not_start() {
+    let mut scenario = drive(1, 0.0);
+    let straight = Scenario::of(
+        scenario.settings.sensors,
+        &Trajectory::straight(1.2, 2.0, 90.0),
+        &receiver(),
+        1,
+    );
+    scenario.log = straight.log;
+    for fix in &mut scenario.log.gnss {
+        fix.velocity = None;
+    }
+    assert!(scenario.try_navigate().is_none());
+}
