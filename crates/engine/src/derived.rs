@@ -1,6 +1,5 @@
 //! What a fix says of the antenna: its place, and its velocity where the receiver reports positions only.
 
-use crate::median::median;
 use alloc::{collections::VecDeque, vec::Vec};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
@@ -101,8 +100,10 @@ fn slope(places: &[(f64, Geodetic)]) -> Option<DerivedVelocity> {
     })
 }
 
-/// Of χ²(1), the median.
-const MEDIAN: f64 = 0.455;
+/// Share of the squares that are taken to be no outliers, and that quantile of χ²(1): a median would be that of a rest,
+/// where there was one for half of the time.
+const SHARE: f64 = 0.8;
+const QUANTILE: f64 = 1.642;
 /// Steps that third differences need to be worth something.
 const LEAST_DIFFERENCES: usize = 12;
 /// Even intervals differ by no more than this share.
@@ -110,7 +111,7 @@ const EVEN: f64 = 0.1;
 
 /// Variances of the white part of positions \[m²\] at these times \[s\], at most: from their third differences, whose
 /// variance is 20 times that of each and which motion without a jerk does not enter (as the modified Allan variance's
-/// second ones, without speed and acceleration). Medians, so that outliers do not count. `None` of too few even steps.
+/// second ones, without speed and acceleration). Quantiles, so that outliers do not count. `None` of too few even steps.
 pub(crate) fn white_variance(track: &[(f64, Vector3)]) -> Option<Vector3> {
     let mut squares: [Vec<f64>; 3] = Default::default();
     for of in track.windows(4) {
@@ -125,7 +126,13 @@ pub(crate) fn white_variance(track: &[(f64, Vector3)]) -> Option<Vector3> {
         }
     }
     let enough = squares[0].len() >= LEAST_DIFFERENCES;
-    enough.then(|| Vector3::from_fn(|i, _| median(&squares[i]) / (20.0 * MEDIAN)))
+    let last = (SHARE * squares[0].len() as f64) as usize;
+    enough.then(|| {
+        Vector3::from_fn(|i, _| {
+            squares[i].sort_unstable_by(f64::total_cmp);
+            squares[i][last] / (20.0 * QUANTILE)
+        })
+    })
 }
 
 /// Fixes of which none has a velocity, with the slope of the positions about each one: for what may look ahead. Slopes that
@@ -230,9 +237,9 @@ mod tests {
         };
         let white = white_variance(&track(40, 0.1, 0.2)).unwrap();
         // To either side in turn: differences of eight times as much.
-        let expected = 64.0 * 0.01 / (20.0 * MEDIAN);
+        let expected = 64.0 * 0.01 / (20.0 * QUANTILE);
         assert!((white.z / expected - 1.0).abs() < 1e-9, "{white}");
-        let jerk = (0.06f64 * 0.008).powi(2) / (20.0 * MEDIAN);
+        let jerk = (0.06f64 * 0.008).powi(2) / (20.0 * QUANTILE);
         assert!(white.x < 1e-20 && (white.y / jerk - 1.0).abs() < 1e-6);
         // Fifteen positions make twelve differences.
         assert!(white_variance(&track(15, 0.1, 0.2)).is_some());

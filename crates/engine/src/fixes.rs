@@ -71,6 +71,8 @@ const MAD: f64 = 1.4826;
 const MOST: usize = 20_000;
 /// Fixes that a study needs: fewer carry no information.
 const LEAST: usize = 80;
+/// The same of positions alone.
+const LEAST_POSITIONS: usize = 20;
 /// Pairs of fixes for a mean square to be worth something.
 const LEAST_PAIRS: usize = 40;
 /// White noise this many times the stated one is reported to the filter.
@@ -171,7 +173,8 @@ pub fn study(fixes: impl IntoIterator<Item = GnssFix>) -> Option<FixStudy> {
 /// As [`study`], of fixes that repeat none before.
 fn study_track(track: &Track) -> Option<FixStudy> {
     let n = track.time.len();
-    if n < LEAST {
+    let alone = track.velocity.is_empty();
+    if n < if alone { LEAST_POSITIONS } else { LEAST } {
         return None;
     }
     let steps: Vec<f64> = track.time.windows(2).map(|t| t[1] - t[0]).collect();
@@ -179,7 +182,7 @@ fn study_track(track: &Track) -> Option<FixStudy> {
     if interval <= 0.0 || interval.is_nan() {
         return None;
     }
-    if track.velocity.is_empty() {
+    if alone {
         return study_positions(track, interval);
     }
     let stated =

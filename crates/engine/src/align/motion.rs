@@ -67,7 +67,7 @@ const CERTAIN: f64 = 0.2;
 /// Positions that a velocity about one of them is read from lie no further from it than this \[s\].
 const NEAR: f64 = 1.1;
 /// Least share of their stated variance that positions have in the search: nothing is exact.
-const LEAST_SHARE: f64 = 1e-4;
+const LEAST_SHARE: f64 = 0.0025;
 /// Variances of positions in the search, times what their scatter shows: what fits nothing may fit positions whose errors
 /// last for a second, or sensors that shake.
 const LOOSER: [f64; 3] = [1.0, 10.0, 100.0];
@@ -290,7 +290,11 @@ impl MotionAligner {
             accel: (Vector3::zeros(), bias_variances(accel, ACCEL_FLOOR)),
             gyro_noise: noise_of_mean(gyro, 1.0),
             accel_noise: noise_of_mean(accel, 1.0),
-            late: lateness.map(|variance| (0.0, variance)),
+            late: lateness.map(|variance| (-late, variance)),
+            arm: settings
+                .parameters
+                .prior(Parameter::LeverArm)
+                .map_or(0.0, |prior| prior.std * prior.std),
         };
         // Noise larger than stated makes residuals and covariance larger, and a difference mean less.
         let fit = |cost: f64| (cost / (3 * (segments.len() - 1)) as f64).max(1.0);

@@ -77,6 +77,8 @@ pub(super) struct Problem<'a> {
     /// Where the segments have positions in place of velocities: the time by which fixes hold later than the segments
     /// have it, and its variance \[s, s²\].
     pub(super) late: Option<(f64, f64)>,
+    /// There, variance of each component of the lever arm \[m²\].
+    pub(super) arm: f64,
 }
 
 /// The end of a window.
@@ -102,12 +104,13 @@ pub(super) type EndCovariance = SMatrix<f64, 12, 12>;
 /// States of the filter that whitens velocities: velocity in `n` [m/s] and what has wandered in the attitude, body
 /// axes \[rad\].
 const BY_VELOCITY: usize = 6;
-/// States of the filter that whitens positions: those, the position in `n` \[m\], and by how much fixes hold later than
-/// their stamps \[s\].
-const BY_POSITION: usize = 10;
-/// Where its position and its lateness stand.
+/// States of the filter that whitens positions: those, the position in `n` \[m\], by how much fixes hold later than
+/// their stamps \[s\], and what the lever arm lacks, body axes \[m\].
+const BY_POSITION: usize = 13;
+/// Where they stand.
 const PLACE: usize = 6;
 const LATE: usize = 9;
+const ARM: usize = 10;
 
 /// A guess put through the window up to some segment: cost with its linearisation `JᵀJ` and `Jᵀr`, and how far it came.
 struct Linearised<const S: usize> {
@@ -358,15 +361,25 @@ impl Problem<'_> {
                 at.wander[PLACE + i][PLACE + i] = s.fix.variance[i];
             }
             (at.state[LATE], at.wander[LATE][LATE]) = self.late.unwrap_or_default();
+            for i in 0..3 {
+                at.wander[ARM + i][ARM + i] = self.arm;
+            }
+            // The first position is that of the antenna.
+            let c = at.q_nb.to_rotation_matrix().into_inner();
+            for i in 0..3 {
+                for j in 0..3 {
+                    at.wander[PLACE + i][ARM + j] = -c[(i, j)] * self.arm;
+                    at.wander[ARM + j][PLACE + i] = -c[(i, j)] * self.arm;
+                }
+                at.wander[PLACE + i][PLACE + i] += self.arm;
+            }
             return;
         }
-        let moving = at.v_n();
+        let (moving, c) = (at.v_n(), at.q_nb.to_rotation_matrix().into_inner());
         for i in 0..3 {
-            at.update(
-                [(PLACE + i, 1.0), (LATE, moving[i])],
-                place[i],
-                s.fix.variance[i],
-            );
+            let arm = [0, 1, 2].map(|j| (ARM + j, c[(i, j)]));
+            let weighed = [(PLACE + i, 1.0), (LATE, moving[i]), arm[0], arm[1], arm[2]];
+            at.update(weighed, place[i], s.fix.variance[i]);
         }
     }
 

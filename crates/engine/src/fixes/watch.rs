@@ -1,12 +1,14 @@
 //! What fixes show of themselves, as they come: looked at after a minute, each time when that time has doubled, and
 //! at the end.
 
-use super::{FixStudy, LEAST, MOST, Seen, Track, study_track};
+use super::{FixStudy, LEAST, LEAST_POSITIONS, MOST, Seen, Track, study_track};
 use alloc::{sync::Arc, vec::Vec};
 use undrift_nav::sample::GnssFix;
 
 /// They are looked at after this time \[s\], and whenever it has doubled.
 const FIRST_SPAN: f64 = 60.0;
+/// Positions alone, whose scatter shows soon, after this time \[s\].
+const FIRST_SPAN_OF_POSITIONS: f64 = 10.0;
 /// Fixes of a block: a copy of the watch shares full ones.
 const BLOCK: usize = 64;
 
@@ -18,6 +20,8 @@ pub(crate) struct FixWatch {
     last: Vec<Seen>,
     /// First stamp \[s\].
     first: Option<f64>,
+    /// Whether one had a velocity.
+    by_velocity: bool,
     /// After which span they were looked at last \[s\].
     looked: f64,
 }
@@ -29,13 +33,19 @@ impl FixWatch {
         if count >= MOST {
             return None;
         }
-        self.last.push(Seen::of(fix)?);
+        let seen = Seen::of(fix)?;
+        self.by_velocity |= seen.velocity.is_some();
+        self.last.push(seen);
         if self.last.len() == BLOCK {
             self.full.push(self.last.drain(..).collect());
         }
         let first = *self.first.get_or_insert(fix.time);
         let span = fix.time - first;
-        if span < FIRST_SPAN.max(2.0 * self.looked) || count < LEAST {
+        let (first, least) = match self.by_velocity {
+            true => (FIRST_SPAN, LEAST),
+            false => (FIRST_SPAN_OF_POSITIONS, LEAST_POSITIONS),
+        };
+        if span < first.max(2.0 * self.looked) || count < least {
             return None;
         }
         self.looked = span;

@@ -18,6 +18,7 @@ fn problem(segments: &[Segment]) -> Problem<'_> {
         gyro_noise: GYRO_NOISE,
         accel_noise: ACCEL_NOISE,
         late: None,
+        arm: 0.0,
     }
 }
 
