@@ -58,12 +58,8 @@ const RATE_FLOOR: f64 = 1e-4;
 const TILT_BEFORE: f64 = 0.5;
 /// Side slip of a vehicle and error of a course, one standard deviation \[rad\].
 const COURSE_FLOOR: f64 = 0.035;
-/// A course with a larger standard deviation does not serve as heading \[rad\] …
-const COURSE_GOOD: f64 = 0.1;
-/// … or, where changes of velocity have not given a better one for [`COURSE_WAIT`], with this one.
+/// A course with a larger standard deviation does not serve as heading \[rad\].
 const COURSE_WORST: f64 = 0.52;
-/// For so long \[s\].
-const COURSE_WAIT: f64 = 30.0;
 /// Fixes further apart than this are not a pair \[s\].
 const PAIR_SPAN: f64 = 2.5;
 
@@ -102,8 +98,6 @@ pub(crate) struct Aligner {
     /// Stamp of the sample that `motion` had last \[s\].
     given: Option<f64>,
     omega_b: Vector3,
-    /// Since when a course could be the heading, if a bad one \[s\].
-    course_since: Option<f64>,
     last_fix: Option<(f64, Geodetic)>,
     positions: Positions,
     speed: f64,
@@ -271,7 +265,7 @@ impl Aligner {
     }
 
     /// The heading with its standard deviation \[rad\], where it is given or the course says it.
-    fn heading(&mut self, seen: &Seen) -> Option<(f64, f64, HeadingSource)> {
+    fn heading(&self, seen: &Seen) -> Option<(f64, f64, HeadingSource)> {
         let (velocity, covariance) = &seen.velocity;
         let speed = self.speed;
         match self.settings.heading {
@@ -280,12 +274,7 @@ impl Aligner {
                 let course = velocity.y.atan2(velocity.x);
                 let noise = covariance.fixed_view::<2, 2>(0, 0).trace() / 2.0;
                 let std = (noise / (speed * speed) + COURSE_FLOOR * COURSE_FLOOR).sqrt();
-                if std > COURSE_WORST {
-                    return None;
-                }
-                let since = *self.course_since.get_or_insert(seen.time);
-                let serves = std < COURSE_GOOD || seen.time - since > COURSE_WAIT;
-                serves.then_some((course, std, HeadingSource::Course))
+                (std < COURSE_WORST).then_some((course, std, HeadingSource::Course))
             }
             _ => None,
         }

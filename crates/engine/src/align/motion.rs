@@ -74,6 +74,11 @@ const LOOSER: [f64; 3] = [1.0, 10.0, 100.0];
 /// Standard deviation of the time by which positions are late, in those of the filter's: logs of positions alone have
 /// clocks that nothing else compares.
 const LATENESS: f64 = 3.0;
+/// Positions alone have to move for this long \[s\], faster than [`MOVES`]: a receiver's own filter holds them back for
+/// seconds after a rest.
+const LEAST_MOTION: f64 = 15.0;
+/// Speed of a vehicle that moves \[m/s\].
+const MOVES: f64 = 0.5;
 /// Squared residuals for each degree of freedom, at most, where positions may be taken to be looser.
 const CLOSE: f64 = 2.0;
 /// A change of that time that matters no more \[s\].
@@ -82,7 +87,8 @@ const SAME_TIME: f64 = 0.01;
 const MOST_ROUNDS: usize = 6;
 /// Standard deviation of a position that says nothing \[m\].
 const NOTHING: f64 = 1e6;
-/// Biases are no larger than this, in standard deviations of their priors: else motion and fixes do not belong together.
+/// Accelerometer biases are no larger than this, in standard deviations of their prior: else motion and fixes do not belong
+/// together.
 const MOST_BIAS: f64 = 5.0;
 /// Squared residuals for each degree of freedom, at most.
 const FIT: f64 = 10.0;
@@ -269,6 +275,9 @@ impl MotionAligner {
                 within: self.longest,
             });
         }
+        if self.by_velocity() == Some(false) && moving(&segments) < LEAST_MOTION {
+            return Err(MotionFailure::Ambiguous);
+        }
         let [first, last] = [self.fixes.front(), self.fixes.back()];
         let (first, last) = (
             *first.ok_or(MotionFailure::TooFew)?,
@@ -338,14 +347,11 @@ impl MotionAligner {
             late += later;
             seen = self.sightings(looser, late);
         };
-        let priors = [(&guess.gyro, &gyro_prior), (&guess.accel, &problem.accel)];
-        let far = |(bias, (mean, variance)): (&Vector3, &(Vector3, Vector3))| {
-            let off = (bias - mean).component_div(&variance.map(f64::sqrt));
-            off.amax() > MOST_BIAS
-        };
+        let (mean, variance) = &problem.accel;
+        let bias = (guess.accel - mean).component_div(&variance.map(f64::sqrt));
         let looser_yet = self.by_velocity() == Some(false) && looser < LOOSER[2];
         let most = if looser_yet { CLOSE } else { FIT };
-        if fit > most || priors.into_iter().any(far) {
+        if fit > most || bias.amax() > MOST_BIAS {
             return Err(MotionFailure::Misfit(fit));
         }
         let c_nb = end.q_nb.to_rotation_matrix().into_inner();
@@ -485,6 +491,12 @@ fn spread(seen: &[Sighting]) -> f64 {
         (low.inf(&fix.v_n), high.sup(&fix.v_n))
     });
     (high - low).xy().norm()
+}
+
+/// For how long the vehicle moved in a window \[s\].
+fn moving(segments: &[Segment]) -> f64 {
+    let moving = segments.iter().filter(|s| s.fix.v_n.xy().norm() > MOVES);
+    moving.map(|s| s.motion.dt).sum()
 }
 
 /// The filter with what the window says: covariance of velocity, attitude and biases, truth less estimate, and by how much
