@@ -67,7 +67,7 @@ const CERTAIN: f64 = 0.2;
 /// Positions that a velocity about one of them is read from lie no further from it than this \[s\].
 const NEAR: f64 = 1.1;
 /// Least share of their stated variance that positions have in the search: nothing is exact.
-const LEAST_SHARE: f64 = 0.0025;
+const LEAST_SHARE: f64 = 4e-4;
 /// Variances of positions in the search, times what their scatter shows: what fits nothing may fit positions whose errors
 /// last for a second, or sensors that shake.
 const LOOSER: [f64; 3] = [1.0, 10.0, 100.0];

@@ -44,6 +44,8 @@ const ITERATIONS: usize = 20;
 const HEADINGS: usize = 12;
 /// What is known of the first velocity before the positions show it, one standard deviation \[m/s\].
 const UNKNOWN_VELOCITY: f64 = 300.0;
+/// What is known of the first place against that of the first fix, one standard deviation \[m\].
+const UNKNOWN_PLACE: f64 = 1000.0;
 /// Attitudes within this angle are the same minimum \[rad\].
 const SAME: f64 = 0.15;
 
@@ -355,25 +357,12 @@ impl Problem<'_> {
         let place = s.fix.place - at.q_nb * self.lever_arm;
         if first {
             at.state[..3].copy_from_slice(v_n.as_slice());
-            at.state[PLACE..LATE].copy_from_slice(place.as_slice());
-            for i in 0..3 {
-                at.wander[i][i] = UNKNOWN_VELOCITY * UNKNOWN_VELOCITY;
-                at.wander[PLACE + i][PLACE + i] = s.fix.variance[i];
-            }
             (at.state[LATE], at.wander[LATE][LATE]) = self.late.unwrap_or_default();
             for i in 0..3 {
+                at.wander[i][i] = UNKNOWN_VELOCITY * UNKNOWN_VELOCITY;
+                at.wander[PLACE + i][PLACE + i] = UNKNOWN_PLACE * UNKNOWN_PLACE;
                 at.wander[ARM + i][ARM + i] = self.arm;
             }
-            // The first position is that of the antenna.
-            let c = at.q_nb.to_rotation_matrix().into_inner();
-            for i in 0..3 {
-                for j in 0..3 {
-                    at.wander[PLACE + i][ARM + j] = -c[(i, j)] * self.arm;
-                    at.wander[ARM + j][PLACE + i] = -c[(i, j)] * self.arm;
-                }
-                at.wander[PLACE + i][PLACE + i] += self.arm;
-            }
-            return;
         }
         let (moving, c) = (at.v_n(), at.q_nb.to_rotation_matrix().into_inner());
         for i in 0..3 {

@@ -1,11 +1,15 @@
 //! Starts in motion where the fixes are positions alone.
 
 use super::{DEG, Scenario, imu, receiver};
-use crate::align::AttitudeSource;
+use crate::{
+    Navigator,
+    align::{AttitudeSource, Heading},
+    estimator::STAMP_ROUNDING,
+};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::parameters::{Parameter, Parameters, Prior};
-use undrift_simulate::{GnssNoise, Trajectory};
+use undrift_simulate::{GnssNoise, Profile, Trajectory};
 
 /// A slow robot that winds its way from the first sample on: 1.2 m/s, 35 deg/s to either side.
 fn winding(seconds: f64) -> Trajectory {
@@ -40,7 +44,7 @@ fn drive(seed: u64, late: f64) -> Scenario {
 
 #[test]
 fn positions_alone_align_what_never_stood() {
-    for (seed, late) in [(1, 0.0), (2, 0.15), (3, -0.1)] {
+    for (seed, late) in [(1, 0.0), (2, 0.15), (3, -0.1), (4, 0.35)] {
         let seen = drive(seed, late).navigate();
         let alignment = seen.summary.alignment.unwrap();
         assert!(matches!(alignment.source, AttitudeSource::Motion { .. }));
@@ -60,6 +64,56 @@ fn positions_alone_align_what_never_stood() {
         assert!(worst < 4.0, "seed {seed}: {worst}");
         assert!(seen.last().heading().1 < 2.0 * DEG);
     }
+}
+
+/// The last of the window's fixes hold after its end, or long before it: the filter takes up those that the window did not
+/// have, each at its own time.
+#[test]
+fn the_time_by_which_positions_are_late_is_found_with_the_attitude() {
+    for late in [-0.2, 0.35] {
+        let scenario = drive(5, late);
+        let mut navigator = Navigator::new(scenario.settings.clone());
+        let mut fixes = scenario.log.gnss.iter().peekable();
+        for sample in &scenario.log.imu {
+            let until = sample.time + navigator.ahead() + STAMP_ROUNDING;
+            while let Some(fix) = fixes.next_if(|fix| fix.time <= until) {
+                navigator.fix(*fix).unwrap();
+            }
+            navigator.imu(*sample).unwrap();
+            if let Some(filter) = navigator.filter() {
+                let (found, std) = filter.time_offset(Parameter::TimeOffset).unwrap();
+                assert!((found - late).abs() < 4.0 * std, "{late}: {found} ± {std}");
+                assert!(std < 0.06, "{std}");
+                break;
+            }
+        }
+        assert!(navigator.filter().is_some());
+    }
+}
+
+#[test]
+fn positions_alone_have_to_move_for_fifteen_seconds() {
+    let mut scenario = drive(1, 0.0);
+    let mut motion = winding(90.0);
+    motion.speed = Profile::hold(0.0);
+    motion.speed.step_to(30.0, 1.0, 1.2);
+    scenario.log = Scenario::of(scenario.settings.sensors, &motion, &receiver(), 1).log;
+    scenario.settings.align.heading = Heading::Auto;
+    for fix in &mut scenario.log.gnss {
+        fix.velocity = None;
+    }
+    let started = scenario.navigate().summary.started.unwrap();
+    assert!(started > 45.0, "{started}");
+}
+
+/// Ten standard deviations of its prior: whatever attitude explains that, it is none.
+#[test]
+fn an_accelerometer_that_is_far_off_aligns_nothing() {
+    let mut scenario = drive(1, 0.0);
+    for sample in &mut scenario.log.imu {
+        sample.dvel.x += 3.0 * sample.dt;
+    }
+    assert!(scenario.try_navigate().is_none());
 }
 
 /// Without turns and changes of speed there is no heading to find, and none is made up.
