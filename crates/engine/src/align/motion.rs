@@ -60,8 +60,10 @@ const RIVAL: f64 = 25.0;
 const GOOD: f64 = 0.017;
 /// After so long without a start \[s\] it may be larger …
 const PATIENT: f64 = 20.0;
-/// … by so much for each second more \[rad/s\]: 3 deg after a minute …
+/// … by so much for each second more \[rad/s\] …
 const LENIENT: f64 = 0.0009;
+/// … up to 3 deg after a minute, and from four minutes on further \[s\]: windows that say little have wrong minima, too …
+const PLATEAU: [f64; 2] = [60.0, 240.0];
 /// … and never larger than this \[rad\].
 const CERTAIN: f64 = 0.2;
 /// Positions that a velocity about one of them is read from lie no further from it than this \[s\].
@@ -362,6 +364,7 @@ impl MotionAligner {
         if worst.is_nan() || worst > CERTAIN {
             return Err(MotionFailure::Uncertain(worst));
         }
+        let waited = waited.min(PLATEAU[0]) + (waited - PLATEAU[1]).max(0.0);
         let enough = GOOD + LENIENT * (waited - PATIENT).max(0.0);
         if worst > enough {
             if last.time - first.time < LONGEST {
