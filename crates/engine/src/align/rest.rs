@@ -1,6 +1,6 @@
 //! Rest, told by block means that agree, and the level and gyro bias that it gives.
 
-use super::basis::noise_of_mean;
+use super::basis::{bias_variances, noise_of_mean};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{Vector3, shaping::ShapingFilter};
@@ -26,6 +26,8 @@ const SIGMAS: f64 = 5.0;
 const RATE: f64 = 0.003;
 /// The same of the mean specific force \[m/s²\].
 const FORCE: f64 = 0.05;
+/// What reads more than [`SIGMAS`] times the bias of a gyro switched on, at least this one \[rad/s\], turns on the spot.
+const BIAS_FLOOR: f64 = 0.02;
 
 /// Tells rest by comparing block means, and keeps what it says.
 #[derive(Clone, Default)]
@@ -34,6 +36,8 @@ pub(super) struct Rest {
     /// Tolerances of a block's means [rad/s, m/s²].
     rate_tolerance: f64,
     force_tolerance: f64,
+    /// Largest mean rates of a rest \[rad/s\].
+    most_rate: Vector3,
     /// Blocks needed for the noise of the means to be small.
     needed: u32,
     /// Sums of the present block.
@@ -61,6 +65,7 @@ impl Rest {
         Self {
             rate_tolerance: RATE + SIGMAS * noise_of_mean(gyro, BLOCK).sqrt(),
             force_tolerance: FORCE + SIGMAS * noise_of_mean(accel, BLOCK).sqrt(),
+            most_rate: bias_variances(gyro, BIAS_FLOOR).map(f64::sqrt) * SIGMAS,
             needed: (needed as u32).clamp(FEWEST_BLOCKS, MOST_BLOCKS),
             ..Self::default()
         }
@@ -95,6 +100,9 @@ impl Rest {
     /// so rate and force must be those of the rest before, unless GNSS has said for a while that the
     /// vehicle stands.
     pub(super) fn holds(&self, stands: Option<bool>) -> bool {
+        if (self.mean_rate.abs() - self.most_rate).max() > 0.0 {
+            return false;
+        }
         let steady = self.bias_blocks == 0 || (self.is_steady() && self.force_is_as_before());
         let needed = match (stands, steady) {
             (Some(false), _) | (None, false) => return false,

@@ -25,13 +25,17 @@ fn winding(seconds: f64) -> Trajectory {
 /// An IMU just switched on, 0.3 deg/s and 30 mg, positions of 5 cm ten times a second that hold `late` \[s\] after their
 /// stamps, nothing known of the attitude.
 fn drive(seed: u64, late: f64) -> Scenario {
+    along(&winding(90.0), seed, late)
+}
+
+fn along(motion: &Trajectory, seed: u64, late: f64) -> Scenario {
     let noise = GnssNoise {
         position_std: [0.05; 3],
         rate_hz: 10.0,
         ..receiver()
     };
     let sensors = imu([5e-3 * DEG, 0.3 * DEG], [1e-3, 0.3]);
-    let mut scenario = Scenario::of(sensors, &winding(90.0), &noise, seed);
+    let mut scenario = Scenario::of(sensors, motion, &noise, seed);
     scenario.settings.align.attitude = None;
     scenario.settings.parameters =
         Parameters::none().with(Parameter::TimeOffset, Prior::constant(0.1));
@@ -91,17 +95,14 @@ fn the_time_by_which_positions_are_late_is_found_with_the_attitude() {
     }
 }
 
+/// Half a minute of turns on the spot, steady for two seconds each, which are no rest, then the winding way.
 #[test]
 fn positions_alone_have_to_move_for_fifteen_seconds() {
-    let mut scenario = drive(1, 0.0);
     let mut motion = winding(90.0);
     motion.speed = Profile::hold(0.0);
     motion.speed.step_to(30.0, 1.0, 1.2);
-    scenario.log = Scenario::of(scenario.settings.sensors, &motion, &receiver(), 1).log;
+    let mut scenario = along(&motion, 1, 0.0);
     scenario.settings.align.heading = Heading::Auto;
-    for fix in &mut scenario.log.gnss {
-        fix.velocity = None;
-    }
     let started = scenario.navigate().summary.started.unwrap();
     assert!(started > 45.0, "{started}");
 }
@@ -119,16 +120,6 @@ fn an_accelerometer_that_is_far_off_aligns_nothing() {
 /// Without turns and changes of speed there is no heading to find, and none is made up.
 #[test]
 fn steady_motion_by_positions_alone_does_not_start() {
-    let mut scenario = drive(1, 0.0);
-    let straight = Scenario::of(
-        scenario.settings.sensors,
-        &Trajectory::straight(1.2, 2.0, 90.0),
-        &receiver(),
-        1,
-    );
-    scenario.log = straight.log;
-    for fix in &mut scenario.log.gnss {
-        fix.velocity = None;
-    }
+    let scenario = along(&Trajectory::straight(1.2, 2.0, 90.0), 1, 0.0);
     assert!(scenario.try_navigate().is_none());
 }
