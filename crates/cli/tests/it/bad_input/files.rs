@@ -159,7 +159,7 @@ fn a_file_that_breaks_off() {
 #[test]
 fn two_files_in_one() {
     let text = imu_text();
-    let message = refusal("twice", format!("{text}{text}").as_bytes());
+    let message = refusal("two_files_in_one", format!("{text}{text}").as_bytes());
     says(
         &message,
         &[
