@@ -229,7 +229,7 @@ mod tests {
         let track = |count: u32, wobble: f64, step: f64| -> Vec<(f64, Vector3)> {
             let at = |k: u32| {
                 let t = step * f64::from(k);
-                let side = if k % 2 == 0 { wobble } else { -wobble };
+                let side = if k.is_multiple_of(2) { wobble } else { -wobble };
                 let place = Vector3::new(5.0 * t + 2.0 * t * t, 0.01 * t.powi(3), side);
                 (t, place)
             };
@@ -249,7 +249,7 @@ mod tests {
         let mut at = 0;
         uneven.retain(|_| {
             at += 1;
-            at % 3 != 0
+            at % 3 > 0
         });
         assert!(white_variance(&uneven).is_none());
     }
