@@ -14,6 +14,7 @@ mod rest;
 mod result;
 mod segments;
 pub(crate) mod settings;
+mod sightings;
 mod wahba;
 
 pub(crate) use clocks::compare;

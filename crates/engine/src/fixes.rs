@@ -15,8 +15,10 @@
 //! Positions alone show their white part in their third differences ([`white_variance`]). What else they state lasts, and
 //! for how long they cannot show.
 
+mod track;
 mod watch;
 
+use track::{Seen, Track};
 pub(crate) use watch::FixWatch;
 
 use crate::{
@@ -25,13 +27,13 @@ use crate::{
     median::median,
     settings::fix_errors::{Correlated, FixErrors, FromFixes},
 };
-use alloc::{vec, vec::Vec};
+use alloc::vec::Vec;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{
     Vector3,
     parameters::{Parameter, Parameters},
-    sample::{GnssFix, Position},
+    sample::GnssFix,
 };
 
 /// What the fixes of a log are like.
@@ -114,49 +116,6 @@ const MOVES: f64 = 3.0;
 const ALONG: f64 = 2.0;
 /// Steps whose variance is below this share of the stated one are how numbers are written.
 const STEP_SHARE: f64 = 0.25;
-
-/// What is looked at of a fix.
-#[derive(Clone, Copy)]
-#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
-struct Seen {
-    time: f64,
-    position: Position,
-    /// Stated variances of the position.
-    stated: Vector3,
-    /// The velocity and its stated variances.
-    velocity: Option<(Vector3, Vector3)>,
-}
-
-impl Seen {
-    /// Of a fix with a position.
-    fn of(fix: &GnssFix) -> Option<Self> {
-        let (position, r) = fix.position?;
-        let seen = Self {
-            time: fix.time,
-            position,
-            stated: r.diagonal(),
-            velocity: fix.velocity.map(|(v_n, r)| (v_n, r.diagonal())),
-        };
-        let usable = |r: &Vector3| r.iter().all(|r| *r > 0.0 && r.is_finite());
-        let moves = seen.velocity.as_ref();
-        (usable(&seen.stated) && moves.is_none_or(|(_, r)| usable(r))).then_some(seen)
-    }
-}
-
-/// Fixes in order of time: those with position and velocity, or, where none has a velocity, all with a position.
-#[derive(Default)]
-struct Track {
-    time: Vec<f64>,
-    /// Position against the first \[m\].
-    place: Vec<Vector3>,
-    velocity: Vec<Vector3>,
-    /// Stated variances of position and velocity.
-    stated: Vec<Vector3>,
-    stated_velocity: Vec<Vector3>,
-    /// Coordinates as they are written [rad or m], and metres a unit.
-    written: Vec<Vector3>,
-    metres: Vector3,
-}
 
 /// Looks into the first fixes of a log; `None` where there are too few.
 pub fn study(fixes: impl IntoIterator<Item = GnssFix>) -> Option<FixStudy> {
@@ -273,64 +232,6 @@ fn study_positions(track: &Track, interval: f64) -> Option<FixStudy> {
         velocity_late: None,
         errors,
     })
-}
-
-impl Track {
-    fn of<'a>(fixes: impl Iterator<Item = &'a Seen> + Clone) -> Self {
-        let by_velocity = fixes.clone().any(|fix| fix.velocity.is_some());
-        let mut track = Self::default();
-        let mut before: Option<(Position, Vector3)> = None;
-        for fix in fixes.filter(|fix| fix.velocity.is_some() == by_velocity) {
-            let (place, written, metres) = match (fix.position, before) {
-                (Position::Geodetic(here), last) => {
-                    let place = match last {
-                        Some((Position::Geodetic(last), place)) => place + last.offset_to(&here),
-                        _ => Vector3::zeros(),
-                    };
-                    let unit = undrift_nav::earth::Geodetic {
-                        lat: here.lat + 1e-6,
-                        lon: here.lon + 1e-6,
-                        height: here.height,
-                    };
-                    let mut metres = here.offset_to(&unit) * 1e6;
-                    metres.z = 1.0;
-                    (place, Vector3::new(here.lat, here.lon, here.height), metres)
-                }
-                (Position::Baseline { ned, .. }, _) => (ned, ned, Vector3::repeat(1.0)),
-            };
-            before = Some((fix.position, place));
-            track.time.push(fix.time);
-            track.place.push(place);
-            track.stated.push(fix.stated);
-            if let Some((v_n, stated)) = fix.velocity {
-                track.velocity.push(v_n);
-                track.stated_velocity.push(stated);
-            }
-            track.written.push(written);
-            track.metres = metres;
-        }
-        track
-    }
-
-    /// Positions less the integral of the velocities \[m\], with the four-point rule where intervals are even
-    /// (Abramowitz & Stegun 25.4.15).
-    fn less_velocity(&self, interval: f64) -> Vec<Vector3> {
-        let (t, v) = (&self.time, &self.velocity);
-        let even = |k: usize| ((t[k + 1] - t[k]) / interval - 1.0).abs() < 0.1;
-        let mut integral = Vector3::zeros();
-        let mut out = vec![self.place[0]];
-        for k in 0..t.len() - 1 {
-            let dt = t[k + 1] - t[k];
-            let sum = if k > 0 && k + 2 < t.len() && even(k - 1) && even(k) && even(k + 1) {
-                ((v[k] + v[k + 1]) * 13.0 - v[k - 1] - v[k + 2]) / 24.0
-            } else {
-                (v[k] + v[k + 1]) * 0.5
-            };
-            integral += sum * dt;
-            out.push(self.place[k + 1] - integral);
-        }
-        out
-    }
 }
 
 /// The axis with the median of the values, or the least, and its value.

@@ -8,12 +8,13 @@
 use super::{
     basis::{bias_variances, noise_of_mean},
     result::MotionFailure,
-    segments::{Segment, Sighting, segments},
+    segments::{Segment, segments},
+    sightings::{Sighting, by_velocity, moving, sightings, spread},
     wahba::{EndCovariance, Guess, Problem},
 };
 use crate::{
-    derived::{antenna, white_variance},
-    estimator::{self, Estimator, STAMP_ROUNDING},
+    derived::antenna,
+    estimator::{self, Estimator},
     settings::Settings,
 };
 use alloc::collections::VecDeque;
@@ -66,10 +67,6 @@ const LENIENT: f64 = 0.0009;
 const PLATEAU: [f64; 2] = [60.0, 240.0];
 /// … and never larger than this \[rad\].
 const CERTAIN: f64 = 0.2;
-/// Positions that a velocity about one of them is read from lie no further from it than this \[s\].
-const NEAR: f64 = 1.1;
-/// Least share of their stated variance that positions have in the search: nothing is exact.
-const LEAST_SHARE: f64 = 4e-4;
 /// Variances of positions in the search, times what their scatter shows: what fits nothing may fit positions whose errors
 /// last for a second, or sensors that shake.
 const LOOSER: [f64; 3] = [1.0, 10.0, 100.0];
@@ -79,16 +76,12 @@ const LATENESS: f64 = 3.0;
 /// Positions alone have to move for this long \[s\], faster than [`MOVES`]: a receiver's own filter holds them back for
 /// seconds after a rest.
 const LEAST_MOTION: f64 = 15.0;
-/// Speed of a vehicle that moves \[m/s\].
-const MOVES: f64 = 0.5;
 /// Squared residuals for each degree of freedom, at most, where positions may be taken to be looser.
 const CLOSE: f64 = 2.0;
 /// A change of that time that matters no more \[s\].
 const SAME_TIME: f64 = 0.01;
 /// Searches about a time by which positions are late, at most.
 const MOST_ROUNDS: usize = 6;
-/// Standard deviation of a position that says nothing \[m\].
-const NOTHING: f64 = 1e6;
 /// Accelerometer biases are no larger than this, in standard deviations of their prior: else motion and fixes do not belong
 /// together.
 const MOST_BIAS: f64 = 5.0;
@@ -198,7 +191,7 @@ impl MotionAligner {
         if fix.position.is_none() || self.samples.is_empty() {
             return None;
         }
-        match self.by_velocity() {
+        match by_velocity(&self.fixes) {
             // Positions alone between fixes that have a velocity.
             Some(true) if fix.velocity.is_none() => return None,
             Some(false) if fix.velocity.is_some() => {
@@ -229,7 +222,7 @@ impl MotionAligner {
         let found = looser.find_map(|looser| {
             let found = self.search(settings, rest, looser);
             let misfit = matches!(found, Err(MotionFailure::Misfit(_)));
-            let last = looser == LOOSER[2] || self.by_velocity() == Some(true);
+            let last = looser == LOOSER[2] || by_velocity(&self.fixes) == Some(true);
             (last || !misfit).then_some(found)
         });
         match found.unwrap_or(Err(MotionFailure::TooFew)) {
@@ -259,7 +252,7 @@ impl MotionAligner {
         looser: f64,
     ) -> Result<AlignedInMotion, MotionFailure> {
         let begun = self.solved.map_or(0.0, |solved| solved.late);
-        let mut seen = self.sightings(looser, begun);
+        let mut seen = sightings(&self.fixes, looser, begun);
         let spread = spread(&seen);
         self.spread = self.spread.max(spread);
         let (gyro, accel) = settings.sensors.split_at(3);
@@ -277,7 +270,7 @@ impl MotionAligner {
                 within: self.longest,
             });
         }
-        if self.by_velocity() == Some(false) && moving(&segments) < LEAST_MOTION {
+        if by_velocity(&self.fixes) == Some(false) && moving(&segments) < LEAST_MOTION {
             return Err(MotionFailure::Ambiguous);
         }
         let [first, last] = [self.fixes.front(), self.fixes.back()];
@@ -286,7 +279,7 @@ impl MotionAligner {
             *last.ok_or(MotionFailure::TooFew)?,
         );
         let place = antenna(&first).ok_or(MotionFailure::TooFew)?;
-        let lateness = (self.by_velocity() == Some(false)).then(|| {
+        let lateness = (by_velocity(&self.fixes) == Some(false)).then(|| {
             let prior = settings.parameters.prior(Parameter::TimeOffset);
             prior.map_or(0.0, |prior| LATENESS * LATENESS * prior.std * prior.std)
         });
@@ -347,11 +340,11 @@ impl MotionAligner {
                 break (solution, end, fit(solution.cost));
             }
             late += later;
-            seen = self.sightings(looser, late);
+            seen = sightings(&self.fixes, looser, late);
         };
         let (mean, variance) = &problem.accel;
         let bias = (guess.accel - mean).component_div(&variance.map(f64::sqrt));
-        let looser_yet = self.by_velocity() == Some(false) && looser < LOOSER[2];
+        let looser_yet = by_velocity(&self.fixes) == Some(false) && looser < LOOSER[2];
         let most = if looser_yet { CLOSE } else { FIT };
         if fit > most || bias.amax() > MOST_BIAS {
             return Err(MotionFailure::Misfit(fit));
@@ -407,70 +400,6 @@ impl MotionAligner {
         })
     }
 
-    /// Whether the fixes of the window have velocities; `None` without fixes.
-    fn by_velocity(&self) -> Option<bool> {
-        self.fixes.front().map(|fix| fix.velocity.is_some())
-    }
-
-    /// What the fixes of the window say. Positions hold `late` \[s\] after their stamps, those of the future left out, and
-    /// have the variance that they show by their scatter times `looser`, at most what they state; the last sighting says
-    /// nothing but the time of the window's end.
-    fn sightings(&self, looser: f64, late: f64) -> Vec<Sighting> {
-        if self.by_velocity() == Some(true) {
-            let velocity = |fix: &GnssFix| {
-                fix.velocity.map(|(v_n, covariance)| Sighting {
-                    time: fix.time,
-                    v_n,
-                    variance: covariance.diagonal(),
-                    ..Sighting::default()
-                })
-            };
-            return self.fixes.iter().filter_map(velocity).collect();
-        }
-        let Some(first) = self.fixes.front().and_then(antenna) else {
-            return Vec::new();
-        };
-        let position = |fix: &GnssFix| {
-            Some(Sighting {
-                time: fix.time + late,
-                place: first.offset_to(&antenna(fix)?),
-                variance: fix.position?.1.diagonal(),
-                ..Sighting::default()
-            })
-        };
-        let mut seen: Vec<Sighting> = self.fixes.iter().filter_map(position).collect();
-        let track: Vec<(f64, Vector3)> = seen.iter().map(|s| (s.time, s.place)).collect();
-        // What is common to all of them is no matter here: where it is shown, their white part alone counts.
-        let white = white_variance(&track);
-        let (mut from, mut to) = (0, 0);
-        for (k, of) in seen.iter_mut().enumerate() {
-            while of.time - track[from].0 > NEAR && from < k {
-                from += 1;
-            }
-            while to + 1 < track.len() && (track[to + 1].0 - of.time <= NEAR || to < k) {
-                to += 1;
-            }
-            let ((begin, here), (end, there)) = (track[from], track[to]);
-            if end > begin {
-                of.v_n = (there - here) / (end - begin);
-            }
-            if let Some(white) = white {
-                let least = white.sup(&(of.variance * LEAST_SHARE));
-                of.variance = (least * looser).inf(&of.variance);
-            }
-        }
-        if let Some(last) = self.fixes.back() {
-            seen.retain(|of| of.time < last.time - STAMP_ROUNDING);
-            let end = seen.last().copied().unwrap_or_default();
-            seen.push(Sighting {
-                time: last.time,
-                variance: Vector3::repeat(NOTHING * NOTHING),
-                ..end
-            });
-        }
-        seen
-    }
-
     fn segments(&self, seen: &[Sighting], gyro: &Vector3) -> Vec<Segment> {
         segments(self.samples.iter(), seen.iter(), SPACING, gyro)
     }
@@ -485,21 +414,6 @@ impl MotionAligner {
             other => other,
         }
     }
-}
-
-/// How far apart velocities are over ground: the diagonal of the box that holds them \[m/s\].
-fn spread(seen: &[Sighting]) -> f64 {
-    let wide = Vector3::repeat(f64::INFINITY);
-    let (low, high) = seen.iter().fold((wide, -wide), |(low, high), fix| {
-        (low.inf(&fix.v_n), high.sup(&fix.v_n))
-    });
-    (high - low).xy().norm()
-}
-
-/// For how long the vehicle moved in a window \[s\].
-fn moving(segments: &[Segment]) -> f64 {
-    let moving = segments.iter().filter(|s| s.fix.v_n.xy().norm() > MOVES);
-    moving.map(|s| s.motion.dt).sum()
 }
 
 /// The filter with what the window says: covariance of velocity, attitude and biases, truth less estimate, and by how much

@@ -1,20 +1,9 @@
 //! Motion between fixes, preintegrated.
 
+use super::sightings::Sighting;
 use crate::estimator::STAMP_ROUNDING;
 use alloc::vec::Vec;
 use undrift_nav::{Vector3, preintegration::Preintegrated, sample::ImuSample};
-
-/// What a fix says of the antenna.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Sighting {
-    pub(super) time: f64,
-    /// Velocity [m/s]; where positions are what is measured, about.
-    pub(super) v_n: Vector3,
-    /// Position in `n` against the first \[m\], where that is measured.
-    pub(super) place: Vector3,
-    /// Variances of what is measured.
-    pub(super) variance: Vector3,
-}
 
 /// Motion from the fix before to this one.
 #[derive(Clone, Copy, Debug, Default)]

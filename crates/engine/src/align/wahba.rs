@@ -14,6 +14,8 @@
 //! nothing becomes certain by moving the point of linearisation, as in an extended filter that starts
 //! with a wide heading.
 
+mod whitening;
+
 use super::segments::Segment;
 use alloc::vec::Vec;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -23,8 +25,8 @@ use undrift_nav::{
     Matrix3, Quaternion, Vector3,
     attitude::{from_rotation_vector, skew},
     earth::{Geodetic, LocalEarth},
-    preintegration::Preintegrated,
 };
+use whitening::{ARM, BY_POSITION, BY_VELOCITY, LATE, Linearised, PLACE, Transition, add};
 
 /// Attitude at the start of the window and constant biases in it.
 #[derive(Clone, Copy, Debug)]
@@ -102,156 +104,6 @@ type Information = SMatrix<f64, 9, 9>;
 /// Truth less estimate of velocity in `n` [m/s], attitude in body axes \[rad\], gyro bias [rad/s] and
 /// accelerometer bias [m/s²] at the end of the window: its covariance.
 pub(super) type EndCovariance = SMatrix<f64, 12, 12>;
-
-/// States of the filter that whitens velocities: velocity in `n` [m/s] and what has wandered in the attitude, body
-/// axes \[rad\].
-const BY_VELOCITY: usize = 6;
-/// States of the filter that whitens positions: those, the position in `n` \[m\], by how much fixes hold later than
-/// their stamps \[s\], and what the lever arm lacks, body axes \[m\].
-const BY_POSITION: usize = 13;
-/// Where they stand.
-const PLACE: usize = 6;
-const LATE: usize = 9;
-const ARM: usize = 10;
-
-/// A guess put through the window up to some segment: cost with its linearisation `JᵀJ` and `Jᵀr`, and how far it came.
-struct Linearised<const S: usize> {
-    cost: f64,
-    information: Information,
-    gradient: Unknowns,
-    q_nb: Quaternion,
-    /// The filter's states.
-    state: [f64; S],
-    /// Their errors: the wander's covariance, and the effect of the parameters, column by column.
-    wander: [[f64; S]; S],
-    effect: [[f64; S]; 9],
-}
-
-/// A matrix times a vector. Written out, like all that is done for each segment: it is where an alignment spends its
-/// time, and nalgebra's products of small matrices call a function for each column.
-#[inline(always)]
-fn times(matrix: &Matrix3, x: &[f64; 3]) -> [f64; 3] {
-    let mut product = [0.0; 3];
-    for j in 0..3 {
-        for i in 0..3 {
-            product[i] += matrix[(i, j)] * x[j];
-        }
-    }
-    product
-}
-
-/// Adds to three of a column, from a place on.
-#[inline(always)]
-fn add<const S: usize>(column: &mut [f64; S], from: usize, part: &[f64; 3]) {
-    for i in 0..3 {
-        column[from + i] += part[i];
-    }
-}
-
-/// What a segment does to errors of the states.
-struct Transition {
-    dt: f64,
-    /// From attitude to velocity and to position.
-    lean: [Matrix3; 2],
-    /// The axes along.
-    back: Matrix3,
-}
-
-impl Transition {
-    #[inline(always)]
-    fn carry<const S: usize>(&self, column: &mut [f64; S]) {
-        let turned = [column[3], column[4], column[5]];
-        if S == BY_POSITION {
-            let moved = [0, 1, 2].map(|i| column[i] * self.dt);
-            add(column, PLACE, &moved);
-            add(column, PLACE, &times(&self.lean[1], &turned));
-        }
-        add(column, 0, &times(&self.lean[0], &turned));
-        column[3..6].copy_from_slice(&times(&self.back, &turned));
-    }
-}
-
-impl<const S: usize> Linearised<S> {
-    /// Velocity in `n` \[m/s\].
-    fn v_n(&self) -> Vector3 {
-        Vector3::new(self.state[0], self.state[1], self.state[2])
-    }
-
-    /// What has wandered in the attitude, body axes \[rad\].
-    fn turned(&self) -> Vector3 {
-        Vector3::new(self.state[3], self.state[4], self.state[5])
-    }
-
-    /// Carries wander and effect over a segment: `c` takes its first axes to `n`.
-    #[inline(always)]
-    fn carry(&mut self, motion: &Preintegrated, c: &Matrix3, transition: &Transition) {
-        for column in &mut self.effect {
-            transition.carry(column);
-        }
-        for i in 0..3 {
-            let column = |of: &Matrix3| of.column(i).into();
-            let [by_g, by_a] = [&motion.dvel_by_g, &motion.dvel_by_a];
-            add(&mut self.effect[3 + i], 0, &times(c, &column(by_g)));
-            add(&mut self.effect[3 + i], 3, &column(&motion.turn_by_g));
-            add(&mut self.effect[6 + i], 0, &times(c, &column(by_a)));
-            if S == BY_POSITION {
-                let [by_g, by_a] = [&motion.dpos_by_g, &motion.dpos_by_a];
-                add(&mut self.effect[3 + i], PLACE, &times(c, &column(by_g)));
-                add(&mut self.effect[6 + i], PLACE, &times(c, &column(by_a)));
-            }
-        }
-        let wander = &mut self.wander;
-        // Symmetric: carried on both sides.
-        for _ in 0..2 {
-            for column in &mut *wander {
-                transition.carry(column);
-            }
-            for i in 0..S {
-                for j in 0..i {
-                    (wander[i][j], wander[j][i]) = (wander[j][i], wander[i][j]);
-                }
-            }
-        }
-    }
-
-    /// Updates with a number that measures the sum of states, each times its weight.
-    #[inline(always)]
-    fn update<const K: usize>(&mut self, weighed: [(usize, f64); K], measured: f64, variance: f64) {
-        let (mut row, mut gain, mut residual, mut sum) = ([0.0; 9], [0.0; S], measured, variance);
-        for (state, weight) in weighed {
-            for i in 0..9 {
-                row[i] += weight * self.effect[i][state];
-            }
-            for i in 0..S {
-                gain[i] += weight * self.wander[state][i];
-            }
-            residual -= weight * self.state[state];
-        }
-        for (state, weight) in weighed {
-            sum += weight * gain[state];
-        }
-        for of in &mut gain {
-            *of /= sum;
-        }
-        self.cost += residual * residual / sum;
-        for i in 0..9 {
-            let weighed = row[i] / sum;
-            self.gradient[i] += weighed * residual;
-            for j in 0..9 {
-                self.information[(j, i)] += weighed * row[j];
-            }
-            for j in 0..S {
-                self.effect[i][j] -= gain[j] * row[i];
-            }
-        }
-        for i in 0..S {
-            self.state[i] += gain[i] * residual;
-            for j in 0..S {
-                self.wander[i][j] -= gain[i] * gain[j] * sum;
-            }
-        }
-    }
-}
 
 impl Problem<'_> {
     /// A guess at the start of the window, with the priors of the biases; `gyro` is the mean of the gyro prior.

@@ -1,7 +1,12 @@
 //! What differences of positions say, in closed form.
 
 use super::*;
-use undrift_nav::{Matrix3, earth::Geodetic, sample::FixQuality};
+use alloc::vec;
+use undrift_nav::{
+    Matrix3,
+    earth::Geodetic,
+    sample::{FixQuality, Position},
+};
 
 /// So many fixes a second apart whose errors grow by `step` each: differences of variance one.
 fn steady(time: &[f64], step: Vector3) -> Differences<'_> {

@@ -1,6 +1,6 @@
 //! The linearised window against closed forms and differences.
 
-use super::{super::segments::Sighting, *};
+use super::{super::sightings::Sighting, *};
 use alloc::vec;
 use undrift_nav::{attitude::from_rpy, earth};
 

@@ -1,0 +1,109 @@
+//! What the fixes of a window say of the antenna: velocities, or positions alone.
+
+use super::segments::Segment;
+use crate::{
+    derived::{antenna, white_variance},
+    estimator::STAMP_ROUNDING,
+};
+use alloc::{collections::VecDeque, vec::Vec};
+use undrift_nav::{Vector3, sample::GnssFix};
+
+/// Positions that a velocity about one of them is read from lie no further from it than this \[s\].
+const NEAR: f64 = 1.1;
+/// Least share of their stated variance that positions have in the search: nothing is exact.
+const LEAST_SHARE: f64 = 4e-4;
+/// Standard deviation of a position that says nothing \[m\].
+const NOTHING: f64 = 1e6;
+/// Speed of a vehicle that moves \[m/s\].
+const MOVES: f64 = 0.5;
+
+/// What a fix says of the antenna.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sighting {
+    pub(super) time: f64,
+    /// Velocity [m/s]; where positions are what is measured, about.
+    pub(super) v_n: Vector3,
+    /// Position in `n` against the first \[m\], where that is measured.
+    pub(super) place: Vector3,
+    /// Variances of what is measured.
+    pub(super) variance: Vector3,
+}
+
+/// Whether fixes have velocities; `None` without fixes.
+pub(super) fn by_velocity(fixes: &VecDeque<GnssFix>) -> Option<bool> {
+    fixes.front().map(|fix| fix.velocity.is_some())
+}
+
+/// What the fixes of the window say. Positions hold `late` \[s\] after their stamps, those of the future left out, and
+/// have the variance that they show by their scatter times `looser`, at most what they state; the last sighting says
+/// nothing but the time of the window's end.
+pub(super) fn sightings(fixes: &VecDeque<GnssFix>, looser: f64, late: f64) -> Vec<Sighting> {
+    if by_velocity(fixes) == Some(true) {
+        let velocity = |fix: &GnssFix| {
+            fix.velocity.map(|(v_n, covariance)| Sighting {
+                time: fix.time,
+                v_n,
+                variance: covariance.diagonal(),
+                ..Sighting::default()
+            })
+        };
+        return fixes.iter().filter_map(velocity).collect();
+    }
+    let Some(first) = fixes.front().and_then(antenna) else {
+        return Vec::new();
+    };
+    let position = |fix: &GnssFix| {
+        Some(Sighting {
+            time: fix.time + late,
+            place: first.offset_to(&antenna(fix)?),
+            variance: fix.position?.1.diagonal(),
+            ..Sighting::default()
+        })
+    };
+    let mut seen: Vec<Sighting> = fixes.iter().filter_map(position).collect();
+    let track: Vec<(f64, Vector3)> = seen.iter().map(|s| (s.time, s.place)).collect();
+    // What is common to all of them is no matter here: where it is shown, their white part alone counts.
+    let white = white_variance(&track);
+    let (mut from, mut to) = (0, 0);
+    for (k, of) in seen.iter_mut().enumerate() {
+        while of.time - track[from].0 > NEAR && from < k {
+            from += 1;
+        }
+        while to + 1 < track.len() && (track[to + 1].0 - of.time <= NEAR || to < k) {
+            to += 1;
+        }
+        let ((begin, here), (end, there)) = (track[from], track[to]);
+        if end > begin {
+            of.v_n = (there - here) / (end - begin);
+        }
+        if let Some(white) = white {
+            let least = white.sup(&(of.variance * LEAST_SHARE));
+            of.variance = (least * looser).inf(&of.variance);
+        }
+    }
+    if let Some(last) = fixes.back() {
+        seen.retain(|of| of.time < last.time - STAMP_ROUNDING);
+        let end = seen.last().copied().unwrap_or_default();
+        seen.push(Sighting {
+            time: last.time,
+            variance: Vector3::repeat(NOTHING * NOTHING),
+            ..end
+        });
+    }
+    seen
+}
+
+/// How far apart velocities are over ground: the diagonal of the box that holds them \[m/s\].
+pub(super) fn spread(seen: &[Sighting]) -> f64 {
+    let wide = Vector3::repeat(f64::INFINITY);
+    let (low, high) = seen.iter().fold((wide, -wide), |(low, high), fix| {
+        (low.inf(&fix.v_n), high.sup(&fix.v_n))
+    });
+    (high - low).xy().norm()
+}
+
+/// For how long the vehicle moved in a window \[s\].
+pub(super) fn moving(segments: &[Segment]) -> f64 {
+    let moving = segments.iter().filter(|s| s.fix.v_n.xy().norm() > MOVES);
+    moving.map(|s| s.motion.dt).sum()
+}
