@@ -8,8 +8,8 @@
 use super::{
     basis::{bias_variances, noise_of_mean},
     result::MotionFailure,
-    segments::{Segment, segments},
-    sightings::{Sighting, by_velocity, moving, sightings, spread},
+    segments::{Segment, moving, segments},
+    sightings::{Sighting, by_velocity, sightings, spread},
     wahba::{EndCovariance, Guess, Problem},
 };
 use crate::{

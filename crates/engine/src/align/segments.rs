@@ -5,6 +5,9 @@ use crate::estimator::STAMP_ROUNDING;
 use alloc::vec::Vec;
 use undrift_nav::{Vector3, preintegration::Preintegrated, sample::ImuSample};
 
+/// Speed of a vehicle that moves \[m/s\].
+const MOVES: f64 = 0.5;
+
 /// Motion from the fix before to this one.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Segment {
@@ -59,6 +62,12 @@ pub(super) fn segments<'a>(
         }
     }
     segments
+}
+
+/// For how long the vehicle moved in a window \[s\].
+pub(super) fn moving(segments: &[Segment]) -> f64 {
+    let moving = segments.iter().filter(|s| s.fix.v_n.xy().norm() > MOVES);
+    moving.map(|s| s.motion.dt).sum()
 }
 
 #[cfg(test)]

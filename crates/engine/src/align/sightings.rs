@@ -1,6 +1,5 @@
 //! What the fixes of a window say of the antenna: velocities, or positions alone.
 
-use super::segments::Segment;
 use crate::{
     derived::{antenna, white_variance},
     estimator::STAMP_ROUNDING,
@@ -14,8 +13,6 @@ const NEAR: f64 = 1.1;
 const LEAST_SHARE: f64 = 4e-4;
 /// Standard deviation of a position that says nothing \[m\].
 const NOTHING: f64 = 1e6;
-/// Speed of a vehicle that moves \[m/s\].
-const MOVES: f64 = 0.5;
 
 /// What a fix says of the antenna.
 #[derive(Clone, Copy, Debug, Default)]
@@ -100,10 +97,4 @@ pub(super) fn spread(seen: &[Sighting]) -> f64 {
         (low.inf(&fix.v_n), high.sup(&fix.v_n))
     });
     (high - low).xy().norm()
-}
-
-/// For how long the vehicle moved in a window \[s\].
-pub(super) fn moving(segments: &[Segment]) -> f64 {
-    let moving = segments.iter().filter(|s| s.fix.v_n.xy().norm() > MOVES);
-    moving.map(|s| s.motion.dt).sum()
 }

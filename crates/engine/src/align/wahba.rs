@@ -20,13 +20,15 @@ use super::segments::Segment;
 use alloc::vec::Vec;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SMatrix;
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
     attitude::{from_rotation_vector, skew},
     earth::{Geodetic, LocalEarth},
 };
-use whitening::{ARM, BY_POSITION, BY_VELOCITY, LATE, Linearised, PLACE, Transition, add};
+use whitening::{
+    ARM, BY_POSITION, BY_VELOCITY, Information, LATE, Linearised, PLACE, Transition, Unknowns, add,
+};
 
 /// Attitude at the start of the window and constant biases in it.
 #[derive(Clone, Copy, Debug)]
@@ -96,10 +98,6 @@ pub(super) struct End {
     pub(super) by_position: Option<(Vector3, (f64, f64))>,
     pub(super) covariance: EndCovariance,
 }
-
-/// Attitude error at the start in body axes, gyro bias, accelerometer bias.
-type Unknowns = SVector<f64, 9>;
-type Information = SMatrix<f64, 9, 9>;
 
 /// Truth less estimate of velocity in `n` [m/s], attitude in body axes \[rad\], gyro bias [rad/s] and
 /// accelerometer bias [m/s²] at the end of the window: its covariance.

@@ -1,7 +1,11 @@
 //! The Kalman filter that whitens the residuals of a window, with the parameters' effect beside the data.
 
-use super::{Information, Unknowns};
+use nalgebra::{SMatrix, SVector};
 use undrift_nav::{Matrix3, Quaternion, Vector3, preintegration::Preintegrated};
+
+/// Attitude error at the start in body axes, gyro bias, accelerometer bias.
+pub(super) type Unknowns = SVector<f64, 9>;
+pub(super) type Information = SMatrix<f64, 9, 9>;
 
 /// States of the filter that whitens velocities: velocity in `n` [m/s] and what has wandered in the attitude, body
 /// axes \[rad\].
