@@ -362,15 +362,8 @@ async function navigate(smooth) {
   offer("JSON", () => ["navigate.json", done.files["navigate.json"]]);
 }
 
-// Outages of a length [s] that fit behind the first two minutes of the fixes with half of it between them, at most ten.
-function outages(length) {
-  const fixes = inspected.flatMap(file => file.parts).find(part => part.table === "gnss")?.measured;
-  const span = fixes ? fixes.last_s - fixes.first_s - 120 : Infinity;
-  return Math.max(1, Math.min(10, Math.floor(span / (1.5 * length))));
-}
-
 async function cut(length) {
-  const done = await shown(["outages", "drive.toml", "--length", length, "--count", String(outages(Number(length))), "--start", "120", "--report", "outages.html", "--json", "outages.json"], ["outages.html", "outages.json"], "outages.html");
+  const done = await shown(["outages", "drive.toml", "--length", length, "--report", "outages.html", "--json", "outages.json"], ["outages.html", "outages.json"], "outages.html");
   if (!done) return;
   offer("Report (HTML)", () => ["outages.html", done.files["outages.html"]]);
   offer("JSON", () => ["outages.json", done.files["outages.json"]]);

@@ -40,9 +40,9 @@ pub struct Arguments {
     drive: Vec<PathBuf>,
     #[command(flatten)]
     common: navigate::Common,
-    /// Bias models to compare
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_values = ["white", "paper", "gauss-markov", "random-walk", "ar", "arma"])]
-    bias_models: Vec<BiasModel>,
+    /// Bias models to compare, of white, paper, gauss-markov, random-walk, ar, arma; or all
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "gauss-markov,random-walk,ar,arma", value_parser = bias_models)]
+    bias_models: Vec<Vec<BiasModel>>,
     #[command(flatten)]
     plan: Plan,
     /// Start times of the outages in the GNSS file's time [s], instead of --start, --count and --every
@@ -88,13 +88,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         every,
         start,
     } = arguments.plan;
-    let defaults = Choice::default().plan;
-    let length = length.unwrap_or(defaults.length_s);
-    let from = start.unwrap_or(defaults.start_s);
+    let length = length.unwrap_or(Choice::default().plan.length_s);
+    let models = arguments.bias_models.concat();
     if let Some(path) = &arguments.track {
         track_format(path)?;
     }
-    let asked = Schedule::asked(arguments.at.clone(), every, count, from);
+    let asked = Schedule::asked(arguments.at.clone(), every, count, start);
     let outputs = arguments.result.files().chain(arguments.track.as_deref());
     let (Source { file, drive, .. }, files) =
         navigate::load(&arguments.drive, &arguments.common, outputs)?;
@@ -104,36 +103,31 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(mounting) = &logs.mounting {
         note(sentences::estimated(&sentences::mounting(mounting)));
     }
-    let plan = asked.unwrap_or_else(|| usual(&logs, length, start));
-    let cuts = logs.plan(&plan, length).map_err(refused)?;
-    let outcomes = stage("navigation", || {
-        let total = logs.imu.len() * arguments.bias_models.len();
-        let bar = Bar::new("navigated", total as u64, "samples");
+    let cuts = logs.plan_or_usual(asked, length, start);
+    let cuts = cuts.map_err(refused)?;
+    let experiment = stage("navigation", || {
+        let bar = Bar::new("navigated", logs.samples(models.len()), "samples");
         let done = |more| bar.add(more);
-        logs.run(&arguments.bias_models, &cuts, hindsight, &done)
+        logs.run(&models, &cuts, hindsight, &done)
             .map_err(anyhow::Error::from)
     })?;
-    let mut runs = outcomes.iter().filter_map(|(_, run)| run.as_ref().ok());
+    let mut runs = experiment
+        .runs
+        .iter()
+        .filter_map(|(_, run)| run.as_ref().ok());
     if let Some(found) = runs.find_map(|run| sentences::found(&run.summary.mountings)) {
         note(sentences::estimated(&found));
     }
-    let result = sentences::cut(logs.result(&file, &cuts, &outcomes, hindsight));
+    let result = sentences::cut(logs.result(&file, &experiment));
     print::judge(&result.findings);
     let json = results::text(&result);
     if !arguments.result.write(&files, &json)? {
         say(sentences::verdict(&result.findings))?;
         say(sentences::hindsight(result.look_ahead, result.smooth))?;
-        say(format!(
-            "{} outages of {length} s, reference: {}. Errors inside the outages:\n",
-            cuts.len(),
-            match result.reference.as_str() {
-                "gnss" => "the withheld fixes",
-                _ => "the truth",
-            }
-        ))?;
         say(text::outages(&result, style::heading))?;
     }
-    print::print_troubles(&result);
+    let failed = result.failed.iter();
+    failed.for_each(|(name, why)| warn(format!("{name}: {why}")));
     result.warnings.iter().for_each(warn);
     if let Some(folder) = &arguments.out {
         output::make_folder(folder)?;
@@ -146,24 +140,25 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         )?;
     }
     if let Some(path) = &arguments.track {
-        write_track(path, &logs, &cuts, &file)
+        write_track(path, &logs, &experiment.cuts, &file)
             .with_context(|| format!("cannot write {}", path.display()))?;
     }
     if result.models.is_empty() {
-        bail!(sentences::NO_MODEL);
+        bail!(sentences::no_result(&result.findings));
     }
     Ok(())
 }
 
-/// As many outages as fit, a third of the time without GNSS; the first of them early in a short log.
-fn usual(logs: &Logs, length: f64, start: Option<f64>) -> Schedule {
-    let ends = logs.gnss.first().zip(logs.gnss.last());
-    let span = ends.map_or(0.0, |(first, last)| last.time - first.time);
-    let usual = Choice::default().plan.start_s.min((span / 3.0).round());
-    Schedule::Every {
-        start: start.unwrap_or(usual),
-        every: 3.0 * length,
-        count: None,
+/// The bias models of a name.
+fn bias_models(name: &str) -> Result<Vec<BiasModel>, String> {
+    match name {
+        "all" => Ok(BiasModel::ALL.to_vec()),
+        name => {
+            let model = name.parse::<BiasModel>();
+            model
+                .map(|model| vec![model])
+                .map_err(|error| error.to_string())
+        }
     }
 }
 

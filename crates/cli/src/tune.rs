@@ -3,7 +3,7 @@
 use crate::{
     details,
     drives::{Kept, Source},
-    output::Files,
+    output::{Files, shown},
     progress::Bar,
     report::ResultOutput,
     signals, style,
@@ -119,7 +119,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
     }
     let paths = sources.iter().map(|source| source.file.as_path());
-    let result = found.result(paths.zip(&drives));
+    let mut result = found.result(paths.zip(&drives));
+    result.tuned = arguments.output.as_deref().map(shown);
     if !usable::tune(&result) {
         terminal::doubt();
     }
@@ -141,8 +142,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         // With --data the logs stay there.
         let moved = arguments.data.is_empty() && folder(file).ok() != folder(&to).ok();
         let logs = moved.then(|| folder(file)).transpose()?;
-        let text = tune::file::tuned(&from.text()?, &found, &model, logs.as_deref())
-            .with_context(|| format!("cannot change {}", file.display()))?;
+        let text = match usable::tuned_is_worse(&result) {
+            true => tune::file::unchanged(&from.text()?, logs.as_deref()),
+            false => tune::file::tuned(&from.text()?, &found, &model, logs.as_deref()),
+        };
+        let text = text.with_context(|| format!("cannot change {}", file.display()))?;
         files.write(&to, &text)?;
     }
     Ok(())

@@ -89,7 +89,7 @@ pub fn outages<'py>(
     length: f64,
     count: Option<usize>,
     every: Option<f64>,
-    start: f64,
+    start: Option<f64>,
     at: Option<Vec<f64>>,
     smooth: bool,
     look_ahead: bool,
@@ -99,24 +99,26 @@ pub fn outages<'py>(
         .iter()
         .map(|name| bias_model(name))
         .collect::<PyResult<Vec<_>>>()?;
-    let plan = Schedule::asked(at, every, count, start)
-        .ok_or_else(|| error("specify the outages: count, every or at"))?;
+    let asked = Schedule::asked(at, every, count, start);
     let hindsight = Hindsight::asked(look_ahead, smooth);
     let counted = Progress::default();
     let cut = || {
         let logs = Logs::load(&drive.drive, hindsight).map_err(say::unsolved)?;
-        let cuts = logs.plan(&plan, length)?;
-        counted.of(logs.imu.len() as u64 * kinds.len() as u64);
-        let outcomes = logs.run(&kinds, &cuts, hindsight, &|samples| counted.add(samples))?;
-        let result = say::cut(logs.result(&drive.file, &cuts, &outcomes, hindsight));
-        Ok::<_, Failure>((outcomes, result))
+        let cuts = logs.plan_or_usual(asked, length, start)?;
+        counted.of(logs.samples(kinds.len()));
+        let experiment = logs.run(&kinds, &cuts, hindsight, &|samples| counted.add(samples))?;
+        let result = say::cut(logs.result(&drive.file, &experiment));
+        Ok::<_, Failure>((experiment.runs, result))
     };
     let (outcomes, result) =
         work::run_with(py, progress.as_ref(), &counted, cut)?.map_err(error)?;
     if result.models.is_empty() {
         let failed = result.failed.iter();
         let failed: Vec<String> = failed.map(|(name, why)| format!("{name}: {why}")).collect();
-        let problem = format!("{}: {}", say::NO_MODEL, failed.join("; "));
+        let problem = match failed.as_slice() {
+            [] => say::verdict(&result.findings),
+            failed => format!("{}: {}", say::NO_MODEL, failed.join("; ")),
+        };
         return Err(error(problem));
     }
     let runs = outcomes.into_iter().filter_map(|(_, outcome)| outcome.ok());

@@ -46,7 +46,7 @@ pub fn tune(
         let names: Vec<String> = files.iter().map(|file| results::name(file)).collect();
         let mut warnings = Vec::new();
         for (name, logs) in names.iter().zip(&logs) {
-            let said = say::all(&logs.findings(&[])).into_iter();
+            let said = say::all(&logs.read_findings()).into_iter();
             match drives.len() {
                 1 => warnings.extend(said),
                 _ => warnings.extend(said.map(|sentence| format!("{name}: {sentence}"))),

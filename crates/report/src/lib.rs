@@ -28,7 +28,10 @@ mod tune;
 
 /// Whether the verdict on a result is `usable`, without reservation.
 pub mod usable {
-    pub use crate::{identify::is_usable as identify, tune::is_usable as tune};
+    pub use crate::{
+        identify::is_usable as identify,
+        tune::{is_usable as tune, is_worse as tuned_is_worse},
+    };
 }
 
 pub use crate::figure::panel::{Panel, PlotAxis, Series};

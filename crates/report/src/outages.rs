@@ -103,8 +103,11 @@ fn summary(runs: &[Run<'_, Outages>], models: &[Model<'_>]) -> Option<Section> {
     let of_run = |(name, run): &Run<'_, Outages>| -> Vec<String> {
         let failed = run.failed.iter();
         let failed = failed.map(|(model, why)| format!("{model} could not be run: {why}"));
+        // Of other versions' results alone: it is among the warnings.
         let doubtful = run.models.iter().filter_map(|(model, errors)| {
-            Some(format!("run as {model}, {}", errors.warning.as_ref()?))
+            let why = errors.warning.as_ref()?;
+            let told = |said: &String| said.ends_with(why.as_str());
+            (!run.warnings.iter().any(told)).then(|| format!("run as {model}, {why}"))
         });
         let all = failed.chain(doubtful).chain(run.warnings.iter().cloned());
         all.map(|warning| of_which(name, &warning)).collect()
@@ -131,12 +134,7 @@ fn what_was_done(name: &str, run: &Outages) -> String {
         _ => "On the drive,".into(),
     };
     let lengths: Vec<f64> = run.outages.iter().map(|o| o.length_s.0).collect();
-    let [least, median, most] = [0.0, 0.5, 1.0].map(|share| quantile(&lengths, share));
-    let lengths = if most - least > 0.05 {
-        format!("{} to {}", seconds(least), seconds(most))
-    } else {
-        seconds(median)
-    };
+    let lengths = between(&lengths);
     let solution = match (run.smooth, run.look_ahead) {
         (true, _) => "smoothed solution",
         (false, true) => "solution, which knew the errors of all fixes from the start,",
@@ -145,6 +143,13 @@ fn what_was_done(name: &str, run: &Outages) -> String {
     let reference = match run.reference.as_str() {
         "gnss" => "the withheld fixes",
         _ => "the truth",
+    };
+    let rejected = match run.rejected {
+        0 => String::new(),
+        n => format!(
+            " but for {n} of {} that the run without outages rejects",
+            run.withheld
+        ),
     };
     let model = match drive.model.as_deref().unwrap_or_default() {
         "" => String::new(),
@@ -163,9 +168,18 @@ fn what_was_done(name: &str, run: &Outages) -> String {
     named(
         name,
         &format!(
-            "{what} GNSS was cut {cuts} times for {lengths} s. During the outages the {solution} was compared with {reference}{model}.{date}"
+            "{what} GNSS was cut {cuts} times for {lengths}. During the outages the {solution} was compared with {reference}{rejected}{model}.{date}"
         ),
     )
+}
+
+/// Lengths \[s\] in words.
+fn between(lengths: &[f64]) -> String {
+    let [least, median, most] = [0.0, 0.5, 1.0].map(|share| quantile(lengths, share));
+    match most - least > 0.05 {
+        true => format!("{} to {} s", seconds(least), seconds(most)),
+        false => format!("{} s", seconds(median)),
+    }
 }
 
 /// Seconds without needless digits.
@@ -195,8 +209,16 @@ fn findings(models: &[Model<'_>]) -> Vec<String> {
     let (first, rest) = ranked.split_at(alike);
     let names = spoken_list(&first.iter().map(|m| m.spoken()).collect::<Vec<_>>());
     let together = if alike > 1 { ", equal within 1 %," } else { "" };
+    let (least, with) = match ranked.len() {
+        1 => ("Horizontal drift", names),
+        _ => ("Least horizontal drift", format!("{names}{together} with")),
+    };
+    let with = match ranked.len() {
+        1 => format!("{with} has"),
+        _ => with,
+    };
     let mut found = vec![format!(
-        "Least horizontal drift: {names}{together} with {} m (RMS over the outages of the largest error of each).",
+        "{least}: {with} {} m (RMS over the outages of the largest error of each).",
         short(best.rms())
     )];
     if let Some(second) = rest.first() {
@@ -227,9 +249,44 @@ fn findings(models: &[Model<'_>]) -> Vec<String> {
 /// A statistic of a model's errors over the outages, by component.
 type Statistic = fn(&ModelErrors) -> &Numbers;
 
-/// Table 4 as text: maximum, root mean square and median of each model's largest errors.
+/// For a terminal: what the report concludes, then table 4, maximum, root mean square and median of each model's largest
+/// errors.
 pub fn plain(result: &Outages, mark: Mark) -> String {
     let models = models(&[(String::new(), result)]);
+    let mut lines = vec![cuts(result)];
+    if !models.is_empty() {
+        lines.extend(findings(&models));
+    }
+    lines.push(plain_tables(&models, mark));
+    let lines: Vec<String> = lines.into_iter().filter(|line| !line.is_empty()).collect();
+    lines.join("\n")
+}
+
+/// How many outages of which length, and the reference.
+fn cuts(run: &Outages) -> String {
+    let lengths: Vec<f64> = run.outages.iter().map(|o| o.length_s.0).collect();
+    if lengths.is_empty() {
+        return String::new();
+    }
+    let reference = match (run.reference.as_str(), run.rejected) {
+        ("gnss", 0) => "the withheld fixes".into(),
+        ("gnss", rejected) => format!(
+            "the withheld fixes but for {rejected} of {} that the run without outages rejects",
+            run.withheld
+        ),
+        _ => "the truth".to_owned(),
+    };
+    let count = match run.left_out.len() {
+        0 => lengths.len().to_string(),
+        left_out => format!("{} of {}", lengths.len(), lengths.len() + left_out),
+    };
+    format!(
+        "{count} outages of {}, reference: {reference}",
+        between(&lengths)
+    )
+}
+
+fn plain_tables(models: &[Model<'_>], mark: Mark) -> String {
     let models: Vec<&Model<'_>> = models.iter().collect();
     let statistics: [(&str, Statistic); 3] = [
         ("maximum", |m| &m.max),
@@ -242,6 +299,10 @@ pub fn plain(result: &Outages, mark: Mark) -> String {
         Some(plain_table(&table, mark))
     });
     let tables = Vec::from_iter(tables).join("\n");
+    if tables.is_empty() {
+        return tables;
+    }
+    let tables = format!("\nErrors inside the outages:\n\n{tables}");
     match consistency(&models) {
         Some(table) => format!("{tables}\n{COVERED}\n{}", plain_table(&table, mark)),
         None => tables,

@@ -2,6 +2,7 @@
 //!
 //! A sentence begins with a small letter and has no full stop, so that it can stand after a name.
 
+mod cut;
 mod fill;
 mod fixes;
 mod logs;
@@ -19,8 +20,16 @@ pub use start::{alignment, estimated, found, mounting, unsolved};
 
 use undrift::findings::Finding;
 
-/// Why an experiment with outages has no result.
+/// Why an experiment with outages has no result, where there is an outage.
 pub const NO_MODEL: &str = "no model could be run";
+
+/// Why an experiment with outages has no result.
+pub fn no_result(findings: &[Finding]) -> &'static str {
+    match findings.contains(&Finding::NoOutage) {
+        true => cut::NO_OUTAGE,
+        false => NO_MODEL,
+    }
+}
 
 /// What is wrong with the share of each drive that a tuning holds out, by the name of its option.
 pub fn hold_out(option: &str, share: Option<f64>) -> Option<String> {
@@ -93,11 +102,30 @@ pub fn say(finding: &Finding) -> String {
             angle,
             more,
         } => sensors::heading_off([*start, *end], *angle, *more),
-        F::OptimisticModel { factor } => sensors::optimistic_model(*factor),
-        F::OptimisticDrift { model, inside } => sensors::optimistic_drift(model, *inside),
-        F::CorrelatedInnovations { part, correlation } => {
-            fixes::correlated_innovations(*part, *correlation)
-        }
+        F::OptimisticModel { factor, tuned } => sensors::optimistic_model(*factor, *tuned),
+        F::OptimisticDrift {
+            model,
+            inside,
+            outside,
+            outages,
+            tuned,
+        } => sensors::optimistic_drift(model, *inside, [*outside, *outages], *tuned),
+        F::RejectedReference { fixes, of } => cut::rejected_reference(*fixes, *of),
+        F::OutagesLeftOut {
+            why,
+            outages,
+            of,
+            first,
+        } => cut::left_out(*why, *outages, *of, *first),
+        F::NoOutage => cut::NO_OUTAGE.into(),
+        F::NotRun { models, all } => cut::not_run(models, *all),
+        F::OfModel { model, what } => format!("{model}: {}", say(what)),
+        F::CoversPart { from, to, log } => solution::covers_part([*from, *to], *log),
+        F::CorrelatedInnovations {
+            part,
+            correlation,
+            tuned,
+        } => fixes::correlated_innovations(*part, *correlation, *tuned),
         F::FarParameter {
             parameter,
             value,

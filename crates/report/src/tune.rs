@@ -1,16 +1,16 @@
 //! The report of a tuning: what the drives say of the noise, and what it buys.
 
+mod verdict;
+
 use super::{
     Block, Figure, Panel, PlotAxis, Section, Series, Table,
     numbers::{percent, short, span},
     parts::{Run, capital, prefixed, text},
     plain::{Mark, plain_table},
-    say::usable,
 };
-use undrift::{
-    findings::Severity,
-    results::{Tune, TunedDrift, TunedParameter},
-};
+use undrift::results::{Tune, TunedDrift, TunedParameter};
+use verdict::verdict;
+pub use verdict::{is_usable, is_worse};
 
 /// Shares of a normal distribution inside one, two and three standard deviations.
 const NORMAL: [f64; 3] = [0.6827, 0.9545, 0.9973];
@@ -60,61 +60,6 @@ pub fn plain(tune: &Tune, mark: Mark) -> String {
     .to_owned()
 }
 
-/// Whether it is of use, in a sentence.
-fn verdict(tune: &Tune) -> String {
-    let (severity, why) = judgement(tune);
-    format!("{}: {why}", usable(severity))
-}
-
-/// Whether the verdict is `usable`.
-pub fn is_usable(tune: &Tune) -> bool {
-    judgement(tune).0 == Severity::Note
-}
-
-fn judgement(tune: &Tune) -> (Severity, String) {
-    use Severity::{Note, Unusable, Warning};
-    if let [first, ..] = tune.unaligned.as_slice() {
-        let why = format!(
-            "{first} cannot be aligned with the noise found. Set `attitude` under [initial], or tune on a \
-             longer drive with more turns and changes of speed"
-        );
-        return (Unusable, why);
-    }
-    if tune.stopped {
-        let why = "stopped early and not tested; the noise is the best so far";
-        return (Warning, why.into());
-    }
-    let judged = |length: f64| tune.drift.iter().find(|d| d.length_s.0 == length);
-    let Some(drift) = judged(30.0).or_else(|| tune.drift.last()) else {
-        let why = "not tested, because the drives are too short to hold out outages; tune on longer drives";
-        return (Warning, why.into());
-    };
-    let (low, high) = (drift.ratio_low.0, drift.ratio_high.0);
-    let is_honest = drift.after_within[1].0 >= 0.9;
-    let (severity, found) = match () {
-        () if low > 1.0 => (Unusable, "more drift than before"),
-        () if !tune.converged => (Warning, "the fit has not converged"),
-        () if high < 1.0 && is_honest => (Note, "less drift"),
-        () if high < 1.0 => (Warning, "less drift, but the solution is optimistic"),
-        () if is_honest => (Note, "no significant change of drift"),
-        () => (
-            Warning,
-            "no significant change of drift, and the solution is optimistic",
-        ),
-    };
-    let why = format!(
-        "{found}. {} without GNSS: {} m; before: {} m (ratio {}, 95 % interval {} to {}), over {} held-out outages",
-        span(drift.length_s.0),
-        short(drift.after_m.0),
-        short(drift.before_m.0),
-        short(drift.ratio.0),
-        short(low),
-        short(high),
-        drift.outages
-    );
-    (severity, why)
-}
-
 fn what_was_done(tune: &Tune) -> String {
     let guess = if tune.guessed {
         ", with the noise at rest guessed from the quietest seconds of the first drive"
@@ -138,8 +83,15 @@ fn what_was_done(tune: &Tune) -> String {
     } else {
         "stopped before it converged"
     };
+    let rejected = match tune.rejected {
+        0 => String::new(),
+        n => format!(
+            " {n} of the {} positions there are rejected before and after, so they are no reference.",
+            tune.withheld
+        ),
+    };
     format!(
-        "Start: {}{guess}. {drives}, {} windows without fixes, {} evaluations, {ended}; {unseen}.{}",
+        "Start: {}{guess}. {drives}, {} windows without fixes, {} evaluations, {ended}; {unseen}.{rejected}{}",
         tune.start,
         tune.windows,
         tune.evaluations,
@@ -153,8 +105,9 @@ fn vibration(tune: &Tune) -> String {
         return String::new();
     };
     format!(
-        " White noise that follows the vibration was tried and {}: {} times the drift of constant white noise at {} (95 % interval {} to {}).",
+        " White noise that follows the vibration was {}: the held-out fixes are {} likely with it; {} times the drift of constant white noise at {} (95 % interval {} to {}).",
         if tried.kept { "kept" } else { "rejected" },
+        if tried.kept { "more" } else { "less" },
         short(tried.ratio.0),
         span(tried.length_s.0),
         short(tried.ratio_low.0),
@@ -223,21 +176,43 @@ fn parameters(tune: &Tune) -> Table {
     )
 }
 
-/// What the drives do not tell.
+/// Share of the way to the end of the prior's interval from which on a value is far from what was expected.
+const FAR: f64 = 0.5;
+
+/// What the drives do not determine: near what was expected before, or by chance away from it.
 fn undetermined(tune: &Tune) -> String {
-    let names: Vec<&str> = tune
-        .parameters
-        .iter()
-        .filter(|p| !p.determined)
-        .map(|p| p.name.as_str())
-        .collect();
-    match names.as_slice() {
-        [] => String::new(),
-        names => format!(
-            "Not determined by these drives, so close to their priors: {}.",
+    let is_far = |p: &&TunedParameter| {
+        let off = (p.value.0 / p.prior.0).ln();
+        let bound = if off > 0.0 { p.prior_high } else { p.prior_low };
+        off.abs() > FAR * (bound.0 / p.prior.0).ln().abs()
+    };
+    let open = tune.parameters.iter().filter(|p| !p.determined);
+    let (far, near): (Vec<&TunedParameter>, Vec<_>) = open.partition(is_far);
+    let mut said = Vec::new();
+    if !near.is_empty() {
+        let names: Vec<&str> = near.iter().map(|p| p.name.as_str()).collect();
+        said.push(format!(
+            "Not determined by these drives, so close to what was expected: {}.",
             names.join(", ")
-        ),
+        ));
     }
+    if !far.is_empty() {
+        let value = |p: &TunedParameter, value: f64| short(value * shown(p).0);
+        let named = far.iter().map(|p| {
+            format!(
+                "{} ({}, expected {} to {})",
+                p.name,
+                value(p, p.value.0),
+                value(p, p.prior_low.0),
+                value(p, p.prior_high.0)
+            )
+        });
+        said.push(format!(
+            "Not determined, and far from what was expected: {}.",
+            Vec::from_iter(named).join(", ")
+        ));
+    }
+    said.join(" ")
 }
 
 /// Shares inside so many standard deviations against those of a normal distribution.

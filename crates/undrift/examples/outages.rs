@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
     // As while driving: what has come so far is all that is known.
     let hindsight = Hindsight::Causal;
-    for (name, outcome) in logs.run(&models, &cuts, hindsight, &|_samples| ())? {
+    for (name, outcome) in logs.run(&models, &cuts, hindsight, &|_samples| ())?.runs {
         // One model that fails stops none of the others.
         let errors = match outcome {
             Ok(run) => run.errors,

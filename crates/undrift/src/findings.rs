@@ -2,16 +2,22 @@
 //! log's own time base. Their sentences are made where results are shown.
 
 mod collect;
+mod cut;
+mod weight;
 
 pub use crate::replay::Log;
 pub use collect::{
-    WITHOUT_GNSS, of_accuracy, of_correlation, of_disagreement, of_drift, of_ends, of_fixes,
-    of_health, of_held, of_order, of_scalar, of_skipped, of_temperature, of_timing, with_axes,
+    WITHOUT_GNSS, of_accuracy, of_correlation, of_disagreement, of_ends, of_fixes, of_health,
+    of_held, of_order, of_scalar, of_skipped, of_temperature, of_timing, with_axes,
 };
+pub use cut::of_outages;
+pub use weight::{is_doubtful, of_model, ranked, verdict};
 
-use crate::replay::{Contradiction, FixMend, Lean, Part, RestartCause};
+use crate::{
+    outages::WhyLeftOut,
+    replay::{Contradiction, FixMend, Lean, Part, RestartCause},
+};
 use serde::{Deserialize, Serialize};
-use std::ops::RangeInclusive;
 
 /// How much a finding weighs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -365,6 +371,9 @@ pub enum Finding {
     OptimisticModel {
         /// Times the predicted size.
         factor: f64,
+        /// Whether the noise model was tuned on drives.
+        #[serde(default)]
+        tuned: bool,
     },
     /// Innovations are as large as predicted and do not change from fix to fix: what makes them lasts.
     CorrelatedInnovations {
@@ -372,6 +381,9 @@ pub enum Finding {
         part: Part,
         /// Their autocorrelation from one fix to the next.
         correlation: f64,
+        /// Whether the noise model was tuned on drives.
+        #[serde(default)]
+        tuned: bool,
     },
     /// Errors in outages are larger than predicted.
     OptimisticDrift {
@@ -379,6 +391,58 @@ pub enum Finding {
         model: String,
         /// Share of the position errors inside three predicted standard deviations.
         inside: f64,
+        /// Outages of which more than a tenth lies outside.
+        #[serde(default)]
+        outside: u64,
+        /// Outages.
+        #[serde(default)]
+        outages: u64,
+        /// Whether the noise model was tuned on drives.
+        #[serde(default)]
+        tuned: bool,
+    },
+    /// The run without outages rejects withheld fixes: they are no reference.
+    RejectedReference {
+        /// How many.
+        fixes: u64,
+        /// Of how many withheld ones.
+        of: u64,
+    },
+    /// Outages were left out, as there is nothing to measure in them.
+    OutagesLeftOut {
+        /// Why.
+        why: WhyLeftOut,
+        /// How many.
+        outages: u64,
+        /// Of how many.
+        of: u64,
+        /// Start of the first \[s\].
+        first: f64,
+    },
+    /// No outage is left to measure in.
+    NoOutage,
+    /// Bias models that could not be run.
+    NotRun {
+        /// Which.
+        models: Vec<String>,
+        /// Whether there is no other.
+        all: bool,
+    },
+    /// Of one of several models.
+    OfModel {
+        /// Which.
+        model: String,
+        /// What was found of its run.
+        what: Box<Finding>,
+    },
+    /// The solution covers a part of the log only.
+    CoversPart {
+        /// Begin of the solution, or of its longest part \[s\].
+        from: f64,
+        /// Its end \[s\].
+        to: f64,
+        /// First and last time of the inertial log \[s\].
+        log: [f64; 2],
     },
     /// An estimated parameter is far from what was known of it.
     FarParameter {
@@ -398,138 +462,4 @@ pub enum Finding {
         /// The usual interval \[s\].
         interval: f64,
     },
-}
-
-/// Prior standard deviations beyond which an estimated parameter is no parameter any more.
-const VERY_FAR: f64 = 7.0;
-/// A scatter this many times what is stated is a wrong unit rather than a modest receiver.
-const WRONG_UNIT: f64 = 20.0;
-/// Measured over true, beyond which no scale factor but a wrong unit, sign or column explains a sensor.
-const RIGHT_UNIT: RangeInclusive<f64> = 0.5..=2.0;
-/// An axis that holds a value for longer has a fault, and a log that has no samples \[s\].
-const LONG: f64 = 1.0;
-/// Clocks that are further apart are two, and not one with a delay \[s\].
-const TWO_CLOCKS: f64 = 3.0;
-/// Gravity along body up, by its component along body down.
-const UPSIDE_DOWN: f64 = -0.5;
-
-impl Finding {
-    /// How much it weighs.
-    pub fn severity(&self) -> Severity {
-        match self {
-            Self::Diverged { .. } => Severity::Unusable,
-            // Whatever is concluded is about another vehicle or another sensor.
-            Self::WrongAxes { .. } | Self::WrongTurnAxis { .. } => Severity::Unusable,
-            Self::WrongVelocity { mend: Some(_) } => Severity::Unusable,
-            Self::Constant { vertical: true, .. } => Severity::Unusable,
-            Self::Late { delay } if delay.abs() > TWO_CLOCKS => Severity::Unusable,
-            Self::WrongGravity { ratio } | Self::WrongTurnRate { ratio }
-                if !RIGHT_UNIT.contains(ratio) =>
-            {
-                Severity::Unusable
-            }
-            Self::FarParameter { sigmas, .. } if *sigmas > VERY_FAR => Severity::Warning,
-            // Heights before and after do not fit together.
-            Self::Rejected(fixes) if fixes.height && fixes.gave_way => Severity::Warning,
-            Self::NoisyFixes { factor } if *factor > WRONG_UNIT => Severity::Warning,
-            Self::Held { length, .. } if *length > LONG => Severity::Warning,
-            Self::NotDown { down } if down[2] < UPSIDE_DOWN => Severity::Warning,
-            Self::Frozen { .. }
-            | Self::Constant { .. }
-            | Self::OutOfOrder { .. }
-            | Self::SharedStamps { .. } => Severity::Warning,
-            Self::WrongGravity { .. }
-            | Self::WrongTurnRate { .. }
-            | Self::NoTurns
-            | Self::Late { .. }
-            | Self::WrongVelocity { .. }
-            | Self::Restart { .. }
-            | Self::WrongSign { .. }
-            | Self::LargeInnovations { .. }
-            | Self::VelocityBias { .. }
-            | Self::HeadingOff { .. }
-            | Self::OptimisticModel { .. }
-            | Self::CorrelatedInnovations { .. }
-            | Self::OptimisticDrift { .. }
-            | Self::SetBack { .. }
-            | Self::StartedLate { .. }
-            | Self::EndsEarly { .. }
-            | Self::NoMounting { .. }
-            | Self::NoReference { .. } => Severity::Warning,
-            _ => Severity::Note,
-        }
-    }
-
-    /// Where it stands between cause and symptom: what is wrong with the logs and the settings comes before what that
-    /// does to the solution.
-    fn rank(&self) -> u8 {
-        match self {
-            Self::Diverged { .. } | Self::NotCompared { .. } => 0,
-            Self::Constant { .. }
-            | Self::OutOfOrder { .. }
-            | Self::SharedStamps { .. }
-            | Self::WrongGravity { .. }
-            | Self::NotDown { .. }
-            | Self::WrongTurnRate { .. }
-            | Self::WrongTurnAxis { .. }
-            | Self::NoTurns
-            | Self::Late { .. }
-            | Self::WrongAxes { .. }
-            | Self::WrongVelocity { .. }
-            | Self::WrongSign { .. } => 1,
-            Self::NoisyFixes { factor } if *factor > WRONG_UNIT => 1,
-            Self::LongGaps { longest, .. } if *longest > LONG => 2,
-            Self::Frozen { .. }
-            | Self::Held { .. }
-            | Self::SetBack { .. }
-            | Self::VelocityBias { .. } => 2,
-            Self::NoMounting { .. } => 2,
-            Self::Rejected(fixes) if fixes.height && fixes.gave_way => 2,
-            Self::OptimisticModel { .. } | Self::FarParameter { .. } => 3,
-            Self::CorrelatedInnovations { .. } | Self::OptimisticDrift { .. } => 4,
-            Self::Restart { .. } | Self::HeadingOff { .. } | Self::LargeInnovations { .. } => 5,
-            Self::OneSided(_) | Self::Rejected(_) | Self::MoreRejected { .. } => 6,
-            // Stated too large: it costs little.
-            Self::WrongAccuracy { factor, .. } if *factor < 1.0 => 8,
-            Self::WrongAccuracy { .. } => 4,
-            _ => 7,
-        }
-    }
-}
-
-/// Causes before symptoms; what ends a solution first of all.
-pub fn ranked(mut found: Vec<Finding>) -> Vec<Finding> {
-    found.sort_by_key(Finding::rank);
-    found
-}
-
-/// How far a result can be trusted, and the likeliest cause where not: of ranked findings.
-pub fn verdict(found: &[Finding]) -> (Severity, Option<&Finding>) {
-    let severity = found.iter().map(Finding::severity).max();
-    let severity = severity.unwrap_or(Severity::Note);
-    let at = |level| found.iter().find(|of| of.severity() >= level);
-    let cause = match severity {
-        Severity::Note => None,
-        Severity::Unusable => {
-            let mut causes = found.iter().filter(|of| of.rank() == 1);
-            let surely = causes.clone().find(|of| of.severity() == severity);
-            surely.or(causes.next()).or(at(severity))
-        }
-        Severity::Warning => {
-            let worst = at(severity);
-            // A fault of the sensors explains what the solution shows.
-            let fault = found.iter().find(|of| of.rank() <= 2);
-            match worst {
-                Some(of) if of.rank() > 2 => fault.or(worst),
-                _ => worst,
-            }
-        }
-    };
-    (severity, cause)
-}
-
-/// Whether any of them makes a result doubtful or ends it.
-pub fn is_doubtful<'a>(findings: impl IntoIterator<Item = &'a Finding>) -> bool {
-    let severe = |finding: &Finding| finding.severity() > Severity::Note;
-    findings.into_iter().any(severe)
 }

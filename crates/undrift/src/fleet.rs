@@ -146,7 +146,7 @@ impl Plan {
     pub fn schedule(&self) -> Option<Schedule> {
         let usual = self.count.is_none().then_some(EVERY);
         let every = self.every_s.or(usual);
-        Schedule::asked(self.at_s.clone(), every, self.count, self.start_s)
+        Schedule::asked(self.at_s.clone(), every, self.count, Some(self.start_s))
     }
 }
 

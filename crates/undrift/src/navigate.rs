@@ -19,6 +19,7 @@ use crate::{
     findings::Log,
     fixes::{self, FixStudy},
     mounting::{self, EstimateError, Mounting},
+    outages::Rejected,
     reference::Errors,
     replay::{Aid, Measurement, ReplayError, Settings, Summary, merge, replay},
     settings::fix_errors::{FixErrors, FromFixes},
@@ -36,7 +37,7 @@ use undrift_io::{
     write::solution::SolutionRow,
 };
 use undrift_nav::{Matrix3, Vector3, parameters::Parameters, sample::GnssFix};
-use undrift_noise::BiasModel;
+use undrift_noise::{BiasModel, ImuModel};
 
 /// What came of it.
 #[derive(Debug)]
@@ -82,6 +83,12 @@ pub struct Report {
     pub recording: Option<Box<Recording>>,
     /// The solution at every sample, where it was asked for.
     pub rows: Vec<SolutionRow>,
+    /// The fixes that were rejected, where that was asked for.
+    pub rejected: Rejected,
+    /// Time of the first inertial sample \[s\].
+    pub first_sample: Option<f64>,
+    /// The noise model.
+    pub model: Option<ImuModel>,
 }
 
 /// Why there is no solution.
@@ -307,7 +314,18 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
     let mut aids = Aids::open(&drive)?;
     let mut recorder = Recorder::new(wanted, drive.open_truth()?)?;
     recorder.mounted = !settings.find_mounting;
-    let replayed = replay(&mut imu, &mut aids.measurements(), &settings, &mut recorder);
+    let mut first_sample = None;
+    let mut samples = imu.by_ref().inspect(|sample| {
+        if let Ok(sample) = sample {
+            first_sample.get_or_insert(sample.time);
+        }
+    });
+    let replayed = replay(
+        &mut samples,
+        &mut aids.measurements(),
+        &settings,
+        &mut recorder,
+    );
     let summary = replayed.map_err(|error| match error {
         // What was left out is often why.
         ReplayError::NotAligned(mut why) => {
@@ -339,6 +357,9 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
         consistency: seen.consistency,
         recording: seen.recording,
         rows: seen.rows,
+        rejected: seen.rejected,
+        first_sample,
+        model: drive.model.clone(),
         truth_read: seen.truth_read,
         imu_skipped: imu.skipped().clone(),
         gnss_skipped: aids.gnss.skipped().clone(),

@@ -13,7 +13,8 @@
 //! let logs = Logs::load(&Setup::default().drive(imu, fixes, &model), Hindsight::Causal)?;
 //! // Two outages of 10 s after the first two minutes. Without a truth the withheld fixes are the reference.
 //! let cuts = logs.plan(&Schedule::Count { start: 120.0, count: 2 }, 10.0)?;
-//! for (name, run) in logs.run(&[BiasModel::White, BiasModel::Arma], &cuts, Hindsight::Causal, &|_| ())? {
+//! let models = [BiasModel::White, BiasModel::Arma];
+//! for (name, run) in logs.run(&models, &cuts, Hindsight::Causal, &|_| ())?.runs {
 //!     println!("{name}: {:.2} m", run?.errors.rms.0[HORIZONTAL]);
 //! }
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -21,20 +22,37 @@
 
 mod drift;
 mod errors;
+mod experiment;
 mod lead;
+mod left_out;
 mod logs;
 mod result;
 mod run;
 mod schedule;
+mod uncut;
 
 pub use drift::drift_curve;
 pub use errors::{ModelErrors, ModelOutcome, ModelRun, OutageErrors};
+pub use experiment::{Experiment, UNCUT};
 pub use lead::is_clear_lead;
+pub use left_out::WhyLeftOut;
 pub use logs::Logs;
 pub(crate) use result::path;
 pub use result::{result, track};
-pub use run::run;
-pub use schedule::{Schedule, ScheduleError, schedule};
+pub use run::{run, run_against};
+pub use schedule::{FIRST, Schedule, ScheduleError, schedule};
+pub use uncut::{Reference, Rejected};
+
+use undrift_noise::BiasModel;
+
+/// The models that are compared on a drive where nothing is asked for: white noise alone and the source paper's form are
+/// for experiments.
+pub const USUAL_MODELS: [BiasModel; 4] = [
+    BiasModel::GaussMarkov,
+    BiasModel::RandomWalk,
+    BiasModel::Ar,
+    BiasModel::Arma,
+];
 
 #[cfg(test)]
 mod tests {

@@ -88,6 +88,15 @@ impl Errors {
         Self::new(&dr, dv, None)
     }
 
+    /// These, and the others where they are unknown.
+    #[must_use]
+    pub fn or(self, others: Self) -> Self {
+        Self(std::array::from_fn(|i| match self.0[i].is_finite() {
+            true => self.0[i],
+            false => others.0[i],
+        }))
+    }
+
     /// Component by component, the larger magnitude; unknown only where both are.
     pub fn max_abs(self, other: Self) -> Self {
         Self(std::array::from_fn(|i| {
@@ -205,6 +214,14 @@ fn by_component(values: &[Errors], statistic: fn(&[f64]) -> f64) -> Errors {
         } else {
             f64::NAN
         }
+    }))
+}
+
+/// A statistic of each component over the values that have it.
+pub fn where_known(values: &[Errors], statistic: fn(&[Errors]) -> Errors) -> Errors {
+    Errors(std::array::from_fn(|i| {
+        let known = values.iter().filter(|e| e.0[i].is_finite()).copied();
+        statistic(&known.collect::<Vec<_>>()).0[i]
     }))
 }
 
@@ -432,6 +449,11 @@ mod tests {
         assert_eq!(median(&values).0[0], 2.0);
         assert!((rms(&values).0[0] - (14.0f64 / 3.0).sqrt()).abs() < 1e-15);
         assert!(max(&[row(1.0), Errors::UNKNOWN]).0[0].is_nan());
+        let mut north = Errors::UNKNOWN;
+        north.0[0] = -4.0;
+        let known = where_known(&[row(1.0), north, Errors::UNKNOWN], max);
+        assert_eq!((known.0[0], known.0[1]), (4.0, 1.0));
+        assert!(where_known(&[Errors::UNKNOWN], rms).0[0].is_nan());
         assert!(median(&[]).0[0].is_nan());
     }
 }

@@ -43,7 +43,9 @@ pub use navigate::{
 };
 pub use number::{Number, Numbers};
 pub(crate) use number::{by_name, numbers};
-pub use outages::{Cut, Drift, ModelErrors, NisOfParts, OutageErrors, OutageSeries, Outages};
+pub use outages::{
+    Cut, Drift, LeftOutCut, ModelErrors, NisOfParts, OutageErrors, OutageSeries, Outages,
+};
 pub use text::text;
 pub use tune::{Tune, TunedDrift, TunedParameter, TunedVibration};
 

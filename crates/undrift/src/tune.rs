@@ -28,7 +28,7 @@ use crate::{
     settings::{Settings, fix_errors::StdFactors},
 };
 use fit::{Fit, FitLog, fit, under, unseen_likelihood};
-use judge::{Following, Judged, Unseen, judge};
+use judge::{Following, Judged, Judgement, Unseen, judge};
 use noise::Noise;
 use prior::Prior;
 use start::{Start, idle};
@@ -66,6 +66,8 @@ pub struct Tuned {
     pub judged: Vec<Judged>,
     /// What it changes there if the white noise also follows the vibration, where it was tried.
     pub following: Option<Following>,
+    /// Positions of the unseen parts, and how many of them are no reference as they are rejected under every noise.
+    pub withheld: [u64; 2],
     /// Whether each drive can be aligned under the noise.
     pub aligns: Vec<bool>,
     /// Whether it was stopped: the noise is the best so far, and nothing was judged after that.
@@ -110,13 +112,21 @@ impl Tuned {
     fn named(&self, mut model: ImuModel, drives: &[&str]) -> ImuModel {
         model.name = format!("{} in its vehicle", self.start.name);
         model.source = format!(
-            "identified from {} by composite likelihood, with {} as the sensor at rest",
+            "identified from {} {HOW}, with {} as the sensor at rest",
             drives.join(", "),
             self.start.name
         );
         model.provenance.program = Some(format!("undrift {}", results::VERSION));
         model
     }
+}
+
+/// How a model was identified in its vehicle, in its source.
+const HOW: &str = "by composite likelihood";
+
+/// Whether a noise model was identified from drives.
+pub fn is_tuned(model: &ImuModel) -> bool {
+    model.source.contains(HOW)
 }
 
 /// How far it is.
@@ -372,10 +382,9 @@ pub fn tune(
         _ => None,
     };
     let follows = gain.is_some_and(|gain| gain >= 0.0);
-    let (judged, following) = if judges {
-        judge(&unseen, gain)
-    } else {
-        (Vec::new(), None)
+    let judgement = match judges {
+        true => judge(&unseen, gain),
+        false => Judgement::default(),
     };
     drop(unseen);
     let mut way = ways.swap_remove(usize::from(follows));
@@ -401,8 +410,9 @@ pub fn tune(
         follows,
         unseen: options.hold_out.unwrap_or(HALF),
         held_out: sure,
-        judged,
-        following,
+        judged: judgement.judged,
+        following: judgement.following,
+        withheld: judgement.withheld,
         aligns,
         stopped: stopped.load(Relaxed),
     };

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 #: Names of the bias models in the order of tables.
 BIAS_MODELS = ("white", "paper", "gauss-markov", "random-walk", "ar", "arma")
+#: Those that are compared where nothing is asked for.
+USUAL_MODELS = ("gauss-markov", "random-walk", "ar", "arma")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -70,8 +72,14 @@ class Outages(Told):
     """Those that could not be, and why."""
     cuts: Floats
     """Start and length of every outage [s], n × 2."""
+    left_out: tuple[Mapping[str, Any], ...]
+    """Outages that were asked for and left out: ``start_s``, ``length_s``, ``why``."""
     reference: str
     """What the errors are measured against: ``truth``, or ``gnss`` for the withheld fixes."""
+    withheld: int
+    """Positions withheld by the outages, where they are the reference."""
+    rejected: int
+    """Those of them that the run without outages rejects: they are no reference."""
     smooth: bool
     """Whether the errors are those of the smoothed solutions."""
     look_ahead: bool
@@ -181,11 +189,11 @@ def outages(
     model: ModelLike | Mapping[str, Any] | None = None,
     *,
     data: str | os.PathLike[str] | None = None,
-    bias_models: Iterable[str] = BIAS_MODELS,
+    bias_models: Iterable[str] = USUAL_MODELS,
     length: float = 10.0,
     count: int | None = None,
     every: float | None = None,
-    start: float = 60.0,
+    start: float | None = None,
     at: Iterable[float] | None = None,
     smooth: bool = False,
     look_ahead: bool = False,
@@ -197,7 +205,7 @@ def outages(
     ``drive``, ``gnss``, ``model``, ``data`` and further keys are those of :func:`navigate`. An
     outage lasts ``length`` [s]; the first starts ``start`` [s] after the first fix. ``count`` of them
     are spread evenly, or start ``every`` seconds; ``at`` are starts in
-    the logs' time base instead. With ``smooth`` the errors are those that are left when the fixes
+    the logs' time base instead. Without these as many as fit, a third of the time without GNSS. With ``smooth`` the errors are those that are left when the fixes
     after an outage are known too. ``progress`` is that of :func:`navigate`.
 
     Parameters
@@ -211,15 +219,15 @@ def outages(
     data : str or path, optional
         Folder of the logs of a drive file, if not its own.
     bias_models : str or iterable of str
-        The models that are compared.
+        The models that are compared, of white, paper, gauss-markov, random-walk, ar and arma.
     length : float
         Length of an outage [s].
     count : int, optional
         Outages, spread evenly.
     every : float, optional
         Time from one start to the next [s].
-    start : float
-        First start after the first fix [s].
+    start : float, optional
+        First start after the first fix [s]; 60, sooner in a log of less than 180 s.
     at : iterable of float, optional
         Starts in the logs' time base [s].
     smooth : bool
@@ -279,16 +287,18 @@ def outages(
             ),
             warning=errors.get("warning"),
         )
-    of_models = [f"{name}: {m.warning}" for name, m in models.items() if m.warning]
     cuts = [(cut["start_s"], cut["length_s"]) for cut in told["outages"]]
     return Outages(
         models=models,
         failed=told["failed"],
         cuts=np.array(cuts).reshape(-1, 2),
+        left_out=tuple(told.get("left_out", ())),
         reference=told["reference"],
+        withheld=told["withheld"],
+        rejected=told["rejected"],
         smooth=told["smooth"],
         look_ahead=told["look_ahead"],
-        warnings=tuple(map(_undrift.in_python, (*told["warnings"], *of_models))),
+        warnings=tuple(map(_undrift.in_python, told["warnings"])),
         table=table,
         json=text,
     )

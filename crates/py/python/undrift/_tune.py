@@ -90,6 +90,10 @@ class Tuning(Told):
     """Whether the noise is that of the rest alone; else of the whole drives, the drift that of a fit of the rest."""
     converged: bool
     """Whether nothing more was to be gained."""
+    withheld: int
+    """Positions in the unseen parts, where they are the reference."""
+    rejected: int
+    """Those of them that are rejected before and after: they are no reference."""
     windows: int
     """Windows whose fixes were scored."""
     evaluations: int
@@ -188,7 +192,17 @@ def tune(
             [one._drive for one in made], at_rest, hold_out, report
         )
     told = json.loads(text)
-    names = ("start", "guessed", "unseen", "held_out", "converged", "windows", "evaluations")
+    names = (
+        "start",
+        "guessed",
+        "unseen",
+        "held_out",
+        "converged",
+        "withheld",
+        "rejected",
+        "windows",
+        "evaluations",
+    )
     return Tuning(
         parameters=tuple(TunedParameter(**parameter) for parameter in told["parameters"]),
         drift=tuple(_drift(drift) for drift in told["drift"]),

@@ -161,7 +161,7 @@ def outages(
     length: float,
     count: int | None,
     every: float | None,
-    start: float,
+    start: float | None,
     at: list[float] | None,
     smooth: bool,
     look_ahead: bool,

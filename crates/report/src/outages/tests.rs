@@ -114,7 +114,8 @@ fn covered(model: usize) -> Vec<String> {
 #[test]
 fn each_table_of_a_terminal_has_the_statistic_of_its_head() {
     let text = plain(&result(), crate::plain::unmarked);
-    let lines: Vec<&str> = text.lines().collect();
+    let (_, tables) = text.split_once("Errors inside the outages:\n\n").unwrap();
+    let lines: Vec<&str> = tables.lines().collect();
     let words = |at: usize| {
         lines[at]
             .split_whitespace()
@@ -300,6 +301,10 @@ fn the_least_is_compared_with_the_next_and_the_most() {
             "Least horizontal drift: a and b, equal within 1 %, with 2.00 m (RMS over the outages of the largest error of each)."
         ]
     );
+    assert_eq!(
+        said(&[("a", &best)]),
+        ["Horizontal drift: a has 2.00 m (RMS over the outages of the largest error of each)."]
+    );
     let none = errors(f64::NAN, &[]);
     assert_eq!(
         said(&[("a", &none)]),
@@ -353,6 +358,50 @@ fn what_was_done_names_the_drive_the_outages_and_the_reference() {
         text.ends_with("; the noise model is the one of the simulation, run in 2 forms. Start of the first: 2001-09-09 01:51:40.000 UTC (from the GNSS receiver)."),
         "{text}"
     );
+}
+
+/// One conclusion, in the terminal as in the report; what is left out and rejected is counted in both.
+#[test]
+fn the_terminal_concludes_as_the_report_does() {
+    use undrift::{
+        outages::WhyLeftOut,
+        results::{Cut, LeftOutCut},
+    };
+    let mut run = result();
+    let (start_s, length_s) = (Number(300.0), Number(30.0));
+    run.outages = vec![Cut { start_s, length_s }; 2];
+    let why = WhyLeftOut::InGap;
+    run.left_out = vec![LeftOutCut {
+        start_s,
+        length_s,
+        why,
+    }];
+    run.reference = "gnss".into();
+    (run.withheld, run.rejected) = (60, 3);
+    let runs = [(String::new(), &run)];
+    let text = plain(&run, crate::plain::unmarked);
+    let reference = "the withheld fixes but for 3 of 60 that the run without outages rejects";
+    assert!(
+        text.starts_with(&format!("2 of 3 outages of 30 s, reference: {reference}\n")),
+        "{text}"
+    );
+    assert!(what_was_done("", &run).contains(reference));
+    let concluded = findings(&models(&runs));
+    assert!(!concluded.is_empty());
+    let section = &sections(&runs)[0];
+    let report = crate::tests::sentences(section);
+    for sentence in &concluded {
+        assert!(text.contains(&format!("{sentence}\n")), "{text}");
+        assert!(
+            report.iter().any(|said| said.contains(sentence.as_str())),
+            "{report:?}"
+        );
+    }
+    // Nothing ran.
+    run.outages.clear();
+    run.models.clear();
+    run.order.clear();
+    assert_eq!(plain(&run, crate::plain::unmarked), "");
 }
 
 #[test]

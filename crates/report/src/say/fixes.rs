@@ -1,5 +1,6 @@
 //! Sentences: what the fixes show.
 
+use super::sensors::too_optimistic;
 use super::words::{at, many};
 use crate::numbers::{error, short};
 use undrift::replay::{Contradiction, FixMend, Lean, Part};
@@ -153,10 +154,11 @@ pub(super) fn one_sided(lean: &Lean) -> String {
     )
 }
 
-pub(super) fn correlated_innovations(of: Part, correlation: f64) -> String {
+pub(super) fn correlated_innovations(of: Part, correlation: f64, tuned: bool) -> String {
     let (part, _) = part(of);
     format!(
-        "{part} innovations are correlated from fix to fix (autocorrelation {correlation:.2}), so attitude and sensor errors are larger than predicted: the IMU's noise model is too optimistic for this vehicle (run `undrift tune`), or the lever arm, the axes or the times are wrong"
+        "{part} innovations are correlated from fix to fix (autocorrelation {correlation:.2}), so attitude and sensor errors are larger than predicted: {}",
+        too_optimistic(tuned, "the lever arm, the axes or the times are wrong")
     )
 }
 

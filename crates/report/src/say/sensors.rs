@@ -175,17 +175,38 @@ pub(super) fn heading_off([start, end]: [f64; 2], angle: f64, more: u64) -> Stri
     )
 }
 
-pub(super) fn optimistic_model(factor: f64) -> String {
+pub(super) fn optimistic_model(factor: f64, tuned: bool) -> String {
     format!(
-        "innovations are {factor:.1} times as large as predicted although the fixes are consistent: the IMU's noise model is too optimistic for this vehicle (run `undrift tune`), or the lever arm or the axes are wrong"
+        "innovations are {factor:.1} times as large as predicted although the fixes are consistent: {}",
+        too_optimistic(tuned, "the lever arm or the axes are wrong")
     )
 }
 
-pub(super) fn optimistic_drift(model: &str, inside: f64) -> String {
+pub(super) fn optimistic_drift(
+    model: &str,
+    inside: f64,
+    [outside, outages]: [u64; 2],
+    tuned: bool,
+) -> String {
+    let of = match outages {
+        0 => String::new(),
+        of => format!(", in {outside} of {of} outages less than 90 %"),
+    };
     format!(
-        "only {:.0} % of the position errors in the outages lie within 3σ as predicted, even with model {model}: the IMU's noise model is too optimistic for this vehicle (run `undrift tune`), or the lever arm, the axes or the mounting are wrong",
-        100.0 * inside
+        "only {:.0} % of the position errors in the outages lie within 3σ as predicted, even with model {model}{of}: {}",
+        100.0 * inside,
+        too_optimistic(tuned, "the lever arm, the axes or the mounting are wrong")
     )
+}
+
+/// What makes a solution optimistic: a noise model that was not tuned may be; else something of these.
+pub(super) fn too_optimistic(tuned: bool, others: &str) -> String {
+    match tuned {
+        false => format!(
+            "the IMU's noise model is too optimistic for this vehicle (run `undrift tune`), or {others}"
+        ),
+        true => format!("{others}, or the drive is unlike those that the noise was tuned on"),
+    }
 }
 
 pub(super) fn far_parameter(parameter: &str, value: f64, sigmas: f64) -> String {

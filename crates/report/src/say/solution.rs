@@ -46,6 +46,11 @@ pub(super) fn diverged(time: f64) -> String {
     format!("the solution diverged at {} s and ends there", at(time))
 }
 
+pub(super) fn covers_part(of: [f64; 2], log: [f64; 2]) -> String {
+    let [from, to, first, last] = [of[0], of[1], log[0], log[1]].map(at);
+    format!("the solution covers {from}-{to} s only, of a log from {first} to {last} s")
+}
+
 pub(super) fn not_compared(
     why: NoError,
     truth: [f64; 2],

@@ -3,6 +3,7 @@
 use super::*;
 use undrift::{
     findings::{Log, NoError, Severity},
+    outages::WhyLeftOut,
     replay::{Contradiction, FixMend, Lean, Part, RestartCause},
 };
 
@@ -659,17 +660,85 @@ fn further_findings_have_their_sentences() {
             Finding::OptimisticDrift {
                 model: "arma".into(),
                 inside: 0.8,
+                outside: 1,
+                outages: 4,
+                tuned: false,
             },
-            "only 80 % of the position errors in the outages lie within 3σ as predicted, even with model arma: the IMU's noise model is too optimistic for this vehicle (run `undrift tune`), or the lever arm, the axes or the mounting are wrong",
+            "only 80 % of the position errors in the outages lie within 3σ as predicted, even with model arma, in 1 of 4 outages less than 90 %: the IMU's noise model is too optimistic for this vehicle (run `undrift tune`), or the lever arm, the axes or the mounting are wrong",
         ),
         (
-            Finding::OptimisticModel { factor: 2.5 },
+            Finding::OptimisticModel {
+                factor: 2.5,
+                tuned: true,
+            },
+            "innovations are 2.5 times as large as predicted although the fixes are consistent: the lever arm or the axes are wrong, or the drive is unlike those that the noise was tuned on",
+        ),
+        (
+            Finding::RejectedReference { fixes: 12, of: 600 },
+            "12 of 600 withheld positions are rejected by the run without outages, so they are no reference",
+        ),
+        (
+            Finding::OutagesLeftOut {
+                why: WhyLeftOut::InGap,
+                outages: 1,
+                of: 9,
+                first: 120.5,
+            },
+            "1 of 9 outages was left out (at 120.5 s): begins in a gap of the fixes",
+        ),
+        (
+            Finding::OutagesLeftOut {
+                why: WhyLeftOut::NotStarted,
+                outages: 3,
+                of: 9,
+                first: 60.0,
+            },
+            "3 of 9 outages were left out (the first at 60 s): begin before the solution does; start the outages later",
+        ),
+        (
+            Finding::OutagesLeftOut {
+                why: WhyLeftOut::NoReference,
+                outages: 2,
+                of: 9,
+                first: 60.0,
+            },
+            "2 of 9 outages were left out (the first at 60 s): no reference at the end",
+        ),
+        (Finding::NoOutage, "no outage is left to measure in"),
+        (
+            Finding::NotRun {
+                models: vec!["white".into(), "ar".into()],
+                all: false,
+            },
+            "could not be run: white, ar",
+        ),
+        (
+            Finding::OfModel {
+                model: "white".into(),
+                what: Box::new(Finding::Diverged { time: 9.0 }),
+            },
+            "white: the solution diverged at 9 s and ends there",
+        ),
+        (
+            Finding::CoversPart {
+                from: 699.1,
+                to: 700.0,
+                log: [100.0, 700.0],
+            },
+            "the solution covers 699.1-700 s only, of a log from 100 to 700 s",
+        ),
+        (
+            Finding::OptimisticModel {
+                factor: 2.5,
+                tuned: false,
+            },
             "innovations are 2.5 times as large as predicted although the fixes are consistent: the IMU's noise model is too optimistic for this vehicle (run `undrift tune`), or the lever arm or the axes are wrong",
         ),
         (
             Finding::CorrelatedInnovations {
                 part: Part::Velocity,
                 correlation: 0.75,
+                tuned: false,
             },
             "velocity innovations are correlated from fix to fix (autocorrelation 0.75), so attitude and sensor errors are larger than predicted: the IMU's noise model is too optimistic for this vehicle (run `undrift tune`), or the lever arm, the axes or the times are wrong",
         ),

@@ -58,94 +58,6 @@ fn tune() -> Tune {
 }
 
 #[test]
-fn the_verdict_is_of_the_drift_in_thirty_seconds() {
-    let judged = |change: fn(&mut Tune)| {
-        let mut tune = tune();
-        change(&mut tune);
-        let (severity, why) = judgement(&tune);
-        assert_eq!(is_usable(&tune), severity == Severity::Note);
-        assert!(verdict(&tune).ends_with(&why));
-        (severity, why)
-    };
-    let rest = "30 s without GNSS: 4.00 m; before: 8.00 m (ratio 0.500, 95 % interval 0.400 to 0.600), over 24 held-out outages";
-    assert_eq!(
-        judged(|_| ()),
-        (Severity::Note, format!("less drift. {rest}"))
-    );
-    assert_eq!(verdict(&tune()), format!("usable: less drift. {rest}"));
-    assert_eq!(
-        judged(|tune| tune.drift[1].after_within[1] = 0.89.into()),
-        (
-            Severity::Warning,
-            format!("less drift, but the solution is optimistic. {rest}")
-        )
-    );
-    let first = |tune: &mut Tune, ratio: [f64; 3], within: f64| {
-        tune.drift[1] = of_length(30.0, ratio);
-        tune.drift[1].after_within[1] = within.into();
-    };
-    for (ratio, within, severity, why) in [
-        (
-            [1.0, 0.9, 1.1],
-            0.9,
-            Severity::Note,
-            "no significant change of drift. ",
-        ),
-        (
-            [1.0, 0.9, 1.0],
-            0.9,
-            Severity::Note,
-            "no significant change of drift. ",
-        ),
-        (
-            [1.0, 1.0, 1.1],
-            0.9,
-            Severity::Note,
-            "no significant change of drift. ",
-        ),
-        (
-            [1.0, 0.9, 1.1],
-            0.8,
-            Severity::Warning,
-            "no significant change of drift, and the solution is optimistic. ",
-        ),
-        (
-            [2.0, 1.1, 3.0],
-            0.9,
-            Severity::Unusable,
-            "more drift than before. ",
-        ),
-    ] {
-        let mut tune = tune();
-        first(&mut tune, ratio, within);
-        let found = judgement(&tune);
-        assert_eq!(found.0, severity, "{ratio:?}");
-        assert!(found.1.starts_with(why), "{}", found.1);
-    }
-    let unfinished = judged(|tune| tune.converged = false);
-    assert_eq!(unfinished.0, Severity::Warning);
-    assert!(unfinished.1.starts_with("the fit has not converged. 30 s"));
-    // Without outages of 30 s the longest count.
-    let shorter = judged(|tune| tune.drift.truncate(1));
-    assert!(
-        shorter
-            .1
-            .starts_with("no significant change of drift. 10 s without GNSS: 7.20 m"),
-        "{}",
-        shorter.1
-    );
-    let untested = judged(|tune| tune.drift.clear());
-    assert_eq!(untested.0, Severity::Warning);
-    assert!(untested.1.starts_with("not tested"));
-    let stopped = judged(|tune| tune.stopped = true);
-    assert_eq!(stopped.0, Severity::Warning);
-    assert!(stopped.1.starts_with("stopped early"));
-    let unaligned = judged(|tune| tune.unaligned = vec!["a.toml".into()]);
-    assert_eq!(unaligned.0, Severity::Unusable);
-    assert!(unaligned.1.starts_with("a.toml cannot be aligned"));
-}
-
-#[test]
 fn what_was_done_is_counted() {
     let mut tune = tune();
     assert_eq!(
@@ -167,13 +79,18 @@ fn what_was_done_is_counted() {
     tune.vibration = Some(tried);
     assert_eq!(
         what_was_done(&tune),
-        "Start: adis16405, with the noise at rest guessed from the quietest seconds of the first drive. 1 drive, 120 windows without fixes, 45 evaluations, stopped before it converged; the last 30.0 % of each held out. White noise that follows the vibration was tried and kept: 0.800 times the drift of constant white noise at 30 s (95 % interval 0.700 to 0.900)."
+        "Start: adis16405, with the noise at rest guessed from the quietest seconds of the first drive. 1 drive, 120 windows without fixes, 45 evaluations, stopped before it converged; the last 30.0 % of each held out. White noise that follows the vibration was kept: the held-out fixes are more likely with it; 0.800 times the drift of constant white noise at 30 s (95 % interval 0.700 to 0.900)."
     );
+    (tune.withheld, tune.rejected) = (600, 12);
+    let text = what_was_done(&tune);
+    let rejected = " 12 of the 600 positions there are rejected before and after, so they are no reference. White";
+    assert!(text.contains(rejected), "{text}");
     tune.vibration.as_mut().unwrap().kept = false;
     tune.unseen = 0.0.into();
     let text = what_was_done(&tune);
     assert!(
-        text.contains("; nothing was held out. ") && text.contains("tried and rejected"),
+        text.contains("; nothing was held out. ")
+            && text.contains("was rejected: the held-out fixes are less likely"),
         "{text}"
     );
 }
@@ -261,21 +178,52 @@ fn the_sections_have_the_drift_and_the_noise() {
         ["a: Drift before and after", "a: Noise in the vehicle"]
     );
     assert_eq!(names(&sections[0]), ["drift", "calibration"]);
-    assert!(sentences(&sections[0])[0].starts_with("a: Usable: less drift. 30 s"));
+    assert!(
+        sentences(&sections[0])[0].starts_with("a: Usable: use the noise found, less drift. 30 s")
+    );
     assert!(sentences(&sections[0])[0].ends_with("held-out outages."));
     assert_eq!(names(&sections[1]), ["parameters"]);
-    assert_eq!(
-        sentences(&sections[1]),
-        ["Not determined by these drives, so close to their priors: factor."]
-    );
+    let open =
+        "Not determined, and far from what was expected: factor (4.00, expected 2.00 to 3.00).";
+    assert_eq!(sentences(&sections[1]), [open]);
     let text = plain(&tune, crate::plain::unmarked);
     assert!(
-        text.starts_with("usable: less drift. 30 s")
+        text.starts_with("usable: use the noise found, less drift. 30 s")
             && text.contains("\n\nStart: adis16405. 2 drives"),
         "{text}"
     );
-    assert!(
-        text.ends_with("\n\nNot determined by these drives, so close to their priors: factor."),
-        "{text}"
+    assert!(text.ends_with(&format!("\n\n{open}")), "{text}");
+}
+
+/// What the drives do not determine may all the same be found far away from what was expected, by chance.
+#[test]
+fn what_is_not_determined_is_close_to_what_was_expected_or_not() {
+    let open = |value: f64| {
+        let mut p = parameter("p", "", 1.0, false);
+        (p.prior, p.prior_low, p.prior_high) = (1.0.into(), 0.25.into(), 16.0.into());
+        p.value = value.into();
+        p
+    };
+    let said = |values: &[f64]| {
+        undetermined(&Tune {
+            parameters: values.iter().map(|value| open(*value)).collect(),
+            ..Tune::default()
+        })
+    };
+    // Half of the way to the bounds of 1/4 and 16, by the logarithm.
+    let near = "Not determined by these drives, so close to what was expected: p.";
+    for value in [0.51, 1.0, 3.9] {
+        assert_eq!(said(&[value]), near);
+    }
+    assert_eq!(
+        said(&[0.49]),
+        "Not determined, and far from what was expected: p (0.490, expected 0.250 to 16.0)."
     );
+    assert_eq!(
+        said(&[1.0, 4.1]),
+        format!(
+            "{near} Not determined, and far from what was expected: p (4.10, expected 0.250 to 16.0)."
+        )
+    );
+    assert_eq!(said(&[]), "");
 }

@@ -168,6 +168,7 @@ mod tests {
             end: Errors([0.1 * largest; 10]),
             sigma: Errors::UNKNOWN,
             nees: [f64::NAN; 3],
+            covered: Default::default(),
             drift: Vec::new(),
             way: Vec::new(),
         };

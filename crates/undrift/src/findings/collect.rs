@@ -4,7 +4,6 @@ use super::{Finding, Log};
 use crate::{
     fixes::FixStudy,
     mounting::MountingError,
-    outages::ModelErrors,
     replay::{Aid, Implausible, Innovations, Part, SampleFault, Summary},
     settings::fix_errors::{Correlated, FixErrors},
 };
@@ -26,12 +25,7 @@ const LISTED: usize = 3;
 const CORRELATED: f64 = 0.5;
 /// NIS per degree of freedom below which correlated innovations are smaller than predicted by enough.
 const MODEST_NIS: f64 = 0.7;
-/// Share of the errors in outages inside three standard deviations below which the model promises too much; of right ones
-/// it is 0.997, of a few outages somewhat less by chance.
-const LEAST_INSIDE: f64 = 0.9;
-/// Outages that this needs.
-const LEAST_OUTAGES: usize = 5;
-/// Updates that the two need.
+/// Updates that these two need.
 const LEAST_UPDATES: u64 = 100;
 
 /// What was unusual about the logs.
@@ -394,7 +388,10 @@ pub fn of_accuracy(part: Part, factor: f64, summary: &Summary, known: bool) -> F
         .iter()
         .any(|sums| sums.autocorrelation().is_some_and(|(c, _)| c > CORRELATED));
     if known && factor > 1.0 {
-        return Finding::OptimisticModel { factor };
+        return Finding::OptimisticModel {
+            factor,
+            tuned: false,
+        };
     }
     Finding::WrongAccuracy {
         part,
@@ -415,20 +412,11 @@ pub fn of_correlation(summary: &Summary) -> Option<Finding> {
         let (correlation, _) = sums.autocorrelation()?;
         let lasts = correlation > CORRELATED && sums.updates >= LEAST_UPDATES;
         let covered = sums.per_dof()? < MODEST_NIS;
-        (lasts && !covered).then_some(Finding::CorrelatedInnovations { part, correlation })
-    })
-}
-
-/// Outages in which the position errors are larger than predicted by the model that covers most of them.
-pub fn of_drift(models: &[(&str, &ModelErrors)]) -> Option<Finding> {
-    let enough = models.iter().filter(|(_, errors)| {
-        errors.per_outage.len().saturating_sub(errors.left_out) >= LEAST_OUTAGES
-    });
-    let shares = enough.filter_map(|(model, errors)| Some((model, errors.coverage.shares(0)?[2])));
-    let (model, inside) = shares.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (inside < LEAST_INSIDE).then(|| Finding::OptimisticDrift {
-        model: (*model).to_owned(),
-        inside,
+        (lasts && !covered).then_some(Finding::CorrelatedInnovations {
+            part,
+            correlation,
+            tuned: false,
+        })
     })
 }
 
@@ -510,70 +498,6 @@ mod tests {
         let (sin, cos) = 0.3_f64.sin_cos();
         let turned = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
         assert_eq!(mended_axes(&turned, Some(-1), None), None);
-    }
-
-    /// A model with as many outages, of which `left_out` began too early, and this share of twenty errors inside three
-    /// standard deviations.
-    fn model(outages: usize, left_out: usize, inside: usize) -> ModelErrors {
-        use crate::{
-            outages::OutageErrors,
-            reference::{Coverage, Errors},
-        };
-        let unknown = Errors::UNKNOWN;
-        let mut coverage = Coverage::default();
-        for k in 0..20 {
-            let sigmas = if k < inside { 2.9 } else { 3.1 };
-            coverage.add(&Errors([sigmas; 10]), &Errors([1.0; 10]));
-        }
-        let outage = OutageErrors {
-            start_s: 0.0,
-            max: unknown,
-            end: unknown,
-            sigma: unknown,
-            nees: [f64::NAN; 3],
-            drift: Vec::new(),
-            way: Vec::new(),
-        };
-        ModelErrors {
-            max: unknown,
-            rms: unknown,
-            median: unknown,
-            end_rms: unknown,
-            nees: [f64::NAN; 3],
-            coverage,
-            left_out,
-            per_outage: vec![outage; outages],
-            finding: None,
-        }
-    }
-
-    #[test]
-    fn a_drift_beyond_what_the_best_model_predicts_is_told() {
-        let of = |models: &[ModelErrors]| {
-            let names = ["first", "second", "third"];
-            let named: Vec<_> = names.into_iter().zip(models).collect();
-            of_drift(&named)
-        };
-        let told = |model: &str, inside: f64| {
-            Some(Finding::OptimisticDrift {
-                model: model.into(),
-                inside,
-            })
-        };
-        // Nine in ten are enough, seventeen of twenty are not.
-        assert_eq!(of(&[model(LEAST_OUTAGES, 0, 18)]), None);
-        assert_eq!(of(&[model(LEAST_OUTAGES, 0, 17)]), told("first", 0.85));
-        assert_eq!(of(&[model(LEAST_OUTAGES, 0, 0)]), told("first", 0.0));
-        // Too few outages say nothing; those that began before the solution do not count.
-        assert_eq!(of(&[model(LEAST_OUTAGES - 1, 0, 10)]), None);
-        assert_eq!(of(&[model(LEAST_OUTAGES + 2, 3, 10)]), None);
-        assert_eq!(of(&[model(LEAST_OUTAGES + 3, 3, 10)]), told("first", 0.5));
-        // The model that covers most of them.
-        let three = [10, 16, 12].map(|inside| model(9, 0, inside));
-        assert_eq!(of(&three), told("second", 0.8));
-        let sound = [10, 19, 12].map(|inside| model(9, 0, inside));
-        assert_eq!(of(&sound), None);
-        assert_eq!(of(&[]), None);
     }
 
     #[test]
@@ -744,7 +668,10 @@ mod tests {
         // Of fixes that are as good as they state the model is to blame, if they seem worse.
         assert_eq!(
             of_accuracy(Part::Velocity, 1.5, &adapted, true),
-            Finding::OptimisticModel { factor: 1.5 }
+            Finding::OptimisticModel {
+                factor: 1.5,
+                tuned: false
+            }
         );
     }
 }

@@ -205,9 +205,9 @@ fn outages(
     let logs = Logs::load(&drive, hindsight)?;
     let schedule = plan.schedule().ok_or(ScheduleError::Zero)?;
     let cuts = logs.plan(&schedule, plan.length_s)?;
-    let runs = logs.run(kinds, &cuts, hindsight, &|_| {})?;
-    outcome.findings = logs.findings(&runs);
-    for (name, run) in &runs {
+    let experiment = logs.run(kinds, &cuts, hindsight, &|_| {})?;
+    outcome.findings = logs.findings(&experiment);
+    for (name, run) in &experiment.runs {
         let found = match run {
             Ok(run) => ModelErrors::from(&run.errors),
             Err(error) => {
@@ -215,7 +215,9 @@ fn outages(
                 continue;
             }
         };
-        outcome.rows.extend(outage_rows(name, &cuts, found));
+        outcome
+            .rows
+            .extend(outage_rows(name, &experiment.cuts, found));
     }
     Ok(())
 }

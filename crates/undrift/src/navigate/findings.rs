@@ -15,6 +15,7 @@ impl Report {
         let mut found = Vec::new();
         found.extend(s.diverged.map(|time| Finding::Diverged { time }));
         found.extend(self.not_compared());
+        found.extend(self.covers_part());
         if let Some(study) = &self.study {
             found.extend(findings::of_fixes(study, &self.fix_errors));
         }
@@ -69,7 +70,30 @@ impl Report {
             (Log::Gnss, &self.gnss_skipped),
             (Log::Truth, &self.truth_skipped),
         ]));
-        findings::ranked(one_model(found))
+        findings::ranked(findings::of_model(one_model(found), self.model.as_ref()))
+    }
+
+    /// The longest part of the log with a solution, where all of them together are a small part of it.
+    fn covers_part(&self) -> Option<Finding> {
+        let s = &self.summary;
+        let (first, started) = (self.first_sample?, s.started?);
+        let end = s.diverged.unwrap_or(s.ended);
+        let mut parts = vec![(started, end)];
+        for restart in &s.restarts {
+            if let Some((_, to)) = parts.last_mut().filter(|(_, to)| *to == end) {
+                *to = restart.time;
+            }
+            parts.extend(restart.resumed.map(|time| (time, end)));
+        }
+        let length = |(from, to): &(f64, f64)| to - from;
+        let covered: f64 = parts.iter().map(length).sum();
+        let longest = parts.iter().max_by(|a, b| length(a).total_cmp(&length(b)));
+        let (from, to) = *longest?;
+        (covered < LEAST_COVERED * (s.ended - first)).then_some(Finding::CoversPart {
+            from,
+            to,
+            log: [first, s.ended],
+        })
     }
 
     /// Why there is no error although there is a truth.
@@ -92,10 +116,13 @@ impl Report {
     }
 }
 
+/// Share of the inertial log below which the solution covers a small part of it.
+const LEAST_COVERED: f64 = 0.5;
+
 /// Of position and velocity the one that the model predicts worse.
 fn one_model(mut found: Vec<Finding>) -> Vec<Finding> {
     let factor = |of: &Finding| match of {
-        Finding::OptimisticModel { factor } => Some(*factor),
+        Finding::OptimisticModel { factor, .. } => Some(*factor),
         _ => None,
     };
     let worst = found.iter().filter_map(factor).fold(0.0, f64::max);
@@ -154,6 +181,9 @@ mod tests {
             held: Vec::new(),
             recording: None,
             rows: Vec::new(),
+            rejected: Default::default(),
+            first_sample: None,
+            model: None,
         }
     }
 
@@ -166,6 +196,46 @@ mod tests {
                 _ => None,
             })
             .collect()
+    }
+
+    /// Of a log of ten minutes 0.9 s at its end; a half of it; a whole one in parts; two short parts.
+    #[test]
+    fn a_solution_of_a_small_part_of_the_log_is_said_to_be_one() {
+        use crate::replay::{Restart, RestartCause};
+        let part = |started: f64, restarts: &[(f64, Option<f64>)], diverged| {
+            let mut report = report([None, None]);
+            report.first_sample = Some(100.0);
+            report.summary.started = Some(started);
+            report.summary.ended = 700.0;
+            report.summary.diverged = diverged;
+            let restart = |(time, resumed): &(f64, Option<f64>)| Restart {
+                time: *time,
+                why: RestartCause::LargeInnovations,
+                resumed: *resumed,
+            };
+            report.summary.restarts = restarts.iter().map(restart).collect();
+            let found = report.findings().into_iter();
+            let of_parts = found.filter_map(|of| match of {
+                Finding::CoversPart { from, to, log } => Some((from, to, log)),
+                _ => None,
+            });
+            of_parts.collect::<Vec<_>>()
+        };
+        let log = [100.0, 700.0];
+        assert_eq!(part(699.1, &[], None), [(699.1, 700.0, log)]);
+        assert_eq!(part(399.0, &[], None), []);
+        assert_eq!(part(110.0, &[(300.0, Some(330.0))], None), []);
+        let two = part(110.0, &[(200.0, Some(600.0))], None);
+        assert_eq!(two, [(600.0, 700.0, log)]);
+        assert_eq!(part(110.0, &[(200.0, None)], None), [(110.0, 200.0, log)]);
+        assert_eq!(part(110.0, &[], Some(150.0)), [(110.0, 150.0, log)]);
+        let only = findings::verdict(&[Finding::CoversPart {
+            from: 699.1,
+            to: 700.0,
+            log,
+        }])
+        .0;
+        assert_eq!(only, findings::Severity::Warning);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use crate::{
     drive::Drive,
     estimator::{Adjoint, Estimator},
     mounting::Mounting,
+    outages::Rejected,
     reference::{COMPONENTS, Errors, HORIZONTAL, TruthCursor},
     replay::{Observer, ReplayError},
     smooth::{History, Path},
@@ -69,6 +70,8 @@ pub struct Wanted {
     pub recording: bool,
     /// The solution at every sample in [`super::Report::rows`]: 31 numbers each.
     pub rows: bool,
+    /// The fixes that are rejected in [`super::Report::rejected`]: it grows with their number.
+    pub rejected: bool,
     /// Counts the samples that are navigated, for progress bars.
     pub samples: Arc<AtomicU64>,
 }
@@ -90,6 +93,7 @@ pub(super) struct Recorder {
     /// Where they are asked for.
     recording: Option<Box<Recording>>,
     rows: Option<Vec<SolutionRow>>,
+    rejected: Option<Rejected>,
     samples: Arc<AtomicU64>,
 }
 
@@ -99,6 +103,7 @@ pub(super) struct Seen {
     pub(super) consistency: Consistency,
     pub(super) recording: Option<Box<Recording>>,
     pub(super) rows: Vec<SolutionRow>,
+    pub(super) rejected: Rejected,
     pub(super) truth_read: Option<(f64, f64)>,
     pub(super) truth_skipped: Skipped,
 }
@@ -124,6 +129,7 @@ impl Recorder {
             next_nees: f64::NEG_INFINITY,
             recording: wanted.recording.then(Box::default),
             rows: wanted.rows.then(Vec::new),
+            rejected: wanted.rejected.then(Rejected::default),
             samples: wanted.samples,
         })
     }
@@ -169,6 +175,7 @@ impl Recorder {
             consistency: self.consistency,
             recording: self.recording,
             rows: self.rows.unwrap_or_default(),
+            rejected: self.rejected.unwrap_or_default(),
             truth_read,
             truth_skipped,
         })
@@ -253,6 +260,9 @@ impl Observer for Recorder {
     fn updated(&mut self, time: f64, updates: [Option<Update>; 2]) {
         if let Some(recording) = &mut self.recording {
             recording.fix(time, updates);
+        }
+        if let Some(rejected) = &mut self.rejected {
+            rejected.note(time, updates);
         }
     }
 }

@@ -19,6 +19,8 @@ pub struct OutageErrors {
     pub sigma: Errors,
     /// Normalised error squared at its end per degree of freedom, of [`crate::reference::GROUPS`].
     pub nees: [f64; 3],
+    /// How many of its errors the predicted standard deviations cover.
+    pub covered: Coverage,
     /// Horizontal error against time since the cut: pairs of \[s\] and \[m\], at most about ten a second.
     pub drift: Vec<(f64, f64)>,
     /// The solution at the same instants: time \[s\], latitude and longitude \[rad\].
@@ -50,6 +52,7 @@ pub struct ModelErrors {
 }
 
 /// A model's name, its filter settings, and how its replay went.
+#[derive(Debug)]
 pub struct ModelRun {
     /// Name of the bias model.
     pub name: String,

@@ -1,32 +1,22 @@
 //! A drive's logs in memory, and the experiment on them.
 
 use super::{
-    errors::ModelOutcome,
+    experiment::Experiment,
     result::{result, track},
-    run::run,
     schedule::{Schedule, ScheduleError, schedule},
 };
 use crate::{
-    drive::{Drive, ScalarLog},
+    drive::Drive,
     findings::{self, Finding, Log},
     fixes::{self, FixStudy},
     mounting::Mounting,
-    navigate::{
-        Hindsight, NavigateError, look_ahead, resolve_ahead, scalars, scalars_read, settings,
-    },
-    replay::{Measurement, Outage, ReplayError, merge},
+    navigate::{Hindsight, NavigateError, resolve_ahead, scalars},
+    replay::{Measurement, Outage, merge},
     results::{self, Outages},
 };
 use std::path::Path;
-use undrift_io::{
-    imu::{GapSummary, ThermalSummary},
-    skipped::Skipped,
-};
+use undrift_io::skipped::Skipped;
 use undrift_nav::sample::{GnssFix, ImuSample, TruthSample};
-use undrift_noise::BiasModel;
-
-/// Longest span between two nodes of the smoother \[s\]: the errors are taken at nodes.
-const NODE_SPAN: f64 = 0.2;
 
 /// A drive and all that its logs hold. Every model is run on the same.
 pub struct Logs {
@@ -45,8 +35,6 @@ pub struct Logs {
     /// The reference; empty if there is none.
     pub truth: Vec<TruthSample>,
     skipped: Vec<(Log, Skipped)>,
-    thermal: Option<ThermalSummary>,
-    scalars: Vec<(ScalarLog, Skipped, GapSummary)>,
 }
 
 impl Logs {
@@ -86,8 +74,6 @@ impl Logs {
             study,
             truth,
             skipped,
-            thermal: imu_reader.thermal(),
-            scalars: scalars_read(&logs),
         })
     }
 
@@ -116,32 +102,20 @@ impl Logs {
         Ok(cuts)
     }
 
-    /// Runs every bias model through the outages, on all cores; smoothed, the errors are those
-    /// that are left when the fixes after an outage are known too. `done` is called with how many
-    /// more samples a model has taken, of [`Logs::imu`] times the models.
+    /// As [`Logs::plan`] of what is asked for, or else of [`Schedule::usual`].
     ///
     /// # Errors
-    /// A drive without a model, or with one that is none at the log's rate.
-    pub fn run(
+    /// As [`Logs::plan`].
+    pub fn plan_or_usual(
         &self,
-        kinds: &[BiasModel],
-        cuts: &[Outage],
-        hindsight: Hindsight,
-        done: &(dyn Fn(u64) + Sync),
-    ) -> Result<Vec<ModelOutcome>, NavigateError> {
-        let models = kinds
-            .iter()
-            .map(|kind| {
-                let mut settings = settings(&self.drive, *kind)?;
-                if hindsight != Hindsight::Causal {
-                    look_ahead(&mut settings, self.study.as_ref());
-                }
-                settings.outages = cuts.to_vec();
-                settings.nodes = (hindsight == Hindsight::Smooth).then_some(NODE_SPAN);
-                Ok((kind.name().to_owned(), settings))
-            })
-            .collect::<Result<Vec<_>, NavigateError>>()?;
-        Ok(run(&self.imu, &self.aiding, &self.truth, &models, done))
+        asked: Option<Schedule>,
+        length: f64,
+        start: Option<f64>,
+    ) -> Result<Vec<Outage>, ScheduleError> {
+        let ends = self.gnss.first().zip(self.gnss.last());
+        let span = ends.map_or(0.0, |(first, last)| last.time - first.time);
+        let plan = asked.unwrap_or_else(|| Schedule::usual(length, start, span));
+        self.plan(&plan, length)
     }
 
     /// What the errors are measured against: "truth", or "gnss" for the withheld fixes.
@@ -158,72 +132,54 @@ impl Logs {
         track(&self.truth, &self.gnss)
     }
 
-    /// What the logs and the runs show; of several models' runs, what the first one shows of the logs.
-    pub fn findings(&self, results: &[ModelOutcome]) -> Vec<Finding> {
+    /// What reading the logs showed.
+    pub fn read_findings(&self) -> Vec<Finding> {
         let mut found = Vec::new();
-        let mut runs = results.iter().filter_map(|(_, run)| run.as_ref().ok());
-        if let Some(run) = runs.next() {
-            let s = &run.summary;
-            if let Some(study) = &self.study {
-                found.extend(findings::of_fixes(study, &study.errors));
-            }
-            found.extend(findings::of_health(s));
-            // One model that loses its way finds no mounting; another does.
-            let finds = |(_, run): &ModelOutcome| {
-                (run.as_ref()).is_ok_and(|run| run.summary.no_mounting.is_none())
-            };
-            if results.iter().any(finds) {
-                found.retain(|of| !matches!(of, Finding::NoMounting { .. }));
-            }
-            found.extend(findings::of_temperature(self.thermal));
-            // Among several, what one model disagrees with says nothing of the log.
-            if runs.next().is_none() {
-                let mounted = s.mountings.last().map(|(_, mounting)| mounting.matrix());
-                let rotation = mounted.unwrap_or(self.drive.imu.1.rotation);
-                found.extend(findings::with_axes(findings::of_disagreement(s), &rotation));
-            }
-            for (log, skipped, gaps) in &self.scalars {
-                let used = &s.innovations[log.aid()];
-                found.extend(findings::of_scalar(log.log(), skipped, gaps, used));
-            }
-        }
-        let ran = results
-            .iter()
-            .filter_map(|(model, run)| Some((model, run.as_ref().ok()?)));
-        let models: Vec<_> = ran
-            .map(|(model, run)| (model.as_str(), &run.errors))
-            .collect();
-        found.extend(findings::of_drift(&models));
-        if let (Some(sample), Some(first), Some(last), None) = (
-            self.imu.last(),
-            self.gnss.first(),
-            self.gnss.last(),
-            self.drive.logs.span,
-        ) {
-            found.extend(findings::of_ends(sample.time, [first.time, last.time]));
-        }
-        let failed = results.iter().find_map(|(_, run)| run.as_ref().err());
-        found.extend(failed.into_iter().flat_map(ReplayError::findings));
+        found.extend(self.ends_early());
         let logs: Vec<_> = self.skipped.iter().map(|(log, s)| (*log, s)).collect();
         found.extend(findings::of_skipped(&logs));
         findings::ranked(found)
     }
 
+    fn ends_early(&self) -> Option<Finding> {
+        let (sample, fixes) = (self.imu.last()?, self.gnss.first().zip(self.gnss.last())?);
+        let whole = self.drive.logs.span.is_none();
+        let ends = [fixes.0.time, fixes.1.time];
+        findings::of_ends(sample.time, ends).filter(|_| whole)
+    }
+
+    /// What the drive shows without outages, as `navigate` has it, and what the outages show.
+    pub fn findings(&self, experiment: &Experiment) -> Vec<Finding> {
+        let mut found = match &experiment.uncut {
+            Ok(report) => report.findings(),
+            Err(error) => {
+                let mut found = error.findings();
+                found.extend(self.read_findings());
+                found
+            }
+        };
+        if experiment.uncut.is_ok() {
+            found.extend(self.ends_early());
+        }
+        let cut = findings::of_outages(experiment, &found);
+        found.extend(cut);
+        findings::ranked(findings::of_model(found, self.drive.model.as_ref()))
+    }
+
     /// The experiment as a result; `file` is the drive file.
-    pub fn result(
-        &self,
-        file: &Path,
-        cuts: &[Outage],
-        results: &[ModelOutcome],
-        hindsight: Hindsight,
-    ) -> Outages {
+    pub fn result(&self, file: &Path, experiment: &Experiment) -> Outages {
+        let hindsight = experiment.hindsight;
+        let [withheld, rejected] = experiment.withheld;
         Outages {
             drive: results::Drive::of(file, &self.drive),
             reference: self.reference().into(),
             smooth: hindsight == Hindsight::Smooth,
             look_ahead: hindsight != Hindsight::Causal,
-            findings: self.findings(results),
-            ..result(cuts, results, &self.track())
+            left_out: experiment.left_out.iter().map(Into::into).collect(),
+            withheld,
+            rejected,
+            findings: self.findings(experiment),
+            ..result(&experiment.cuts, &experiment.runs, &self.track())
         }
     }
 }

@@ -3,13 +3,14 @@
 use super::{
     drift::drift_curve,
     errors::{self, ModelOutcome, ModelRun},
+    left_out::WhyLeftOut,
 };
 use crate::{
     reference::GROUPS,
     replay::{Aid, Outage},
     results::{
-        Cut, Drift, ModelErrors, NisOfParts, Number, Numbers, OutageErrors, Outages, SCHEMA, Track,
-        VERSION, by_name, numbers,
+        Cut, Drift, LeftOutCut, ModelErrors, NisOfParts, Number, Numbers, OutageErrors, Outages,
+        SCHEMA, Track, VERSION, by_name, numbers,
     },
     series::{ROWS, Thinned, to_digits, to_millimetre, to_millisecond},
 };
@@ -51,6 +52,17 @@ impl From<&Outage> for Cut {
         Self {
             start_s: of.start.into(),
             length_s: (of.end - of.start).into(),
+        }
+    }
+}
+
+impl From<&(Outage, WhyLeftOut)> for LeftOutCut {
+    fn from((of, why): &(Outage, WhyLeftOut)) -> Self {
+        let Cut { start_s, length_s } = of.into();
+        Self {
+            start_s,
+            length_s,
+            why: *why,
         }
     }
 }

@@ -1,6 +1,9 @@
 //! Each model through the outages.
 
-use super::errors::{ModelErrors, ModelOutcome, ModelRun, OutageErrors};
+use super::{
+    errors::{ModelErrors, ModelOutcome, ModelRun, OutageErrors},
+    uncut::{Reference, Rejected},
+};
 use crate::{
     estimator::{Adjoint, Estimator, STAMP_ROUNDING},
     findings::Finding,
@@ -29,9 +32,22 @@ pub fn run(
     models: &[(String, Settings)],
     done: &(dyn Fn(u64) + Sync),
 ) -> Vec<ModelOutcome> {
+    let rejected = &Rejected::default();
+    let reference = Reference { truth, rejected };
+    run_against(imu, aiding, reference, models, done)
+}
+
+/// As [`run`], where some of the withheld fixes may be no reference.
+pub fn run_against(
+    imu: &[ImuSample],
+    aiding: &[Measurement],
+    reference: Reference,
+    models: &[(String, Settings)],
+    done: &(dyn Fn(u64) + Sync),
+) -> Vec<ModelOutcome> {
     parallel::map(models.len(), |k| {
         let (name, settings) = &models[k];
-        let run = run_model(imu, aiding, truth, settings, done);
+        let run = run_model(imu, aiding, reference, settings, done);
         let run = run.map(|(errors, summary)| ModelRun {
             name: name.clone(),
             errors,
@@ -44,7 +60,7 @@ pub fn run(
 fn run_model(
     imu: &[ImuSample],
     aiding: &[Measurement],
-    truth: &[TruthSample],
+    reference: Reference,
     settings: &Settings,
     done: &(dyn Fn(u64) + Sync),
 ) -> Result<(ModelErrors, Summary), ReplayError> {
@@ -63,7 +79,7 @@ fn run_model(
         &mut aiding.iter().copied().map(Ok),
         &settings,
     )?;
-    let mut watch = OutageWatch::new(&settings, truth);
+    let mut watch = OutageWatch::new(&settings, reference);
     if settings.nodes.is_some() {
         watch.history = Some(History::new()?);
     }
@@ -84,6 +100,7 @@ struct OutageWatch<'a> {
     lever_arm: Vector3,
     mounted: bool,
     truth: Option<TruthCursor<std::iter::Copied<std::slice::Iter<'a, TruthSample>>>>,
+    rejected: &'a Rejected,
     present: usize,
     outages: Vec<OutageErrors>,
     coverage: Coverage,
@@ -97,7 +114,8 @@ struct OutageWatch<'a> {
 const DRIFT_STEP: f64 = 0.1;
 
 impl<'a> OutageWatch<'a> {
-    fn new(settings: &'a Settings, truth: &'a [TruthSample]) -> Self {
+    fn new(settings: &'a Settings, reference: Reference<'a>) -> Self {
+        let truth = reference.truth;
         let outages = settings
             .outages
             .iter()
@@ -107,6 +125,7 @@ impl<'a> OutageWatch<'a> {
                 end: Errors::UNKNOWN,
                 sigma: Errors::UNKNOWN,
                 nees: [f64::NAN; 3],
+                covered: Coverage::default(),
                 drift: Vec::new(),
                 way: Vec::new(),
             })
@@ -121,6 +140,7 @@ impl<'a> OutageWatch<'a> {
             },
             mounted,
             truth: (!truth.is_empty()).then(|| TruthCursor::new(truth.iter().copied())),
+            rejected: reference.rejected,
             present: 0,
             outages,
             coverage: Coverage::default(),
@@ -143,10 +163,16 @@ impl<'a> OutageWatch<'a> {
     fn note(&mut self, outage: usize, nav: &NavState, errors: Errors, predicted: &Predicted) {
         let o = &mut self.outages[outage];
         o.max = o.max.max_abs(errors);
-        o.end = errors;
-        o.sigma = predicted.std(&nav.q_nb);
-        o.nees = predicted.nees(&nav.q_nb, &errors);
-        self.coverage.add(&errors, &o.sigma);
+        let sigma = predicted.std(&nav.q_nb);
+        let nees = predicted.nees(&nav.q_nb, &errors);
+        // What the last reference does not have is that of the one before.
+        o.end = errors.or(o.end);
+        o.sigma = sigma.or(o.sigma);
+        for (last, nees) in o.nees.iter_mut().zip(nees) {
+            *last = if nees.is_finite() { nees } else { *last };
+        }
+        o.covered.add(&errors, &sigma);
+        self.coverage.add(&errors, &sigma);
         let time = nav.time;
         let since = time - o.start_s;
         if o.drift
@@ -197,8 +223,17 @@ impl<'a> OutageWatch<'a> {
         let counted: Vec<&OutageErrors> = self.outages.iter().filter(began).collect();
         let largest: Vec<Errors> = counted.iter().map(|o| o.max).collect();
         let ends: Vec<Errors> = counted.iter().map(|o| o.end).collect();
+        // An outage without a reference spoils no other; of a solution that has ended the others say too little.
+        let of = |values: &[Errors], statistic: fn(&[Errors]) -> Errors| match summary.diverged {
+            Some(_) => statistic(values),
+            None => reference::where_known(values, statistic),
+        };
         let nees = std::array::from_fn(|group| {
-            counted.iter().map(|o| o.nees[group]).sum::<f64>() / counted.len() as f64
+            let all = counted.iter().map(|o| o.nees[group]);
+            let known: Vec<f64> = all
+                .filter(|nees| summary.diverged.is_some() || nees.is_finite())
+                .collect();
+            known.iter().sum::<f64>() / known.len() as f64
         });
         let left_out = self.outages.len() - counted.len();
         let empty = ends.iter().filter(|e| e.0[HORIZONTAL].is_nan()).count();
@@ -211,10 +246,10 @@ impl<'a> OutageWatch<'a> {
                 .map(|start| Finding::LargeInnovations { start }),
         };
         ModelErrors {
-            max: reference::max(&largest),
-            rms: reference::rms(&largest),
-            median: reference::median(&largest),
-            end_rms: reference::rms(&ends),
+            max: of(&largest, reference::max),
+            rms: of(&largest, reference::rms),
+            median: of(&largest, reference::median),
+            end_rms: of(&ends, reference::rms),
             nees,
             coverage: self.coverage,
             left_out,
@@ -243,14 +278,15 @@ impl Observer for OutageWatch<'_> {
     }
 
     fn fix(&mut self, filter: &dyn Estimator, fix: &GnssFix, withheld: bool) {
-        self.withheld = (withheld && fix.position.is_some()).then_some(*fix);
+        let reference = withheld.then(|| self.rejected.rest(fix));
+        self.withheld = reference.filter(|fix| fix.position.is_some());
         if self.history.is_none()
             && self.truth.is_none()
-            && self.withheld.is_some()
+            && let Some(fix) = self.withheld
             && let Some(outage) = self.outage_at(fix.time)
         {
-            let errors = Errors::against_fix(filter, fix, &self.lever_arm);
-            let predicted = Predicted::of(filter).against_fix(fix);
+            let errors = Errors::against_fix(filter, &fix, &self.lever_arm);
+            let predicted = Predicted::of(filter).against_fix(&fix);
             self.note(outage, filter.nav(), errors, &predicted);
         }
     }

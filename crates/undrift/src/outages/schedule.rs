@@ -28,13 +28,14 @@ pub enum Schedule {
 
 impl Schedule {
     /// The schedule that is asked for by times, or by the span between starts, or by a number; `None`
-    /// if by none of them. `start` \[s\] is counted from the first fix.
+    /// if by none of them. `start` \[s\] is counted from the first fix, without it [`FIRST`].
     pub fn asked(
         at: Option<Vec<f64>>,
         every: Option<f64>,
         count: Option<usize>,
-        start: f64,
+        start: Option<f64>,
     ) -> Option<Self> {
+        let start = start.unwrap_or(FIRST);
         match (at, every, count) {
             (Some(times), ..) => Some(Self::At(times)),
             (None, Some(every), count) => Some(Self::Every {
@@ -46,7 +47,20 @@ impl Schedule {
             (None, None, None) => None,
         }
     }
+
+    /// What serves where nothing is asked for: as many outages of `length` \[s\] as fit, a third of the time without GNSS;
+    /// the first `start` \[s\] after the first fix or, without it, after [`FIRST`], sooner where the fixes `span` \[s\] little.
+    pub fn usual(length: f64, start: Option<f64>, span: f64) -> Self {
+        Self::Every {
+            start: start.unwrap_or(FIRST.min((span / 3.0).round())),
+            every: 3.0 * length,
+            count: None,
+        }
+    }
 }
+
+/// Usual start of the first outage after the first fix \[s\].
+pub const FIRST: f64 = 60.0;
 
 /// More outages than this are a mistake.
 const MOST_OUTAGES: usize = 100_000;

@@ -4,7 +4,7 @@ use super::{
     Drive, Number, Numbers, Track,
     known::{finding, findings},
 };
-use crate::findings::Finding;
+use crate::{findings::Finding, outages::WhyLeftOut};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -21,6 +21,13 @@ pub struct Outages {
     pub drive: Drive,
     /// Where GNSS was cut.
     pub outages: Vec<Cut>,
+    /// Outages that were asked for and are not among them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub left_out: Vec<LeftOutCut>,
+    /// Positions withheld by the outages, where they are the reference.
+    pub withheld: u64,
+    /// Those of them that the run without outages rejects: they are no reference.
+    pub rejected: u64,
     /// Names of the models that were run, in their order.
     pub order: Vec<String>,
     /// What the outages did to each of them.
@@ -53,6 +60,18 @@ pub struct Cut {
     pub start_s: Number,
     /// Length \[s\].
     pub length_s: Number,
+}
+
+/// An outage that was left out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LeftOutCut {
+    /// Start \[s\].
+    pub start_s: Number,
+    /// Length \[s\].
+    pub length_s: Number,
+    /// Why.
+    pub why: WhyLeftOut,
 }
 
 /// What the outages did to one model; errors by component with their units.

@@ -28,6 +28,13 @@ pub struct Tune {
     pub drift: Vec<TunedDrift>,
     /// What it changes if the white noise follows the vibration; null where it was not tried.
     pub vibration: Option<TunedVibration>,
+    /// The file that the tuned drive was asked to be written to; filled in where results are shown.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tuned: Option<String>,
+    /// Positions in the unseen parts, where they are the reference.
+    pub withheld: u64,
+    /// Those of them that are rejected under every noise: they are no reference.
+    pub rejected: u64,
     /// Windows whose fixes were scored.
     pub windows: u64,
     /// Evaluations of the objective.

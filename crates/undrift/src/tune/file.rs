@@ -60,26 +60,44 @@ pub fn tuned(
             vehicle.insert("side_slip", value(format!("{slip:.3} s")));
         }
     }
-    if let Some(folder) = logs {
-        for name in log_tables() {
-            let table = file.get_mut(name).and_then(Item::as_table_like_mut);
-            if let Some(log) = table.and_then(|table| table.get_mut("file"))
-                && let Some(path) = log.as_str()
-            {
-                let decor = log.as_value().map(|log| log.decor().clone());
-                let mut moved = Value::from(folder.join(path).to_string_lossy().into_owned());
-                if let Some(decor) = decor {
-                    *moved.decor_mut() = decor;
-                }
-                *log = Item::Value(moved);
-            }
-        }
-    }
+    move_logs(&mut file, logs);
     Ok(format!(
         "{head}{}\n\n# Identified by `undrift tune` in this vehicle.\n[model]\n{}",
         file.to_string().trim_end(),
         inner(model)
     ))
+}
+
+/// The text of a drive file as it was, where what was found is worse; `logs` as in [`tuned`].
+///
+/// # Errors
+/// Text that is no TOML.
+pub fn unchanged(text: &str, logs: Option<&Path>) -> Result<String, toml_edit::TomlError> {
+    let mut file: DocumentMut = text.parse()?;
+    move_logs(&mut file, logs);
+    Ok(format!(
+        "# As it was: what `undrift tune` found is worse than this.\n{file}"
+    ))
+}
+
+/// The logs of a drive file are in this folder from now on.
+fn move_logs(file: &mut DocumentMut, folder: Option<&Path>) {
+    let Some(folder) = folder else {
+        return;
+    };
+    for name in log_tables() {
+        let table = file.get_mut(name).and_then(Item::as_table_like_mut);
+        if let Some(log) = table.and_then(|table| table.get_mut("file"))
+            && let Some(path) = log.as_str()
+        {
+            let decor = log.as_value().map(|log| log.decor().clone());
+            let mut moved = Value::from(folder.join(path).to_string_lossy().into_owned());
+            if let Some(decor) = decor {
+                *moved.decor_mut() = decor;
+            }
+            *log = Item::Value(moved);
+        }
+    }
 }
 
 /// The comment above the model's key but for its last paragraph, which is on the model, where there are several.

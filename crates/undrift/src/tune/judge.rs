@@ -2,15 +2,15 @@
 
 use super::fit::FitLog;
 use crate::{
-    outages::{OutageErrors, run},
+    outages::{OutageErrors, Reference, Rejected, run_against},
     reference::{Coverage, HORIZONTAL},
-    replay::Outage,
+    replay::{Measurement, Outage},
     settings::Settings,
 };
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift_nav::sample::TruthSample;
-use undrift_noise::order_statistics::quantile;
+use undrift_noise::{order_statistics::quantile, parallel};
 
 /// Lengths of the outages \[s\].
 const LENGTHS: [f64; 3] = [10.0, 30.0, 60.0];
@@ -100,14 +100,61 @@ pub struct Following {
     pub kept: bool,
 }
 
+/// What was measured on what the fit has not seen.
+#[derive(Clone, Debug, Default)]
+pub struct Judgement {
+    /// Drift before and after, by length.
+    pub judged: Vec<Judged>,
+    /// What it changes if the white noise follows the vibration, where it was tried.
+    pub following: Option<Following>,
+    /// Positions of the spans, and how many of them every run without outages rejects: they are no reference. None of both
+    /// where there is a truth.
+    pub withheld: [u64; 2],
+}
+
+impl Unseen<'_> {
+    /// What the runs without outages under all of the settings reject, so that no noise chooses what it is judged by.
+    fn rejected(&self) -> Rejected {
+        if !self.truth.is_empty() {
+            return Rejected::default();
+        }
+        let runs = parallel::map(self.settings.len(), |k| {
+            Rejected::by_run(self.log.imu, self.log.aiding, &self.settings[k]).unwrap_or_default()
+        });
+        let all = runs.into_iter().reduce(|a, b| a.by_both(&b));
+        all.unwrap_or_default()
+    }
+
+    /// Positions of the span, and how many of them are rejected.
+    fn withheld(&self, rejected: &Rejected) -> [u64; 2] {
+        let mut counts = [0; 2];
+        let fixes = self.log.aiding.iter().filter_map(|m| match m {
+            Measurement::Gnss(fix) if fix.position.is_some() => Some(fix),
+            _ => None,
+        });
+        let (from, to) = self.span;
+        for fix in fixes.filter(|fix| self.truth.is_empty() && from < fix.time && fix.time <= to) {
+            counts[0] += 1;
+            counts[1] += u64::from(rejected.rest(fix).position.is_none());
+        }
+        counts
+    }
+}
+
 /// Runs outages of every length, back to back over the spans that the fit has not seen: drift before and after, where
 /// `after` follows the vibration if the log-likelihood gains by it, and what following it changes, where there is a `gain`
 /// to tell. A length that fits fewer than twice is omitted.
-pub fn judge(drives: &[Unseen], gain: Option<f64>) -> (Vec<Judged>, Option<Following>) {
+pub fn judge(drives: &[Unseen], gain: Option<f64>) -> Judgement {
+    let rejected: Vec<Rejected> = drives.iter().map(Unseen::rejected).collect();
+    let mut withheld = [0; 2];
+    for (drive, rejected) in drives.iter().zip(&rejected) {
+        let counts = drive.withheld(rejected);
+        withheld = [withheld[0] + counts[0], withheld[1] + counts[1]];
+    }
     let kept = gain.is_some_and(|gain| gain >= 0.0);
     let (mut judged, mut gains) = (Vec::new(), Vec::new());
     for length in LENGTHS {
-        let [before, steady, following] = run_all(drives, length, gain.is_some());
+        let [before, steady, following] = run_all(drives, &rejected, length, gain.is_some());
         let after = if kept { &following } else { &steady };
         judged.extend(compared(length, &before, after));
         gains.extend(compared(length, &steady, &following));
@@ -122,16 +169,20 @@ pub fn judge(drives: &[Unseen], gain: Option<f64>) -> (Vec<Judged>, Option<Follo
             gain,
             kept,
         });
-    (judged, following)
+    Judgement {
+        judged,
+        following,
+        withheld,
+    }
 }
 
 /// The outages of each pass over the drives; `None` for a pass without a solution.
 type Passes = Vec<Option<Vec<OutageErrors>>>;
 
 /// Runs the outages of one length under each of the settings.
-fn run_all(drives: &[Unseen], length: f64, follows: bool) -> [Passes; 3] {
+fn run_all(drives: &[Unseen], rejected: &[Rejected], length: f64, follows: bool) -> [Passes; 3] {
     let mut all: [Passes; 3] = Default::default();
-    for drive in drives {
+    for (drive, rejected) in drives.iter().zip(rejected) {
         let (from, to) = (drive.span.0 + APART, drive.span.1);
         let count = ((to - from) / length).floor().max(0.0) as usize;
         let outage = |k: usize| Outage {
@@ -150,7 +201,11 @@ fn run_all(drives: &[Unseen], length: f64, follows: bool) -> [Passes; 3] {
                 runs.push((String::new(), settings));
             }
         }
-        let done = run(drive.log.imu, drive.log.aiding, drive.truth, &runs, &|_| ());
+        let reference = Reference {
+            truth: drive.truth,
+            rejected,
+        };
+        let done = run_against(drive.log.imu, drive.log.aiding, reference, &runs, &|_| ());
         for (at, (_, ran)) in done.into_iter().enumerate() {
             all[at / passes].push(ran.ok().map(|ran| ran.errors.per_outage));
         }
@@ -186,7 +241,61 @@ fn compared(length: f64, before: &Passes, after: &Passes) -> Option<Judged> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::Errors;
+    use crate::{
+        reference::Errors,
+        simulate::{GnssNoise, Trajectory, simulate},
+    };
+    use undrift_nav::{Vector3, sample::Position, shaping::ShapingFilter};
+
+    /// Two fixes of a half minute that are 10 m off, for the same noise before and after: the drift is that of right fixes,
+    /// and they are counted.
+    #[test]
+    fn fixes_that_are_rejected_under_every_noise_are_no_reference() {
+        let white = |density: f64| ShapingFilter::white(density, 0.04).unwrap();
+        let (gyro, accel) = (white(1e-4), white(1e-3));
+        let sensors = [gyro, gyro, gyro, accel, accel, accel];
+        let receiver = GnssNoise {
+            position_std: [0.5, 0.5, 1.0],
+            velocity_std: [0.05; 3],
+            ..GnssNoise::default()
+        };
+        let car = Trajectory::car(160.0, 2);
+        let log = simulate(&car, 25.0, Some(&sensors), &receiver, 2).unwrap();
+        let judged = |every: Option<usize>| {
+            let fixes = log.gnss.iter().enumerate().map(|(k, fix)| {
+                let mut fix = *fix;
+                if let Some((Position::Geodetic(at), _)) = &mut fix.position
+                    && every.is_some_and(|every| k % every == 0)
+                {
+                    *at = at.displaced(&Vector3::new(8.0, 6.0, 0.0));
+                }
+                Measurement::Gnss(fix)
+            });
+            let fixes: Vec<Measurement> = fixes.collect();
+            let settings = Settings::new(sensors);
+            let log = FitLog {
+                imu: &log.imu,
+                aiding: &fixes,
+                settings: settings.clone(),
+                until: 80.0,
+            };
+            let unseen = Unseen {
+                log: &log,
+                truth: &[],
+                settings: vec![settings.clone(), settings],
+                span: (80.0, 160.0),
+            };
+            judge(&[unseen], None)
+        };
+        let (right, wrong) = (judged(None), judged(Some(16)));
+        assert_eq!((right.withheld, wrong.withheld[1]), ([80, 0], 5));
+        for (right, wrong) in right.judged.iter().zip(&wrong.judged) {
+            assert_eq!(right.length, wrong.length);
+            let [right, wrong] = [right.rms()[0], wrong.rms()[0]];
+            // As references they would make it 9 m in 10 s; the filter has five fixes fewer.
+            assert!(wrong < 2.0 * right + 2.0, "{wrong} {right}");
+        }
+    }
 
     /// An outage with its largest horizontal error and a north error at its end, of a standard deviation of 1 m.
     fn outage(largest: f64, end: f64) -> OutageErrors {
@@ -196,6 +305,7 @@ mod tests {
             end: Errors::UNKNOWN,
             sigma: Errors([1.0; 10]),
             nees: [f64::NAN; 3],
+            covered: Coverage::default(),
             drift: Vec::new(),
             way: Vec::new(),
         };

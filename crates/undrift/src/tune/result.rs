@@ -112,6 +112,9 @@ impl Tuned {
                 likelihood_gain: following.gain.into(),
                 kept: following.kept,
             }),
+            tuned: None,
+            withheld: self.withheld[0],
+            rejected: self.withheld[1],
             windows: self.fit.windows as u64,
             evaluations: self.fit.evaluations as u64,
             converged: self.fit.converged,
@@ -149,6 +152,7 @@ mod tests {
             held_out: true,
             judged: Vec::new(),
             following: None,
+            withheld: [600, 12],
             aligns: Vec::new(),
             stopped: false,
         }
@@ -186,6 +190,7 @@ mod tests {
             (result.windows, result.evaluations, result.converged),
             (120, 45, true)
         );
+        assert_eq!((result.withheld, result.rejected), (600, 12));
         assert_eq!(
             (result.unseen, result.held_out, result.stopped),
             (Number(0.3), true, false)

@@ -104,7 +104,7 @@ fn a_simulated_drive() {
             Hindsight::Causal,
             &|_| (),
         );
-        let (_, run) = run.unwrap().remove(0);
+        let (_, run) = run.unwrap().runs.remove(0);
         format!("{:?}", run.unwrap().errors)
     };
     assert_eq!(cut(&memory), cut(&files));

@@ -16,6 +16,7 @@ mod prose;
 mod public;
 mod public_drives;
 mod pull_away;
+mod references;
 mod rest;
 mod shaping_forms;
 mod smoothed_errors;

@@ -107,7 +107,7 @@ fn drift(drive: &Drive) -> (f64, [f64; 3], f64, Vec<Finding>) {
         &|_| (),
     );
     let runs = runs.unwrap();
-    let errors = &runs[0].1.as_ref().unwrap().errors;
+    let errors = &runs.runs[0].1.as_ref().unwrap().errors;
     let inside = errors.coverage.shares(0).unwrap()[2];
     (
         errors.median.0[HORIZONTAL],

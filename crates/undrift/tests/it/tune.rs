@@ -217,6 +217,7 @@ fn the_drive_file_is_written() {
         held_out: false,
         judged: Vec::new(),
         following: None,
+        withheld: [0; 2],
         follows: false,
         aligns: vec![true],
         stopped: false,
@@ -243,6 +244,12 @@ fn the_drive_file_is_written() {
         assert!(near(axis.turn_on, found.start.turn_on[i]), "{name}");
     }
     assert!(read.source.contains("drive.toml"));
+    let kept = file::unchanged(text, Some(&folder)).unwrap();
+    let as_before = text.replace("\"imu.csv\"", "").replace("\"gnss.csv\"", "");
+    let [imu, gnss] = ["imu.csv", "gnss.csv"].map(|log| format!("{:?}", folder.join(log)));
+    let (head, rest) = kept.split_once('\n').unwrap();
+    assert!(head.starts_with("# As it was"), "{head}");
+    assert_eq!(rest.replace(&imu, "").replace(&gnss, ""), as_before);
     // Once more: the same.
     let again = file::tuned(&written, &found, &model, None).unwrap();
     assert_eq!(again, written);

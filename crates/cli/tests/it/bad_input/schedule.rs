@@ -148,7 +148,10 @@ fn outages_before_the_solution_starts_are_said() {
     let outcome = case.outages(&["--at", "5,50", "--length", "5"]);
     says(
         &outcome.stderr,
-        &["navigation started at", "start the outages later"],
+        &[
+            "1 of 2 outages was left out (at 5 s): begins before the solution does",
+            "start the outages later",
+        ],
     );
 }
 

@@ -44,7 +44,12 @@ fn largest_errors_and_errors_at_the_end_have_statistics_of_their_own() {
             .into(),
         ..Settings::new([ShapingFilter::white(1e-3, 1.0 / RATE).unwrap(); AXES])
     };
-    let mut watch = OutageWatch::new(&settings, &[]);
+    let rejected = Rejected::default();
+    let reference = Reference {
+        truth: &[],
+        rejected: &rejected,
+    };
+    let mut watch = OutageWatch::new(&settings, reference);
     // Each component another multiple, so that none can stand for another.
     let row = |size: f64| Errors(std::array::from_fn(|i| size * (1.0 + i as f64)));
     for (k, (largest, end)) in [(-6.0, 1.0), (10.0, -2.0), (-8.0, 4.0)]

@@ -155,19 +155,37 @@ fn given_times_are_put_in_order_and_have_to_lie_within_the_fixes() {
 #[test]
 fn times_are_asked_for_before_a_span_and_a_span_before_a_number() {
     let times = Some(vec![5.0]);
-    let asked = Schedule::asked(times, Some(40.0), Some(2), 10.0);
+    let asked = Schedule::asked(times, Some(40.0), Some(2), Some(10.0));
     assert_eq!(asked, Some(Schedule::At(vec![5.0])));
     assert_eq!(
-        Schedule::asked(None, Some(40.0), Some(2), 10.0),
+        Schedule::asked(None, Some(40.0), Some(2), Some(10.0)),
         Some(every(40.0, Some(2)))
     );
     assert_eq!(
-        Schedule::asked(None, Some(40.0), None, 10.0),
+        Schedule::asked(None, Some(40.0), None, Some(10.0)),
         Some(every(40.0, None))
     );
     assert_eq!(
-        Schedule::asked(None, None, Some(2), 10.0),
+        Schedule::asked(None, None, Some(2), Some(10.0)),
         Some(count(10.0, 2))
     );
-    assert_eq!(Schedule::asked(None, None, None, 10.0), None);
+    assert_eq!(Schedule::asked(None, None, None, Some(10.0)), None);
+}
+
+/// A third of the time without GNSS; the first outage after a minute, sooner in a short log.
+#[test]
+fn the_usual_outages_fill_the_log() {
+    let usual = |length, start, span| Schedule::usual(length, start, span);
+    let every = |start: f64, every: f64| Schedule::Every {
+        start,
+        every,
+        count: None,
+    };
+    assert_eq!(usual(10.0, None, 600.0), every(60.0, 30.0));
+    assert_eq!(usual(10.0, None, 90.0), every(30.0, 30.0));
+    assert_eq!(usual(30.0, Some(5.0), 90.0), every(5.0, 90.0));
+    // A number without a start begins after a minute.
+    let asked = Schedule::asked(None, None, Some(2), None);
+    let (start, count) = (FIRST, 2);
+    assert_eq!(asked, Some(Schedule::Count { start, count }));
 }

@@ -1,0 +1,135 @@
+//! The experiment on the logs of a drive: a run without outages first, then every model through the outages.
+
+use super::{
+    Logs,
+    errors::ModelOutcome,
+    left_out::{Needs, WhyLeftOut},
+    run::run_against,
+    uncut::{Reference, Rejected},
+};
+use crate::{
+    navigate::{self, Hindsight, NavigateError, Report, Wanted, look_ahead, settings},
+    replay::{Measurement, Outage, ReplayError},
+};
+use undrift_noise::BiasModel;
+
+/// Longest span between two nodes of the smoother \[s\]: the errors are taken at nodes.
+const NODE_SPAN: f64 = 0.2;
+
+/// What was done with a drive.
+#[derive(Debug)]
+pub struct Experiment {
+    /// What the solutions know at each instant.
+    pub hindsight: Hindsight,
+    /// The outages.
+    pub cuts: Vec<Outage>,
+    /// Those that were asked for and are not among them, and why.
+    pub left_out: Vec<(Outage, WhyLeftOut)>,
+    /// The run without outages: what `navigate` makes of the drive.
+    pub uncut: Result<Report, ReplayError>,
+    /// Withheld fixes with a position, and how many of them the run without outages rejects: they are no reference. None
+    /// of both where there is a truth.
+    pub withheld: [u64; 2],
+    /// Every model.
+    pub runs: Vec<ModelOutcome>,
+}
+
+/// The model of the run without outages: that of `navigate`.
+pub const UNCUT: BiasModel = BiasModel::Arma;
+
+impl Logs {
+    /// Samples that a run of so many models takes, for progress.
+    pub fn samples(&self, models: usize) -> u64 {
+        (self.imu.len() * (models + 1)) as u64
+    }
+
+    /// Navigates the drive without outages, then runs every bias model through the outages, on all cores; smoothed, the
+    /// errors are those that are left when the fixes after an outage are known too. What the run without outages rejects is
+    /// no reference, and an outage without one is left out. `done` is called with how many more samples were taken, of
+    /// [`Logs::samples`].
+    ///
+    /// # Errors
+    /// A drive without a model, or with one that is none at the log's rate; logs that cannot be read again.
+    pub fn run(
+        &self,
+        kinds: &[BiasModel],
+        cuts: &[Outage],
+        hindsight: Hindsight,
+        done: &(dyn Fn(u64) + Sync),
+    ) -> Result<Experiment, NavigateError> {
+        let wanted = Wanted {
+            hindsight,
+            rejected: true,
+            ..Wanted::default()
+        };
+        let uncut = match navigate::navigate(&self.drive, UNCUT, wanted) {
+            Ok(report) => Ok(report),
+            Err(NavigateError::Replay(error)) => Err(error),
+            Err(error) => return Err(error),
+        };
+        done(self.imu.len() as u64);
+        let none = Rejected::default();
+        let rejected = uncut.as_ref().map_or(&none, |report| &report.rejected);
+        let started = uncut
+            .as_ref()
+            .ok()
+            .and_then(|report| report.summary.started);
+        let needs = Needs::new(&self.imu, &self.aiding, &self.truth, rejected, started);
+        let (mut counted, mut left_out) = (Vec::new(), Vec::new());
+        for cut in cuts {
+            match needs.lacks(cut) {
+                Some(why) => left_out.push((*cut, why)),
+                None => counted.push(*cut),
+            }
+        }
+        let models = kinds
+            .iter()
+            .map(|kind| {
+                let mut settings = settings(&self.drive, *kind)?;
+                if hindsight != Hindsight::Causal {
+                    look_ahead(&mut settings, self.study());
+                }
+                settings.outages = counted.clone();
+                settings.nodes = (hindsight == Hindsight::Smooth).then_some(NODE_SPAN);
+                Ok((kind.name().to_owned(), settings))
+            })
+            .collect::<Result<Vec<_>, NavigateError>>()?;
+        let reference = Reference {
+            truth: &self.truth,
+            rejected,
+        };
+        let withheld = match self.truth.is_empty() {
+            true => withheld(&self.aiding, &counted, rejected),
+            false => [0; 2],
+        };
+        let runs = match counted.is_empty() {
+            true => Vec::new(),
+            false => run_against(&self.imu, &self.aiding, reference, &models, done),
+        };
+        Ok(Experiment {
+            hindsight,
+            cuts: counted,
+            left_out,
+            withheld,
+            uncut,
+            runs,
+        })
+    }
+}
+
+/// Positions inside the outages, and how many of them are rejected.
+fn withheld(aiding: &[Measurement], cuts: &[Outage], rejected: &Rejected) -> [u64; 2] {
+    let mut counts = [0; 2];
+    for measurement in aiding {
+        let Measurement::Gnss(fix) = measurement else {
+            continue;
+        };
+        let next = cuts.partition_point(|cut| !cut.contains(fix.time) && cut.end < fix.time);
+        let inside = cuts.get(next).is_some_and(|cut| cut.contains(fix.time));
+        if inside && fix.position.is_some() {
+            counts[0] += 1;
+            counts[1] += u64::from(rejected.rest(fix).position.is_none());
+        }
+    }
+    counts
+}

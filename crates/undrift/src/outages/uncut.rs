@@ -1,0 +1,144 @@
+//! What a run without outages says of the fixes: those that it rejects are no reference.
+
+use crate::{
+    estimator::STAMP_ROUNDING,
+    replay::{Measurement, Observer, ReplayError, Settings, replay},
+};
+use undrift_nav::{
+    filter::{Outcome, Update},
+    sample::{GnssFix, ImuSample, TruthSample},
+};
+
+/// The fixes whose position or velocity a run rejected.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rejected {
+    /// Times of the fixes \[s\], in order; of positions and of velocities.
+    times: [Vec<f64>; 2],
+}
+
+impl Rejected {
+    /// By a replay of the whole drive under these settings, their outages aside.
+    ///
+    /// # Errors
+    /// As [`replay`].
+    pub fn by_run(
+        imu: &[ImuSample],
+        aiding: &[Measurement],
+        settings: &Settings,
+    ) -> Result<Self, ReplayError> {
+        let settings = Settings {
+            outages: Vec::new(),
+            nodes: None,
+            ..settings.clone()
+        };
+        let mut rejected = Self::default();
+        let samples = &mut imu.iter().copied().map(Ok);
+        let measurements = &mut aiding.iter().copied().map(Ok);
+        replay(samples, measurements, &settings, &mut rejected)?;
+        Ok(rejected)
+    }
+
+    /// Notes what became of the position and the velocity of the fix of this time \[s\]; in order of time.
+    pub fn note(&mut self, time: f64, updates: [Option<Update>; 2]) {
+        let is_rejected = |update: &Update| update.outcome == Outcome::Rejected;
+        for (times, update) in self.times.iter_mut().zip(updates) {
+            if update.as_ref().is_some_and(is_rejected) {
+                times.push(time);
+            }
+        }
+    }
+
+    /// What two runs both rejected.
+    #[must_use]
+    pub fn by_both(&self, other: &Self) -> Self {
+        let both = |k: usize| {
+            let times = self.times[k].iter().copied();
+            times.filter(|time| other.has(k, *time)).collect()
+        };
+        Self {
+            times: [0, 1].map(both),
+        }
+    }
+
+    fn has(&self, part: usize, time: f64) -> bool {
+        let times = &self.times[part];
+        let at = times.partition_point(|t| *t < time - STAMP_ROUNDING);
+        times.get(at).is_some_and(|t| *t <= time + STAMP_ROUNDING)
+    }
+
+    /// The fix without what was rejected of it.
+    #[must_use]
+    pub fn rest(&self, fix: &GnssFix) -> GnssFix {
+        GnssFix {
+            position: fix.position.filter(|_| !self.has(0, fix.time)),
+            velocity: fix.velocity.filter(|_| !self.has(1, fix.time)),
+            ..*fix
+        }
+    }
+}
+
+impl Observer for Rejected {
+    fn updated(&mut self, time: f64, updates: [Option<Update>; 2]) {
+        self.note(time, updates);
+    }
+}
+
+/// What errors inside outages are measured against.
+#[derive(Clone, Copy, Debug)]
+pub struct Reference<'a> {
+    /// The truth; empty for the withheld fixes.
+    pub truth: &'a [TruthSample],
+    /// What of the withheld fixes is no reference.
+    pub rejected: &'a Rejected,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use undrift_nav::{
+        Matrix3, Vector3,
+        earth::Geodetic,
+        sample::{FixQuality, Position},
+    };
+
+    fn update(outcome: Outcome) -> Option<Update> {
+        Some(Update {
+            nis: 100.0,
+            dof: 3,
+            whitened: [0.0; 3],
+            score: 0.0,
+            information: 1.0,
+            outcome,
+        })
+    }
+
+    #[test]
+    fn what_was_rejected_of_a_fix_is_taken_from_it() {
+        let mut rejected = Rejected::default();
+        rejected.note(1.0, [update(Outcome::Rejected), update(Outcome::Used)]);
+        rejected.note(2.0, [update(Outcome::Weakened(4.0)), None]);
+        rejected.note(3.0, [None, update(Outcome::Rejected)]);
+        let fix = |time: f64| GnssFix {
+            time,
+            position: Some((
+                Position::Geodetic(Geodetic::from_degrees(45.0, 7.0, 0.0)),
+                Matrix3::identity(),
+            )),
+            velocity: Some((Vector3::zeros(), Matrix3::identity())),
+            quality: FixQuality::Unknown,
+        };
+        let left = |rejected: &Rejected, time: f64| {
+            let rest = rejected.rest(&fix(time));
+            (rest.position.is_some(), rest.velocity.is_some())
+        };
+        assert_eq!(
+            [0.0, 1.0, 2.0, 3.0].map(|time| left(&rejected, time)),
+            [(true, true), (false, true), (true, true), (true, false)]
+        );
+        let mut other = Rejected::default();
+        other.note(1.0, [update(Outcome::Rejected), update(Outcome::Rejected)]);
+        let both = rejected.by_both(&other);
+        assert_eq!(left(&both, 1.0), (false, true));
+        assert_eq!(left(&both, 3.0), (true, true));
+    }
+}
