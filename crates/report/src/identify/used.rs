@@ -1,6 +1,7 @@
 //! Which part of a recording was used, and why not all of it.
 
 use super::{spoken, units, units::with_unit};
+use crate::numbers::span;
 use undrift::results::{Identify, Omission, Omitted, Used};
 
 /// Why the rest of a recording is to be looked at, of parts that were left out for more than handling at its ends.
@@ -16,34 +17,49 @@ pub(super) fn doubts(result: &Identify) -> Vec<String> {
 
 fn doubt(used: &Used, part: &Omitted) -> Option<String> {
     let (start, end) = (part.start_s.0, part.end_s.0);
+    let name = part.axis.as_deref().unwrap_or_default();
+    let size = with_unit(part.step.0.abs(), units(name).constant);
+    let name = spoken(name);
+    let over = span(part.time_s.0);
     Some(match part.why {
         Omission::Handled => return None,
         Omission::Bump => format!("a bump at {start:.0} to {end:.0} s"),
         Omission::Session => format!("another session at {start:.0} to {end:.0} s"),
         Omission::Step => {
-            let name = part.axis.as_deref().unwrap_or_default();
-            let size = with_unit(part.step.0.abs(), units(name).constant);
             let at = if end <= used.start_s.0 { end } else { start };
-            format!(
-                "{} steps by {size} at {at:.0} s (re-zeroed, or the sensor was moved)",
-                spoken(name)
-            )
+            format!("{name} steps by {size} at {at:.0} s (re-zeroed, or the sensor was moved)")
+        }
+        Omission::WarmUp => format!(
+            "{name} warms up: it drifts by {size} from {start:.0} to {end:.0} s (time constant {over})"
+        ),
+        Omission::WarmUpRest => format!(
+            "{name} still warms up by {size} in what is used (time constant {over}; subtracted)"
+        ),
+        Omission::Cycle => {
+            format!("{name} swings by ±{size} with a period of {over} (subtracted)")
         }
     })
 }
 
 /// The part of each recording that was used, as sentences; nothing of one that was used whole.
 pub(super) fn spans(result: &Identify) -> String {
-    let sentences = result.used.iter().map(|used| {
-        let parts = used.left_out.iter().map(|part| {
+    let cut = result.used.iter().filter_map(|used| {
+        let parts = used.left_out.iter();
+        let parts = Vec::from_iter(parts.filter(|part| !part.why.is_subtracted()));
+        (!parts.is_empty()).then_some((used, parts))
+    });
+    let sentences = cut.map(|(used, parts)| {
+        let parts = parts.into_iter().filter_map(|part| {
             let (start, end) = (part.start_s.0, part.end_s.0);
             let why = match part.why {
                 Omission::Handled => "handled",
                 Omission::Bump => "bump",
                 Omission::Step => "beyond the step",
                 Omission::Session => "another session",
+                Omission::WarmUp => "warm-up",
+                Omission::WarmUpRest | Omission::Cycle => return None,
             };
-            format!("{start:.0} to {end:.0} s ({why})")
+            Some(format!("{start:.0} to {end:.0} s ({why})"))
         });
         let left_out = Vec::from_iter(parts).join(", ");
         let (start, end) = (used.start_s.0, used.end_s.0);
@@ -97,6 +113,7 @@ mod tests {
             end_s: 1800.0.into(),
             axis: Some("accel_x".into()),
             step: (-0.25 * 9.80665e-3).into(),
+            ..Omitted::default()
         });
         assert_eq!(
             doubts(&result),

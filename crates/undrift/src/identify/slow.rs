@@ -1,0 +1,220 @@
+//! What goes on slowly in a part of a record that rests and is no noise of its sensor: small steps, a warm-up, cycles.
+
+use super::{
+    part::{longest_piece, within},
+    steps::Step,
+    windows::{STEPS, Windows},
+};
+use crate::results::{Omission, Omitted};
+use std::ops::Range;
+use undrift_noise::{
+    identify::SHORTEST,
+    screening::{Disturbance, Shape, disturbances},
+};
+
+/// Shares of a part that are cut off for a warm-up, the least that is enough; beyond the last it is subtracted.
+const CUTS: [f64; 7] = [0.0, 1.0 / 32.0, 0.0625, 0.125, 0.25, 0.375, 0.5];
+
+/// A part without what goes on slowly.
+pub(super) struct Steady {
+    /// Its windows.
+    pub(super) kept: Range<usize>,
+    /// What is left out for it, or subtracted.
+    pub(super) left_out: Vec<Omitted>,
+    /// What is subtracted.
+    pub(super) subtracted: Vec<Subtracted>,
+}
+
+/// A disturbance that is subtracted from the samples of an axis in the part that is used.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Subtracted {
+    axis: usize,
+    width: usize,
+    of: Disturbance,
+}
+
+impl Subtracted {
+    /// Subtracts it from the samples of its axis, of the part that is used.
+    pub(super) fn subtract_from(&self, samples: &mut [Vec<f64>]) {
+        let width = self.width as f64;
+        for samples in samples.iter_mut().skip(self.axis).take(1) {
+            for (k, sample) in samples.iter_mut().enumerate() {
+                *sample -= self.of.value((k as f64 + 0.5) / width);
+            }
+        }
+    }
+}
+
+/// The windows of a part, some of which are disturbed, without the shorter sides of small steps and without a warm-up; and what
+/// is subtracted from them.
+pub(super) fn without_slow(
+    windows: &Windows,
+    part: &Range<usize>,
+    disturbed: &[bool],
+    rate_hz: f64,
+) -> Steady {
+    let seconds = |window: usize| (window * windows.width) as f64 / rate_hz;
+    let find = |range: &Range<usize>| in_axes(windows, range, part, disturbed);
+    let mut steady = Steady {
+        kept: part.clone(),
+        left_out: Vec::new(),
+        subtracted: Vec::new(),
+    };
+    let mut found = find(part);
+    let steps = steps_of(windows, part, &found);
+    let piece = longest_piece(part, &steps);
+    if !steps.is_empty() && piece.len() * windows.width >= SHORTEST {
+        steady
+            .left_out
+            .extend(beyond_steps(&steps, part, &piece, &seconds));
+        found = find(&piece);
+        steady.kept = piece;
+    }
+    let whole = steady.kept.clone();
+    // The axis that drifts most beyond its noise says why.
+    let warmest = warm_ups(&found).max_by(|a, b| a.1.fall.total_cmp(&b.1.fall));
+    let warmest = warmest.map(|(axis, of)| (axis, *of));
+    for share in CUTS {
+        let start = whole.start + (share * whole.len() as f64).round() as usize;
+        if warm_ups(&found).next().is_none() || (whole.end - start) * windows.width < SHORTEST {
+            break;
+        }
+        steady.kept = start..whole.end;
+        if share > 0.0 {
+            found = find(&steady.kept);
+        }
+    }
+    for cut in within(&whole, &steady.kept) {
+        let Some((axis, of)) = warmest else { continue };
+        steady.left_out.push(Omitted {
+            why: Omission::WarmUp,
+            start_s: seconds(cut.start).into(),
+            end_s: seconds(cut.end).into(),
+            axis: Some(windows.axes[axis].0.to_owned()),
+            step: (of.value(cut.len() as f64) - of.value(0.0)).into(),
+            time_s: time_of(&of).map(|time| time * seconds(1)).into(),
+        });
+    }
+    let length = steady.kept.len() as f64;
+    for (axis, of) in all(&found) {
+        let (why, size) = match of.shape {
+            Shape::Step { .. } => continue,
+            Shape::WarmUp(_) => (Omission::WarmUpRest, of.value(length) - of.value(0.0)),
+            Shape::Cycle(_) => (Omission::Cycle, of.size()),
+        };
+        steady.left_out.push(Omitted {
+            why,
+            start_s: seconds(steady.kept.start).into(),
+            end_s: seconds(steady.kept.end).into(),
+            axis: Some(windows.axes[axis].0.to_owned()),
+            step: size.into(),
+            time_s: time_of(of).map(|time| time * seconds(1)).into(),
+        });
+        steady.subtracted.push(Subtracted {
+            axis,
+            width: windows.width,
+            of: *of,
+        });
+    }
+    steady
+}
+
+/// The disturbances of each axis in a range of a part, of which some windows are disturbed otherwise.
+fn in_axes(
+    windows: &Windows,
+    range: &Range<usize>,
+    part: &Range<usize>,
+    disturbed: &[bool],
+) -> Vec<Vec<Disturbance>> {
+    // Slope and square of the temperature, about its middle.
+    let known = windows.temperature.as_ref().map(|means| {
+        let means = &means[range.clone()];
+        let centre = means.iter().sum::<f64>() / means.len().max(1) as f64;
+        [1, 2].map(|power| Vec::from_iter(means.iter().map(|t| (t - centre).powi(power))))
+    });
+    let known = known.as_ref().map_or(&[][..], |known| known);
+    let of = |levels: &super::windows::Levels| {
+        let means = range.clone().map(|k| match disturbed[k - part.start] {
+            true => f64::NAN,
+            false => levels.means[k],
+        });
+        let mut found = disturbances(&Vec::from_iter(means), known);
+        // Rounded samples step as their mean crosses from one value to the next.
+        found.retain(|one| {
+            !matches!(one.shape, Shape::Step { .. }) || one.size().abs() > STEPS * levels.step
+        });
+        found
+    };
+    windows.axes.iter().map(|(_, levels)| of(levels)).collect()
+}
+
+fn all(found: &[Vec<Disturbance>]) -> impl Iterator<Item = (usize, &Disturbance)> {
+    let axes = found.iter().enumerate();
+    axes.flat_map(|(axis, of_axis)| of_axis.iter().map(move |one| (axis, one)))
+}
+
+fn warm_ups(found: &[Vec<Disturbance>]) -> impl Iterator<Item = (usize, &Disturbance)> {
+    all(found).filter(|(_, one)| matches!(one.shape, Shape::WarmUp(_)))
+}
+
+/// Time constant or period in windows.
+fn time_of(of: &Disturbance) -> Option<f64> {
+    match of.shape {
+        Shape::Step { .. } => None,
+        Shape::WarmUp(time) | Shape::Cycle(time) => Some(time),
+    }
+}
+
+/// The steps among disturbances of a part, in order; of those that are near each other the clearest.
+fn steps_of(windows: &Windows, part: &Range<usize>, found: &[Vec<Disturbance>]) -> Vec<Step> {
+    let steps = all(found).filter_map(|(axis, one)| match one.shape {
+        Shape::Step { from, to } => Some((
+            one.fall,
+            Step {
+                axis: windows.axes[axis].0,
+                size: one.size(),
+                at: part.start + from..part.start + to,
+            },
+        )),
+        _ => None,
+    });
+    let mut steps = Vec::from_iter(steps);
+    steps.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut clearest: Vec<Step> = Vec::new();
+    for (_, step) in steps {
+        let apart = |other: &Step| other.at.end <= step.at.start || step.at.end <= other.at.start;
+        if clearest.iter().all(apart) {
+            clearest.push(step);
+        }
+    }
+    clearest.sort_by_key(|step| step.at.start);
+    clearest
+}
+
+/// What of a part is beyond each of its steps, seen from the piece that is used.
+fn beyond_steps(
+    steps: &[Step],
+    part: &Range<usize>,
+    piece: &Range<usize>,
+    seconds: &dyn Fn(usize) -> f64,
+) -> Vec<Omitted> {
+    let of = |(k, step): (usize, &Step)| {
+        let before = k
+            .checked_sub(1)
+            .map_or(part.start, |last| steps[last].at.end);
+        let after = steps.get(k + 1).map_or(part.end, |next| next.at.start);
+        let range = match step.at.end <= piece.start {
+            true => before..step.at.end,
+            false => step.at.start..after,
+        };
+        Omitted {
+            why: Omission::Step,
+            start_s: seconds(range.start).into(),
+            end_s: seconds(range.end).into(),
+            axis: Some(step.axis.to_owned()),
+            step: step.size.into(),
+            ..Omitted::default()
+        }
+    };
+    steps.iter().enumerate().map(of).collect()
+}
