@@ -441,3 +441,6 @@ pub fn disturbances(means: &[f64], known: &[Vec<f64>]) -> Vec<Disturbance> {
     });
     found.collect()
 }
+
+#[cfg(test)]
+mod tests;

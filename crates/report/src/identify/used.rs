@@ -121,4 +121,41 @@ mod tests {
         );
         assert!(spans(&result).ends_with("900 to 1800 s (beyond the step)."));
     }
+
+    #[test]
+    fn a_warm_up_is_said_with_its_drift_and_what_is_subtracted_is_used() {
+        let part = |why, start: f64, end: f64, size: f64| Omitted {
+            why,
+            start_s: start.into(),
+            end_s: end.into(),
+            axis: Some("gyro_z".into()),
+            step: (size * std::f64::consts::PI / 180.0).into(),
+            time_s: 900.0.into(),
+        };
+        let warm_up = part(Omission::WarmUp, 0.0, 1800.0, -0.04);
+        let cycle = part(Omission::Cycle, 1800.0, 3600.0, 0.02);
+        let rest = part(Omission::WarmUpRest, 1800.0, 3600.0, -0.005);
+        let mut result = Identify {
+            used: vec![Used {
+                start_s: 1800.0.into(),
+                end_s: 3600.0.into(),
+                length_s: 3600.0.into(),
+                left_out: vec![warm_up, rest, cycle.clone()],
+                ..Used::default()
+            }],
+            ..Identify::default()
+        };
+        assert_eq!(
+            doubts(&result),
+            [
+                "gyro z warms up: it drifts by 0.0400 °/s from 0 to 1800 s (time constant 15 min); gyro z still warms up by 0.00500 °/s in what is used (time constant 15 min; subtracted); gyro z swings by ±0.0200 °/s with a period of 15 min (subtracted)"
+            ]
+        );
+        assert_eq!(
+            spans(&result),
+            " Used 1800 to 3600 s, left out 0 to 1800 s (warm-up)."
+        );
+        result.used[0].left_out = vec![cycle];
+        assert_eq!(spans(&result), "");
+    }
 }
