@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 const ENOUGH: f64 = 25.0;
 const ENOUGH_OF_STEP: f64 = 32.0;
 /// Averages of a record, at most, and the fewest that are looked at.
-const MOST: usize = 480;
+const MOST: usize = 360;
 const FEWEST: usize = 60;
 /// Time constants of a warm-up and periods of a cycle, as shares of the record.
 const WARM_UPS: [f64; 8] = [
@@ -30,7 +30,9 @@ const CYCLES: [f64; 7] = [0.75, 0.5, 0.4, 1.0 / 3.0, 0.25, 0.2, 1.0 / 6.0];
 const MEMORIES: [f64; 4] = [f64::INFINITY, 1.0 / 3.0, 0.1, 1.0 / 30.0];
 /// Variances of an average's share of the slow noise's drive over that of its white noise: ten to these quarters, and 0.
 const DRIVES: std::ops::Range<i32> = -24..9;
-/// More than this of one kind is noise.
+/// Powers of 2 by which times are varied about the likeliest of them.
+const NEARBY: [f64; 2] = [1.0 / 6.0, 1.0 / 36.0];
+/// More than this is noise.
 const MOST_FOUND: usize = 16;
 
 /// The shape of a disturbance, its times in values of the series.
@@ -120,9 +122,9 @@ impl Shape {
         }
     }
 
-    /// Shapes of nearby times.
-    fn nearby(self) -> Vec<Self> {
-        let times = (-5..=5).map(|k| f64::from(k) / 6.0);
+    /// Shapes of nearby times, that grow by a factor of 2 to this power; of a cycle by a quarter of it.
+    fn nearby(self, power: f64) -> Vec<Self> {
+        let times = (-5..=5).map(|k| f64::from(k) * power);
         match self {
             Self::Step { .. } => vec![self],
             Self::WarmUp(tau) => times.map(|k| Self::WarmUp(tau * k.exp2())).collect(),
@@ -388,14 +390,15 @@ pub fn disturbances(means: &[f64], known: &[Vec<f64>]) -> Vec<Disturbance> {
         return Vec::new();
     }
     let noises = MEMORIES.iter().flat_map(|share| {
-        // Without a slow part the memory is the same.
-        let none = share.is_infinite().then_some(0.0);
-        let drives = none
-            .into_iter()
-            .chain(DRIVES.map(|k| 10f64.powf(0.25 * f64::from(k))));
+        // A walk of no drive is white noise; the walks' drives are twice as close as those of processes, which have a memory besides.
+        let is_walk = share.is_infinite();
+        let none = is_walk.then_some(0.0);
+        let drives = DRIVES.step_by(if is_walk { 1 } else { 2 });
+        let drives = drives.map(|quarters| 10f64.powf(0.25 * f64::from(quarters)));
         let memory = share * count as f64;
         let present = &present;
-        drives.map(move |drive| Noise::new(drive, memory, present))
+        let of = move |drive| Noise::new(drive, memory, present);
+        none.into_iter().chain(drives).map(of)
     });
     let search = Search {
         averages: &series,
@@ -416,8 +419,13 @@ pub fn disturbances(means: &[f64], known: &[Vec<f64>]) -> Vec<Disturbance> {
     };
     let mut found: Vec<(Shape, f64)> = Vec::new();
     while let Some((shape, fall)) = search.best(&with(&found), &tried, true) {
-        let nearby = search.best(&with(&found), &shape.nearby(), false);
-        found.push(nearby.unwrap_or((shape, fall)));
+        let known = with(&found);
+        let mut likeliest = (shape, fall);
+        for power in NEARBY {
+            let nearby = likeliest.0.nearby(power);
+            likeliest = search.best(&known, &nearby, false).unwrap_or(likeliest);
+        }
+        found.push(likeliest);
         if found.len() > MOST_FOUND {
             return Vec::new();
         }

@@ -73,7 +73,7 @@ pub(super) fn without_slow(
     let whole = steady.kept.clone();
     // The axis that drifts most beyond its noise says why.
     let warmest = warm_ups(&found).max_by(|a, b| a.1.fall.total_cmp(&b.1.fall));
-    let warmest = warmest.map(|(axis, of)| (axis, *of));
+    let warmest = warmest.and_then(|(axis, _)| Some((axis, WarmUp::of(&found[axis])?)));
     for share in CUTS {
         let start = whole.start + (share * whole.len() as f64).round() as usize;
         if warm_ups(&found).next().is_none() || (whole.end - start) * windows.width < SHORTEST {
@@ -84,37 +84,46 @@ pub(super) fn without_slow(
             found = find(&steady.kept);
         }
     }
-    for cut in within(&whole, &steady.kept) {
-        let Some((axis, of)) = warmest else { continue };
-        steady.left_out.push(Omitted {
-            why: Omission::WarmUp,
-            start_s: seconds(cut.start).into(),
-            end_s: seconds(cut.end).into(),
-            axis: Some(windows.axes[axis].0.to_owned()),
-            step: (of.value(cut.len() as f64) - of.value(0.0)).into(),
-            time_s: time_of(&of).map(|time| time * seconds(1)).into(),
-        });
-    }
-    let length = steady.kept.len() as f64;
-    for (axis, of) in all(&found) {
-        let (why, size) = match of.shape {
-            Shape::Step { .. } => continue,
-            Shape::WarmUp(_) => (Omission::WarmUpRest, of.value(length) - of.value(0.0)),
-            Shape::Cycle(_) => (Omission::Cycle, of.size()),
-        };
+    let mut leave_out = |why, range: &Range<usize>, axis: usize, size: f64, time: f64| {
         steady.left_out.push(Omitted {
             why,
-            start_s: seconds(steady.kept.start).into(),
-            end_s: seconds(steady.kept.end).into(),
+            start_s: seconds(range.start).into(),
+            end_s: seconds(range.end).into(),
             axis: Some(windows.axes[axis].0.to_owned()),
             step: size.into(),
-            time_s: time_of(of).map(|time| time * seconds(1)).into(),
+            time_s: (time * seconds(1)).into(),
         });
-        steady.subtracted.push(Subtracted {
-            axis,
-            width: windows.width,
-            of: *of,
-        });
+    };
+    for cut in within(&whole, &steady.kept) {
+        if let Some((axis, of)) = &warmest {
+            leave_out(Omission::WarmUp, &cut, *axis, of.drift(cut.len()), of.tau);
+        }
+    }
+    for (axis, of_axis) in found.iter().enumerate() {
+        let kept = &steady.kept;
+        if let Some(of) = WarmUp::of(of_axis) {
+            leave_out(
+                Omission::WarmUpRest,
+                kept,
+                axis,
+                of.drift(kept.len()),
+                of.tau,
+            );
+        }
+        for one in of_axis {
+            match one.shape {
+                Shape::Step { .. } => continue,
+                Shape::WarmUp(_) => {}
+                Shape::Cycle(period) => {
+                    leave_out(Omission::Cycle, kept, axis, one.size(), period);
+                }
+            }
+            steady.subtracted.push(Subtracted {
+                axis,
+                width: windows.width,
+                of: *one,
+            });
+        }
     }
     steady
 }
@@ -157,11 +166,28 @@ fn warm_ups(found: &[Vec<Disturbance>]) -> impl Iterator<Item = (usize, &Disturb
     all(found).filter(|(_, one)| matches!(one.shape, Shape::WarmUp(_)))
 }
 
-/// Time constant or period in windows.
-fn time_of(of: &Disturbance) -> Option<f64> {
-    match of.shape {
-        Shape::Step { .. } => None,
-        Shape::WarmUp(time) | Shape::Cycle(time) => Some(time),
+/// The warm-up of an axis, of which several exponentials may be parts.
+struct WarmUp {
+    parts: Vec<Disturbance>,
+    /// Time constant of the clearest \[windows\].
+    tau: f64,
+}
+
+impl WarmUp {
+    fn of(of_axis: &[Disturbance]) -> Option<Self> {
+        let parts = of_axis.iter().copied();
+        let parts = Vec::from_iter(parts.filter(|one| matches!(one.shape, Shape::WarmUp(_))));
+        let clearest = parts.iter().max_by(|a, b| a.fall.total_cmp(&b.fall))?;
+        let Shape::WarmUp(tau) = clearest.shape else {
+            return None;
+        };
+        Some(Self { parts, tau })
+    }
+
+    /// How far it drifts in so many windows [unit].
+    fn drift(&self, windows: usize) -> f64 {
+        let drift = |one: &Disturbance| one.value(windows as f64) - one.value(0.0);
+        self.parts.iter().map(drift).sum()
     }
 }
 

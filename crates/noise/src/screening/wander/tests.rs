@@ -55,7 +55,7 @@ fn a_step_a_warm_up_and_a_cycle_are_found_beside_a_walk() {
     let Shape::Step { from, to } = one.shape else {
         panic!("{one:?}")
     };
-    assert!(from < 810 && 810 <= to && to - from == 8, "{one:?}");
+    assert!(from < 810 && 810 <= to && to - from == 10, "{one:?}");
     assert!(near(one.size(), 5.0), "{one:?}");
     assert_eq!(
         (one.value(to as f64), one.value(to as f64 + 0.5)),
