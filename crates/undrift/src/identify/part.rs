@@ -61,8 +61,8 @@ pub(super) fn part_at_rest(record: &Record, rate_hz: f64) -> Result<Part, NotSta
         ..Omitted::default()
     }));
     let mut masked = windows.bumped(&session);
-    for short in [windows.loud(&session), windows.swings(&session)] {
-        let short = short_runs(&short);
+    let loud = short_runs(&windows.loud(&session));
+    for short in [loud, swings(&windows, &session)] {
         masked.iter_mut().zip(short).for_each(|(a, b)| *a |= b);
     }
     let found = steps(&windows, &session, &masked);
@@ -215,9 +215,18 @@ fn disturbed(windows: &Windows, part: &Range<usize>) -> Vec<bool> {
             disturbed[run].fill(true);
         }
     }
-    let swings = short_runs(&windows.swings(part));
+    let swings = swings(windows, part);
     disturbed.iter_mut().zip(swings).for_each(|(a, b)| *a |= b);
     disturbed
+}
+
+/// Which windows of a part swing for a moment, and those beside them, into which a gentle swing reaches.
+fn swings(windows: &Windows, part: &Range<usize>) -> Vec<bool> {
+    let swings = short_runs(&windows.swings(part));
+    let near = |k: usize| k.saturating_sub(1)..(k + 2).min(swings.len());
+    (0..swings.len())
+        .map(|k| swings[near(k)].contains(&true))
+        .collect()
 }
 
 /// The runs that are as short as a knock, where they are few: an engine is not a knock.

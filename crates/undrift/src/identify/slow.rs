@@ -74,6 +74,8 @@ pub(super) fn without_slow(
     // The axis that drifts most beyond its noise says why.
     let warmest = warm_ups(&found).max_by(|a, b| a.1.fall.total_cmp(&b.1.fall));
     let warmest = warmest.and_then(|(axis, _)| Some((axis, WarmUp::of(&found[axis])?)));
+    let warming: Vec<(usize, Disturbance)> =
+        warm_ups(&found).map(|(axis, of)| (axis, *of)).collect();
     for share in CUTS {
         let start = whole.start + (share * whole.len() as f64).round() as usize;
         if warm_ups(&found).next().is_none() || (whole.end - start) * windows.width < SHORTEST {
@@ -83,6 +85,15 @@ pub(super) fn without_slow(
         if share > 0.0 {
             found = find(&steady.kept);
         }
+    }
+    // The tail of what was found is there where it does not show by itself, too.
+    let shown: Vec<bool> = found.iter().map(|of| WarmUp::of(of).is_some()).collect();
+    let cut = (steady.kept.start - whole.start) as f64;
+    for (axis, of) in warming.into_iter().filter(|(axis, _)| !shown[*axis]) {
+        found[axis].push(Disturbance {
+            coefficients: [of.value(cut), 0.0],
+            ..of
+        });
     }
     let mut leave_out = |why, range: &Range<usize>, axis: usize, size: f64, time: f64| {
         steady.left_out.push(Omitted {

@@ -173,6 +173,7 @@ fn a_warm_up_is_cut_off_and_what_is_left_of_it_subtracted() {
         part.used
     );
     assert_eq!(part.left_out[0].axis.as_deref(), Some("gyro_z"));
+    assert_eq!(part.subtracted.len(), 1);
     // What the temperature explains is not a warm-up.
     let mut explained = warm;
     explained.temperature = Some(
@@ -247,9 +248,10 @@ fn a_gentle_swing_is_a_bump() {
     };
     let part = part_at_rest(&at(900.5), RATE).unwrap();
     assert_eq!(part.used, 0..90_000);
-    assert_eq!(part.bumps, [44_950..45_100]);
+    // And a second to either side.
+    assert_eq!(part.bumps, [44_900..45_150]);
     assert_eq!(part.left_out[0].why, Omission::Bump);
-    for (middle, used) in [(1.5, (4.0, 1800.0)), (1798.5, (0.0, 1796.0))] {
+    for (middle, used) in [(1.5, (5.0, 1800.0)), (1798.5, (0.0, 1795.0))] {
         let (span, left_out) = found(&at(middle));
         assert_eq!((span, left_out[0].why), (used, Omission::Handled));
     }
