@@ -4,12 +4,27 @@ use super::{spoken, units, units::with_unit};
 use crate::numbers::span;
 use undrift::results::{Identify, Omission, Omitted, Used};
 
+/// Steps that are said one by one.
+const FEW_STEPS: usize = 2;
+
 /// Why the rest of a recording is to be looked at, of parts that were left out for more than handling at its ends.
 pub(super) fn doubts(result: &Identify) -> Vec<String> {
     let doubtful = result.used.iter().filter(|used| used.is_doubtful());
     let doubts = doubtful.map(|used| {
+        let steps = used.left_out.iter();
+        let steps = Vec::from_iter(steps.filter(|part| part.why == Omission::Step));
+        let size = |part: &&&Omitted| part.step.0.abs();
+        let largest = steps.iter().max_by(|a, b| size(a).total_cmp(&size(b)));
+        // Many steps are one doubt.
+        let many = largest.filter(|_| steps.len() > FEW_STEPS);
+        let of_steps = many.and_then(|largest| {
+            let largest = doubt(used, largest)?;
+            Some(format!("{} steps, the largest: {largest}", steps.len()))
+        });
         let parts = used.left_out.iter();
-        let parts = Vec::from_iter(parts.filter_map(|part| doubt(used, part)));
+        let parts = parts.filter(|part| many.is_none() || part.why != Omission::Step);
+        let parts = parts.filter_map(|part| doubt(used, part));
+        let parts = Vec::from_iter(of_steps.into_iter().chain(parts));
         of_several(result, used, parts.join("; "))
     });
     doubts.collect()
@@ -49,8 +64,10 @@ pub(super) fn spans(result: &Identify) -> String {
         (!parts.is_empty()).then_some((used, parts))
     });
     let sentences = cut.map(|(used, parts)| {
-        let parts = parts.into_iter().filter_map(|part| {
-            let (start, end) = (part.start_s.0, part.end_s.0);
+        let adjoin = |a: &&Omitted, b: &&Omitted| a.why == b.why && a.end_s == b.start_s;
+        let parts = parts.chunk_by(adjoin).filter_map(|run| {
+            let (part, last) = (run.first()?, run.last()?);
+            let (start, end) = (part.start_s.0, last.end_s.0);
             let why = match part.why {
                 Omission::Handled => "handled",
                 Omission::Bump => "bump",
@@ -120,6 +137,42 @@ mod tests {
             ["accelerometer x steps by 0.250 mg at 900 s (re-zeroed, or the sensor was moved)"]
         );
         assert!(spans(&result).ends_with("900 to 1800 s (beyond the step)."));
+    }
+
+    #[test]
+    fn many_steps_are_said_as_one() {
+        let step = |start: f64, end: f64, size: f64| Omitted {
+            why: Omission::Step,
+            start_s: start.into(),
+            end_s: end.into(),
+            axis: Some("gyro_y".into()),
+            step: (size * std::f64::consts::PI / 180.0).into(),
+            ..Omitted::default()
+        };
+        let result = Identify {
+            used: vec![Used {
+                start_s: 600.0.into(),
+                end_s: 1200.0.into(),
+                length_s: 2400.0.into(),
+                left_out: vec![
+                    step(0.0, 600.0, 0.1),
+                    step(1200.0, 1800.0, -0.3),
+                    step(1800.0, 2400.0, 0.2),
+                ],
+                ..Used::default()
+            }],
+            ..Identify::default()
+        };
+        assert_eq!(
+            doubts(&result),
+            [
+                "3 steps, the largest: gyro y steps by 0.300 °/s at 1200 s (re-zeroed, or the sensor was moved)"
+            ]
+        );
+        assert_eq!(
+            spans(&result),
+            " Used 600 to 1200 s, left out 0 to 600 s (beyond the step), 1200 to 2400 s (beyond the step)."
+        );
     }
 
     #[test]
