@@ -19,6 +19,7 @@ pub use screened::Detrend;
 
 use crate::{
     allan::{self, DeviationKind, Grid},
+    arma::ArmaFit,
     correlation::{self, Partial},
     drift_score::{self, HORIZONS_S, Scored},
     normality::{self, Normality},
@@ -384,10 +385,12 @@ fn conclude(
     Ok((axis, cleaned))
 }
 
-/// Position of the candidate that is recommended, and why; of methods of the literature none is.
+/// Position of the candidate that is recommended, and why; of methods of the literature none is, nor a model whose slow part is the
+/// mean that was removed.
 fn recommended(candidates: &[Candidate]) -> Option<(usize, String)> {
+    let is_mean = |of: &Candidate| of.arma().is_some_and(ArmaFit::is_removed_mean);
     let own = candidates.iter().enumerate();
-    let own = own.filter(|(_, candidate)| !candidate.compared);
+    let own = own.filter(|(_, candidate)| !candidate.compared && !is_mean(candidate));
     let scored = own.clone().map(|(_, candidate)| Scored {
         name: candidate.name.clone(),
         states: candidate.states,

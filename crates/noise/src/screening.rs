@@ -1,5 +1,5 @@
 //! Screening of a record before anything is identified from it: trends, stamps, outliers, motion,
-//! saturation.
+//! saturation, steps and warm-ups.
 //!
 //! Nothing is repaired silently: each function returns what it found, with positions, beside the
 //! cleaned series, in which a missing sample is NaN.
@@ -24,6 +24,7 @@ pub mod saturation;
 mod tail;
 pub mod timing;
 pub mod trend;
+pub mod wander;
 
 pub use dead_band::{DeadBand, dead_band};
 pub use motion::{Hanging, Motion, MotionRule, constant_runs, motion};
@@ -32,3 +33,4 @@ pub use record::RecordError;
 pub use saturation::{Saturation, saturation};
 pub use timing::{Gap, Timing, timing};
 pub use trend::{Detrended, Trend, remove_constant, remove_linear, remove_temperature};
+pub use wander::{Disturbance, Shape, disturbances};

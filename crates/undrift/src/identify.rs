@@ -7,6 +7,7 @@ mod rest;
 pub(crate) mod result;
 mod series;
 mod settings;
+mod slow;
 mod steps;
 mod windows;
 

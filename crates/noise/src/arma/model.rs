@@ -1,7 +1,13 @@
 //! A fitted ARMA model and what should be said with it.
 
-use super::{ArmaError, kalman};
+use super::{ArmaError, kalman, polynomial::inverse_roots};
+use realfft::num_complex::Complex64;
 use std::fmt;
+
+/// A moving-average root is on the unit circle where it is closer than this over N: the mean of N samples takes out what is slower.
+const ON_CIRCLE: f64 = 10.0;
+/// An autoregressive root that cancels it is closer to 1 than this: rounding of an integrated signal has one on the circle alone.
+const NEAR_ONE: f64 = 0.1;
 
 /// An ARMA model `x_t − φ1 x_{t−1} − … = a_t − θ1 a_{t−1} − …` fitted to a record.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -63,6 +69,19 @@ impl ArmaFit {
     /// Number of AR and of MA coefficients.
     pub fn order(&self) -> (usize, usize) {
         (self.ar.len(), self.ma.len())
+    }
+
+    /// Whether a pair of roots is the mean that was removed, and no noise: a moving-average root on the unit circle, to the length
+    /// of the record, beside an autoregressive one that is farther away. The spectrum of such a model falls to nothing below
+    /// a few cycles in the record, as that of any record about its own mean does, and its drift stays far too small.
+    pub fn is_removed_mean(&self) -> bool {
+        let from_one = |roots: Vec<Complex64>| {
+            let distances = roots.iter().map(|root| (root - 1.0).norm());
+            distances.fold(f64::INFINITY, f64::min)
+        };
+        let ma = from_one(inverse_roots(&self.ma));
+        let ar = from_one(inverse_roots(&self.ar));
+        ma * (self.n as f64) < ON_CIRCLE && ma < ar && ar < NEAR_ONE
     }
 
     /// Exact one-step prediction errors of `samples` under this model over their standard
@@ -145,5 +164,34 @@ impl fmt::Display for Warning {
             Self::NotConverged => f.write_str("the search stopped before reaching its tolerance"),
             Self::ShortRecord => f.write_str("fewer than ten samples per parameter"),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_root_on_the_circle_beside_one_near_it_is_the_mean_that_was_removed() {
+        let is_mean = |ar: &[f64], ma: &[f64], n| {
+            let fit = ArmaFit {
+                ar: ar.to_vec(),
+                ma: ma.to_vec(),
+                n,
+                ..ArmaFit::default()
+            };
+            fit.is_removed_mean()
+        };
+        assert!(is_mean(&[0.9996], &[0.9999997], 120_000));
+        // Beside a pair that is noise: roots 0.99 and 0.5 over 0.9999999 and −0.3.
+        assert!(is_mean(&[1.49, -0.495], &[0.6999999, 0.29999997], 120_000));
+        // A bias that wanders: the autoregressive root is the nearer one.
+        assert!(!is_mean(&[0.9999], &[0.998], 120_000));
+        assert!(!is_mean(&[1.0], &[0.9999997], 120_000));
+        // Within the record's length, by ten over N; rounding of an integrated signal; moving averages alone.
+        assert!(!is_mean(&[0.9996], &[0.9999], 120_000));
+        assert!(!is_mean(&[0.2], &[0.9999997], 120_000));
+        assert!(!is_mean(&[], &[0.9999997], 120_000));
+        assert!(!is_mean(&[0.9996], &[], 120_000));
     }
 }

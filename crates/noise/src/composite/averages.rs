@@ -12,6 +12,9 @@ pub(crate) type Beside<'a> = &'a (dyn Fn(&ShapingFilter) -> f64 + Sync);
 /// The levels alone.
 pub(crate) const NOTHING: Beside = &|_| 0.0;
 
+/// Standard errors of a level that are chance.
+const CHANCE: f64 = 4.0;
+
 /// Records as the likelihood sees them: averages over blocks of samples `interval` \[s\] apart.
 pub(crate) struct Averages<'a> {
     records: Vec<Vec<f64>>,
@@ -83,9 +86,51 @@ impl<'a> Averages<'a> {
         likelihood().map_or(f64::INFINITY, |found| -found)
     }
 
+    /// [`Self::restricted`] with the level of the noise at its best for these averages, where that is what chance makes of the filter's. White
+    /// noise is known from all samples; of the averages any model fitted to them has a better level.
+    pub(crate) fn restricted_at_best_level(
+        &self,
+        filter: &ShapingFilter,
+    ) -> Result<f64, CompositeError> {
+        let records = self.under(filter)?;
+        let sum: f64 = records.iter().map(RecordLikelihood::restricted).sum();
+        let squares: f64 = records.iter().map(|one| one.sum_of_squares).sum();
+        let free: usize = records.iter().map(|one| one.observations - 1).sum();
+        let free = free as f64;
+        let level = squares / free;
+        match level.ln().abs() < CHANCE * (2.0 / free).sqrt() {
+            true => Ok(sum + 0.5 * (squares - free - free * level.ln())),
+            false => Ok(sum),
+        }
+    }
+
     /// The restricted log-likelihood of all records under the filter of a sample.
     pub(crate) fn restricted(&self, filter: &ShapingFilter) -> Result<f64, CompositeError> {
         let records = self.under(filter)?;
         Ok(records.iter().map(RecordLikelihood::restricted).sum())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthesis::NoiseGenerator;
+
+    #[test]
+    fn the_best_level_is_that_of_the_averages_unless_it_is_far_off() {
+        let white = |density: f64| ShapingFilter::white(density, 0.01).unwrap();
+        let mut record = vec![0.0; 20_000];
+        NoiseGenerator::new(&white(1.0), 4).fill(&mut record);
+        let averages = Averages::new(&[&record], 25, 0.01).unwrap();
+        let best = averages.restricted_at_best_level(&white(1.0)).unwrap();
+        // The same whatever the level it begins with, and no less than at any.
+        let near = averages.restricted_at_best_level(&white(1.02)).unwrap();
+        assert!((near - best).abs() < 1e-9, "{near} {best}");
+        let levels = (90..110).map(|k| averages.restricted(&white(f64::from(k) / 100.0)));
+        let most = levels.flatten().fold(f64::NEG_INFINITY, f64::max);
+        assert!(most <= best && best < most + 0.1, "{most} {best}");
+        // 800 averages: their variance is known to 5 %, so 1.2 in density is no chance.
+        let far = averages.restricted_at_best_level(&white(1.2)).unwrap();
+        assert_eq!(far, averages.restricted(&white(1.2)).unwrap());
     }
 }

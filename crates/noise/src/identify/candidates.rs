@@ -268,7 +268,7 @@ impl Task<'_> {
             compared: recipe.is_compared(),
             states: filter.order,
             parameters: whole.parameters,
-            aic: self.aic(&whole, recipe.parameters()),
+            aic: self.aic(&whole, recipe),
             ljung_box_p,
             score: drift_score::pooled(&scores),
             warnings,
@@ -289,16 +289,21 @@ impl Task<'_> {
     }
 
     /// Akaike's criterion of block averages of the record, the same of every candidate; infinite without one.
-    fn aic(&self, fitted: &Fitted, parameters: usize) -> f64 {
+    fn aic(&self, fitted: &Fitted, recipe: Recipe) -> f64 {
         let shortest = (COMPARED_S * self.rate_hz).round() as usize;
         let samples: usize = self.records.iter().map(|record| record.len()).sum();
         let block = samples.div_ceil(COMPARED).max(shortest);
         let likelihood = || -> Option<f64> {
             let filter = fitted.shaping(0.0, self.rate_hz)?;
             let averages = Averages::new(&self.records, block, 1.0 / self.rate_hz).ok()?;
-            Some(averages.restricted(&filter).ok()? + self.beside(&filter))
+            let sum = match recipe {
+                Recipe::White => averages.restricted_at_best_level(&filter),
+                _ => averages.restricted(&filter),
+            };
+            Some(sum.ok()? + self.beside(&filter))
         };
-        likelihood().map_or(f64::INFINITY, |sum| 2.0 * parameters as f64 - 2.0 * sum)
+        let parameters = recipe.parameters() as f64;
+        likelihood().map_or(f64::INFINITY, |sum| 2.0 * parameters - 2.0 * sum)
     }
 
     fn ljung_box(&self, fit: &ArmaFit) -> Option<f64> {

@@ -70,15 +70,18 @@ pub(super) fn of_record(of: &Screened, samples: usize, rate_hz: f64) -> Vec<Stri
 /// Remarks on an ARMA fit.
 pub(super) fn of_arma(fit: &ArmaFit) -> Vec<String> {
     let held = fit.has_unit_root.then_some(HELD.to_owned());
+    let mean = fit.is_removed_mean().then_some(MEAN.to_owned());
     let warnings = fit.warnings.iter();
     warnings
         // A root held at 1 is no finding.
         .filter(|w| !(fit.has_unit_root && matches!(w, Warning::UnitRoot { .. })))
         .map(ToString::to_string)
         .chain(held)
+        .chain(mean)
         .collect()
 }
 
+const MEAN: &str = "a pair of roots stands for the mean that was removed, so it is not recommended";
 const HELD: &str = "one autoregressive root is held at 1";
 const NOT_CONVERGED: &str = "the search stopped before reaching its tolerance";
 

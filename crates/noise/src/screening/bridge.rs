@@ -27,8 +27,12 @@ pub(crate) fn bridge(cleaned: &[f64], mean: f64) -> Vec<f64> {
     whole
 }
 
+/// Samples of a gap that is long.
+const LONG: f64 = 64.0;
+
 /// By how much straight lines over missing samples raise the level of white noise near zero frequency: a neighbour of a gap
-/// of g samples counts 1 + g/2 times, so that the variance of a long sum is Σw², not the samples'.
+/// of g samples counts 1 + g/2 times, so that the variance of a long sum is Σw², not the samples'. A gap that is itself long, as of
+/// a bump, does not count: the level is that of sums shorter than it.
 pub(crate) fn inflation(records: &[&[f64]]) -> f64 {
     let (mut squares, mut samples) = (0.0, 0.0);
     let mut add = |weight: f64, gap: f64| {
@@ -43,6 +47,8 @@ pub(crate) fn inflation(records: &[&[f64]]) -> f64 {
                 gap += 1.0;
                 continue;
             }
+            let is_long = gap > LONG;
+            gap = if is_long { 0.0 } else { gap };
             let before = match last {
                 Some(weight) => {
                     add(weight + 0.5 * gap, gap);
@@ -74,6 +80,14 @@ mod tests {
         // Weights 1, 2, 2, 1 of six samples; a gap at the end does not count.
         let found = inflation(&[&[1.0, 1.0, nan, nan, 1.0, 1.0, nan]]);
         assert!((found - 10.0 / 6.0).abs() < 1e-12, "{found}");
+        // 64 missing samples count, 65 do not.
+        let around = |gap: usize| [vec![1.0; 100], vec![nan; gap], vec![1.0; 100]].concat();
+        let found = inflation(&[&around(64)]);
+        assert!(
+            (found - (198.0 + 2.0 * 33.0 * 33.0) / 264.0).abs() < 1e-12,
+            "{found}"
+        );
+        assert_eq!(inflation(&[&around(65)]), 1.0);
     }
 
     #[test]

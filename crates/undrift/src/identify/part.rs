@@ -3,6 +3,7 @@
 
 use super::{
     NotStatic,
+    slow::{self, Subtracted},
     steps::{Step, steps},
     windows::Windows,
 };
@@ -35,6 +36,8 @@ pub(super) struct Part {
     pub(super) bumps: Vec<Range<usize>>,
     /// What is not used, in order.
     pub(super) left_out: Vec<Omitted>,
+    /// What is subtracted from the samples that are used.
+    pub(super) subtracted: Vec<Subtracted>,
 }
 
 /// The part of a record at a rate \[Hz\] in which all its axes rest; gaps between its stamps are NaN, where that is possible.
@@ -57,13 +60,15 @@ pub(super) fn part_at_rest(record: &Record, rate_hz: f64) -> Result<Part, NotSta
         end_s: end_of(part.end).into(),
         ..Omitted::default()
     }));
-    let bumped = windows.bumped(&session);
-    let noisy = short_runs(&windows.loud(&session));
-    let masked: Vec<bool> = bumped.iter().zip(&noisy).map(|(a, b)| a | b).collect();
+    let mut masked = windows.bumped(&session);
+    let loud = short_runs(&windows.loud(&session));
+    for short in [loud, swings(&windows, &session)] {
+        masked.iter_mut().zip(short).for_each(|(a, b)| *a |= b);
+    }
     let found = steps(&windows, &session, &masked);
     let piece = longest_piece(&session, &found);
     left_out.extend(found.iter().filter_map(|step| {
-        let before = step.at.start < piece.start;
+        let before = step.at.end <= piece.start;
         let next = found.iter().find(|other| other.at.start > step.at.start);
         let last = found.iter().rfind(|other| other.at.start < step.at.start);
         let (start, end) = match before {
@@ -87,6 +92,7 @@ pub(super) fn part_at_rest(record: &Record, rate_hz: f64) -> Result<Part, NotSta
             end_s,
             step: step.as_ref().map(|(_, size)| *size).into(),
             axis: step.map(|(axis, _)| axis),
+            ..Omitted::default()
         })
     }));
     let disturbed = disturbed(&windows, &piece);
@@ -123,6 +129,10 @@ pub(super) fn part_at_rest(record: &Record, rate_hz: f64) -> Result<Part, NotSta
         end_s: end_of(part.end).into(),
         ..Omitted::default()
     }));
+    let slow = slow::without_slow(&windows, &kept, &disturbed[still.clone()], rate_hz);
+    left_out.extend(slow.left_out);
+    let still = slow.kept.start - piece.start..slow.kept.end - piece.start;
+    let kept = slow.kept;
     let mut bumps = Vec::new();
     for run in runs(&disturbed[still.clone()]) {
         let run = kept.start + run.start..kept.start + run.end;
@@ -143,11 +153,15 @@ pub(super) fn part_at_rest(record: &Record, rate_hz: f64) -> Result<Part, NotSta
         used: kept.start * windows.width..end,
         bumps,
         left_out,
+        subtracted: slow.subtracted,
     })
 }
 
 /// What of a whole is before and after its part.
-fn within(whole: &Range<usize>, part: &Range<usize>) -> impl Iterator<Item = Range<usize>> + use<> {
+pub(super) fn within(
+    whole: &Range<usize>,
+    part: &Range<usize>,
+) -> impl Iterator<Item = Range<usize>> + use<> {
     let parts = [whole.start..part.start, part.end..whole.end];
     parts.into_iter().filter(|part| !part.is_empty())
 }
@@ -174,7 +188,7 @@ fn longest_session(record: &Record, windows: &Windows, rate_hz: f64) -> Range<us
 }
 
 /// The longest piece of a part between its steps.
-fn longest_piece(part: &Range<usize>, steps: &[Step]) -> Range<usize> {
+pub(super) fn longest_piece(part: &Range<usize>, steps: &[Step]) -> Range<usize> {
     longest_between(part, steps.iter().map(|step| step.at.clone()))
 }
 
@@ -191,7 +205,7 @@ fn longest_between(
     best
 }
 
-/// Which windows of a part move, or shake beside ones that do, or for a moment.
+/// Which windows of a part move, or shake beside ones that do, or for a moment, or swing for one.
 fn disturbed(windows: &Windows, part: &Range<usize>) -> Vec<bool> {
     let (mut disturbed, loud) = (windows.moving(part), windows.loud(part));
     let short = short_runs(&loud);
@@ -201,7 +215,18 @@ fn disturbed(windows: &Windows, part: &Range<usize>) -> Vec<bool> {
             disturbed[run].fill(true);
         }
     }
+    let swings = swings(windows, part);
+    disturbed.iter_mut().zip(swings).for_each(|(a, b)| *a |= b);
     disturbed
+}
+
+/// Which windows of a part swing for a moment, and those beside them, into which a gentle swing reaches.
+fn swings(windows: &Windows, part: &Range<usize>) -> Vec<bool> {
+    let swings = short_runs(&windows.swings(part));
+    let near = |k: usize| k.saturating_sub(1)..(k + 2).min(swings.len());
+    (0..swings.len())
+        .map(|k| swings[near(k)].contains(&true))
+        .collect()
 }
 
 /// The runs that are as short as a knock, where they are few: an engine is not a knock.

@@ -143,6 +143,9 @@ pub fn prepare(record: Record, settings: &Settings) -> Result<Prepared, Recordin
         let from = settings.span.map_or(0.0, |span| span.0);
         let mut used = used_of(&part, &record, rate_hz, from);
         record.keep(&part.used, &part.bumps);
+        for one in &part.subtracted {
+            one.subtract_from(&mut record.samples);
+        }
         used.record = name.clone();
         if settings.span.is_none() && (used.start_s.0 > 0.0 || used.end_s != used.length_s) {
             name += &format!(", {:.0} to {:.0} s", used.start_s.0, used.end_s.0);

@@ -10,7 +10,7 @@ const SIDES: [usize; 2] = [8, 32];
 /// length: beyond 4 is chance in a day of six axes.
 const SIGMAS: f64 = 8.0;
 /// Median absolute deviation of a standard normal distribution, inverted.
-const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
+pub(super) const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
 /// More steps than this are noise or motion.
 const MOST: usize = 4;
 

@@ -1,8 +1,12 @@
 //! The axes of a record in windows of a second: whether one moves, shakes or rests.
 
+use super::steps::MAD_TO_SIGMA;
 use crate::record::Record;
 use std::ops::Range;
-use undrift_noise::order_statistics::upper_median;
+use undrift_noise::{
+    order_statistics::upper_median,
+    temperature::{self, LEAST_CHANGE_K},
+};
 
 /// Least samples of a window, which is a second else.
 const WINDOW: f64 = 20.0;
@@ -22,6 +26,14 @@ const LOUD: f64 = 4.0;
 /// Windows to either side whose median a bump does not move and a step leaves.
 const BESIDE: usize = 10;
 
+/// A window swings whose mean is so many robust standard deviations off that median.
+const SWINGS: f64 = 10.0;
+
+/// The windows to either side of one.
+fn beside(window: usize) -> Range<usize> {
+    window.saturating_sub(BESIDE)..window + BESIDE + 1
+}
+
 /// A record in windows, the same of all axes.
 pub(super) struct Windows {
     /// Samples of a window.
@@ -30,6 +42,8 @@ pub(super) struct Windows {
     pub(super) count: usize,
     /// The axes by name.
     pub(super) axes: Vec<(&'static str, Levels)>,
+    /// Means of the temperature [°C] where it changes, the last one where they are missing.
+    pub(super) temperature: Option<Vec<f64>>,
 }
 
 impl Windows {
@@ -53,6 +67,10 @@ impl Windows {
             axes: axes()
                 .map(|(name, samples)| (*name, Levels::of(samples, width, least(name))))
                 .collect(),
+            temperature: record
+                .temperature
+                .as_deref()
+                .and_then(|samples| temperature(samples, width)),
         }
     }
 
@@ -68,8 +86,21 @@ impl Windows {
 
     /// Which windows of a part have an axis whose mean is off the median of the seconds around it.
     pub(super) fn bumped(&self, part: &Range<usize>) -> Vec<bool> {
+        self.any(part, |levels| levels.off(part, 1, beside))
+    }
+
+    /// Which windows of a part have an axis whose mean is off the median of the seconds around it by more than the noise of the
+    /// part explains: knocked or tilted and back, too gently to move.
+    pub(super) fn swings(&self, part: &Range<usize>) -> Vec<bool> {
         self.any(part, |levels| {
-            levels.off(part, 1, |k| k.saturating_sub(BESIDE)..k + BESIDE + 1)
+            let off = levels.beside(part, 1, beside);
+            let mut sizes: Vec<f64> = off.iter().copied().filter(|x| !x.is_nan()).collect();
+            if sizes.is_empty() {
+                return vec![false; part.len()];
+            }
+            let limit = SWINGS * MAD_TO_SIGMA * upper_median(&mut sizes);
+            let limit = limit.max(STEPS * levels.step);
+            off.iter().map(|off| *off > limit).collect()
         })
     }
 
@@ -156,6 +187,17 @@ impl Levels {
         every: usize,
         around: impl Fn(usize) -> Range<usize>,
     ) -> Vec<bool> {
+        let off = self.beside(part, every, around);
+        off.iter().map(|off| *off > self.limit).collect()
+    }
+
+    /// How far the windows of a part are off it.
+    fn beside(
+        &self,
+        part: &Range<usize>,
+        every: usize,
+        around: impl Fn(usize) -> Range<usize>,
+    ) -> Vec<f64> {
         let means = &self.means[part.clone()];
         let mut level = f64::NAN;
         let mut near = Vec::new();
@@ -170,7 +212,7 @@ impl Levels {
                     false => upper_median(&mut near),
                 };
             }
-            (mean - level).abs() > self.limit
+            (mean - level).abs()
         };
         means.iter().enumerate().map(of).collect()
     }
@@ -180,6 +222,18 @@ impl Levels {
         let moves = (self.means[window] - before).abs() > self.limit;
         !(moves || self.deviations[window] > self.quiet)
     }
+}
+
+/// Means of windows of a temperature; `None` where it hardly changes.
+fn temperature(samples: &[f64], width: usize) -> Option<Vec<f64>> {
+    let held = temperature::held(samples).ok()?;
+    let means = held.chunks_exact(width);
+    let means: Vec<f64> = means
+        .map(|window| window.iter().sum::<f64>() / width as f64)
+        .collect();
+    let least = means.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = means.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    (most - least >= LEAST_CHANGE_K).then_some(means)
 }
 
 /// Mean and standard deviation of a window without its least and its largest sample.

@@ -50,10 +50,7 @@ fn in_hand(axis: usize, t: f64) -> f64 {
 #[test]
 fn what_lies_still_is_used_whole() {
     assert_eq!(found(&record(|_, _| 0.0)), ((0.0, 1800.0), Vec::new()));
-    // A warm-up of 0.5 deg/s and 20 mg in ten minutes is no step.
-    let warm = record(|axis, t| (if axis < 3 { 0.5 * DEG } else { 0.2 }) * (-t / 600.0).exp());
-    assert_eq!(found(&warm), ((0.0, 1800.0), Vec::new()));
-    // Nor is an outlier anything.
+    // An outlier is nothing.
     let outlier = record(|_, t| if t == 900.0 { 10.0 } else { 0.0 });
     assert_eq!(found(&outlier), ((0.0, 1800.0), Vec::new()));
 }
@@ -122,8 +119,143 @@ fn a_bump_is_cut_out_of_the_middle() {
     let part = part_at_rest(&bump, RATE).unwrap();
     assert_eq!(part.used, 0..90_000);
     assert_eq!(part.bumps.len(), 1);
-    assert_eq!(part.bumps[0], 45_000..45_100);
+    // With a second to either side.
+    assert_eq!(part.bumps[0], 44_950..45_150);
     assert_eq!(part.left_out[0].why, Omission::Bump);
+}
+
+/// The mean of an axis between two times \[s\] after its first sample.
+fn mean(samples: &[f64], from: f64, to: f64) -> f64 {
+    let part = &samples[(from * RATE) as usize..(to * RATE) as usize];
+    part.iter().sum::<f64>() / part.len() as f64
+}
+
+#[test]
+fn a_warm_up_is_cut_off_and_what_is_left_of_it_subtracted() {
+    // 0.5 deg/s and 20 mg in ten minutes, which is no step.
+    let warm = record(|axis, t| (if axis < 3 { 0.5 * DEG } else { 0.2 }) * (-t / 600.0).exp());
+    let part = part_at_rest(&warm, RATE).unwrap();
+    assert_eq!(part.used, 45_000..90_000);
+    let cut = &part.left_out[0];
+    assert_eq!(
+        (cut.why, cut.start_s.0, cut.end_s.0),
+        (Omission::WarmUp, 0.0, 900.0)
+    );
+    let rest = part
+        .left_out
+        .iter()
+        .filter(|one| one.why == Omission::WarmUpRest);
+    assert_eq!(rest.count(), 6);
+    let mut samples = warm.samples.clone();
+    for samples in &mut samples {
+        samples.drain(..part.used.start);
+    }
+    for one in &part.subtracted {
+        one.subtract_from(&mut samples);
+    }
+    // 0.08 deg/s and 3 mg were left; of that no more than the walks do, 0.0015 deg/s and 0.04 mg.
+    for (axis, samples) in samples.iter().enumerate() {
+        let change = mean(samples, 0.0, 60.0) - mean(samples, 840.0, 900.0);
+        let limit = if axis < 3 { 0.006 * DEG } else { 0.0015 };
+        assert!(change.abs() < limit, "{axis}: {change}");
+    }
+    // One that is short costs little: a minute of half an hour.
+    let short = record(|axis, t| {
+        if axis == 2 {
+            0.05 * DEG * (-t / 20.0).exp()
+        } else {
+            0.0
+        }
+    });
+    let part = part_at_rest(&short, RATE).unwrap();
+    assert!(
+        (2_000..12_000).contains(&part.used.start),
+        "{:?}",
+        part.used
+    );
+    assert_eq!(part.left_out[0].axis.as_deref(), Some("gyro_z"));
+    assert_eq!(part.subtracted.len(), 1);
+    // What the temperature explains is not a warm-up.
+    let mut explained = warm;
+    explained.temperature = Some(
+        (0..90_000)
+            .map(|k| 40.0 - 15.0 * (-f64::from(k) / RATE / 600.0).exp())
+            .collect(),
+    );
+    assert_eq!(found(&explained), ((0.0, 1800.0), Vec::new()));
+}
+
+#[test]
+fn a_slow_cycle_is_subtracted() {
+    let swing = |t: f64| 0.02 * DEG * (t / 130.0).sin();
+    let cycle = record(|axis, t| if axis == 0 { swing(t) } else { 0.0 });
+    let part = part_at_rest(&cycle, RATE).unwrap();
+    assert_eq!(part.used, 0..90_000);
+    let [one] = &part.left_out[..] else {
+        panic!("{:?}", part.left_out);
+    };
+    assert_eq!(
+        (one.why, one.axis.as_deref()),
+        (Omission::Cycle, Some("gyro_x"))
+    );
+    assert!((one.step.0 / (0.02 * DEG) - 1.0).abs() < 0.1, "{one:?}");
+    let period = 130.0 * std::f64::consts::TAU;
+    assert!((one.time_s.0 / period - 1.0).abs() < 0.05, "{one:?}");
+    let mut samples = cycle.samples.clone();
+    part.subtracted[0].subtract_from(&mut samples);
+    let quiet = record(|_, _| 0.0).samples;
+    for at in [0.0, 150.0, 600.0, 1700.0] {
+        let left = mean(&samples[0], at, at + 60.0) - mean(&quiet[0], at, at + 60.0);
+        let constant = mean(&samples[0], 0.0, 1800.0) - mean(&quiet[0], 0.0, 1800.0);
+        assert!((left - constant).abs() < 0.003 * DEG, "{at}: {left}");
+    }
+}
+
+#[test]
+fn small_steps_and_many_are_found_by_the_whole_of_the_level() {
+    // Twice what a second's mean scatters by.
+    let small = record(|axis, t| {
+        if axis == 1 && t >= 600.0 {
+            0.01 * DEG
+        } else {
+            0.0
+        }
+    });
+    let ((start, end), left_out) = found(&small);
+    assert!((600.0..=610.0).contains(&start) && end == 1800.0, "{start}");
+    assert_eq!((left_out.len(), left_out[0].start_s.0), (1, 0.0));
+    // A gyro that re-zeroes every five minutes.
+    let levels = [0.0, 0.08, -0.03, 0.05, -0.06, 0.02];
+    let many = record(|axis, t| {
+        if axis == 1 {
+            levels[(t / 300.0) as usize] * DEG
+        } else {
+            0.0
+        }
+    });
+    let ((start, end), left_out) = found(&many);
+    assert!(end - start > 285.0 && end - start <= 300.0, "{start} {end}");
+    assert_eq!(left_out.len(), 5, "{left_out:?}");
+}
+
+#[test]
+fn a_gentle_swing_is_a_bump() {
+    // Half a sine of three seconds, 0.3 deg/s: less than motion, sixty times what a second's mean scatters by.
+    let at = |middle: f64| {
+        record(move |axis, t| match (t - middle).abs() < 1.5 && axis == 2 {
+            true => 0.3 * DEG * ((t - middle) * std::f64::consts::PI / 3.0).cos(),
+            false => 0.0,
+        })
+    };
+    let part = part_at_rest(&at(900.5), RATE).unwrap();
+    assert_eq!(part.used, 0..90_000);
+    // And a second to either side.
+    assert_eq!((part.bumps.len(), &part.bumps[0]), (1, &(44_900..45_150)));
+    assert_eq!(part.left_out[0].why, Omission::Bump);
+    for (middle, used) in [(1.5, (5.0, 1800.0)), (1798.5, (0.0, 1795.0))] {
+        let (span, left_out) = found(&at(middle));
+        assert_eq!((span, left_out[0].why), (used, Omission::Handled));
+    }
 }
 
 #[test]

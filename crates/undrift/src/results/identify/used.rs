@@ -31,11 +31,13 @@ pub struct Omitted {
     pub start_s: Number,
     /// Where it ends \[s\].
     pub end_s: Number,
-    /// Beyond a step, the axis that steps.
+    /// The axis that steps, warms up or has a cycle.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub axis: Option<String>,
-    /// By how much \[unit\].
+    /// By how much it steps, drifts in this part, or swings to either side \[unit\].
     pub step: Number,
+    /// Time constant of a warm-up, period of a cycle \[s\].
+    pub time_s: Number,
 }
 
 /// Why a part of a recording is left out.
@@ -52,6 +54,19 @@ pub enum Omission {
     Step,
     /// Another session, before or after a long gap or time stamps that restart.
     Session,
+    /// An axis drifts as a sensor that warms up.
+    WarmUp,
+    /// What is left of a warm-up in the part that is used: subtracted from the samples.
+    WarmUpRest,
+    /// A slow cycle of an axis, as of a room's temperature: subtracted from the samples.
+    Cycle,
+}
+
+impl Omission {
+    /// Whether the samples are used, less what is said.
+    pub fn is_subtracted(self) -> bool {
+        matches!(self, Self::WarmUpRest | Self::Cycle)
+    }
 }
 
 impl Used {
