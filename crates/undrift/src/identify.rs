@@ -2,6 +2,7 @@
 
 mod allan;
 mod part;
+mod pieces;
 mod pool;
 mod rest;
 pub(crate) mod result;

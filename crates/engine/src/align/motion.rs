@@ -85,6 +85,8 @@ const MOST_ROUNDS: usize = 6;
 /// Accelerometer biases are no larger than this, in standard deviations of their prior: else motion and fixes do not belong
 /// together.
 const MOST_BIAS: f64 = 5.0;
+/// These are at least this: a noise model may know no bias at all \[m/s²\].
+const LEAST_BIAS: f64 = 0.2;
 /// Squared residuals for each degree of freedom, at most.
 const FIT: f64 = 10.0;
 /// Standard deviation of the filter's velocity and attitude before the window determines them \[m/s, rad\].
@@ -343,7 +345,8 @@ impl MotionAligner {
             seen = sightings(&self.fixes, looser, late);
         };
         let (mean, variance) = &problem.accel;
-        let bias = (guess.accel - mean).component_div(&variance.map(f64::sqrt));
+        let std = variance.map(|variance| variance.sqrt().max(LEAST_BIAS));
+        let bias = (guess.accel - mean).component_div(&std);
         let looser_yet = by_velocity(&self.fixes) == Some(false) && looser < LOOSER[2];
         let most = if looser_yet { CLOSE } else { FIT };
         if fit > most || bias.amax() > MOST_BIAS {

@@ -3,8 +3,9 @@
 
 use super::{
     NotStatic,
+    pieces::{longer, longest_between, longest_piece, within},
     slow::{self, Subtracted},
-    steps::{Step, steps},
+    steps::steps,
     windows::Windows,
 };
 use crate::{
@@ -157,15 +158,6 @@ pub(super) fn part_at_rest(record: &Record, rate_hz: f64) -> Result<Part, NotSta
     })
 }
 
-/// What of a whole is before and after its part.
-pub(super) fn within(
-    whole: &Range<usize>,
-    part: &Range<usize>,
-) -> impl Iterator<Item = Range<usize>> + use<> {
-    let parts = [whole.start..part.start, part.end..whole.end];
-    parts.into_iter().filter(|part| !part.is_empty())
-}
-
 /// The windows of the longest session: between long gaps, and stamps that restart.
 fn longest_session(record: &Record, windows: &Windows, rate_hz: f64) -> Range<usize> {
     let least = (APART * rate_hz).max(APART_SHARE * record.length() as f64);
@@ -185,24 +177,6 @@ fn longest_session(record: &Record, windows: &Windows, rate_hz: f64) -> Range<us
     }
     ends.sort_by_key(|end| end.start);
     longest_between(&(0..windows.count), ends.into_iter())
-}
-
-/// The longest piece of a part between its steps.
-pub(super) fn longest_piece(part: &Range<usize>, steps: &[Step]) -> Range<usize> {
-    longest_between(part, steps.iter().map(|step| step.at.clone()))
-}
-
-/// The longest of the pieces between breaks in order.
-fn longest_between(
-    part: &Range<usize>,
-    breaks: impl Iterator<Item = Range<usize>>,
-) -> Range<usize> {
-    let (mut best, mut start) = (0..0, part.start);
-    for at in breaks.chain(std::iter::once(part.end..part.end)) {
-        best = longer(best, start..at.start.max(start));
-        start = start.max(at.end);
-    }
-    best
 }
 
 /// Which windows of a part move, or shake beside ones that do, or for a moment, or swing for one.
@@ -279,11 +253,6 @@ fn longest(windows: &Windows) -> Option<Range<usize>> {
     let runs = runs(&rests).map(|run| inside(&run, windows.count));
     let longest = runs.fold(0..0, longer);
     (!longest.is_empty()).then_some(longest)
-}
-
-/// The longer of two parts, the first where they are as long.
-fn longer(one: Range<usize>, other: Range<usize>) -> Range<usize> {
-    if other.len() > one.len() { other } else { one }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! What goes on slowly in a part of a record that rests and is no noise of its sensor: small steps, a warm-up, cycles.
 
 use super::{
-    part::{longest_piece, within},
+    pieces::{longest_piece, within},
     steps::Step,
     windows::{STEPS, Windows},
 };

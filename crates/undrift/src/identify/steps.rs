@@ -1,6 +1,6 @@
 //! Where the level of a record steps: a gyro that re-zeroes, a sensor that is tilted.
 
-use super::windows::{STEPS, Windows};
+use super::windows::{MAD_TO_SIGMA, STEPS, Windows};
 use std::ops::Range;
 use undrift_noise::order_statistics::upper_median;
 
@@ -9,8 +9,6 @@ const SIDES: [usize; 2] = [8, 32];
 /// A step is so many robust standard deviations of what the record's own noise, slow noise included, does at that
 /// length: beyond 4 is chance in a day of six axes.
 const SIGMAS: f64 = 8.0;
-/// Median absolute deviation of a standard normal distribution, inverted.
-pub(super) const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
 /// More steps than this are noise or motion.
 const MOST: usize = 4;
 

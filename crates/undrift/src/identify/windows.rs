@@ -1,6 +1,5 @@
 //! The axes of a record in windows of a second: whether one moves, shakes or rests.
 
-use super::steps::MAD_TO_SIGMA;
 use crate::record::Record;
 use std::ops::Range;
 use undrift_noise::{
@@ -8,6 +7,8 @@ use undrift_noise::{
     temperature::{self, LEAST_CHANGE_K},
 };
 
+/// Median absolute deviation of a standard normal distribution, inverted.
+pub(super) const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
 /// Least samples of a window, which is a second else.
 const WINDOW: f64 = 20.0;
 const LONGEST: f64 = 1e6;
