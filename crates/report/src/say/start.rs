@@ -4,6 +4,7 @@ use super::{all, words::at};
 use std::error::Error;
 use undrift::{
     align::{Alignment, AttitudeSource, HeadingSource},
+    findings::Finding,
     mounting::Mounting,
     navigate::NavigateError,
 };
@@ -94,10 +95,24 @@ pub fn estimated(mounting: &str) -> String {
     format!("estimated mounting: {mounting}")
 }
 
-/// Why a drive has no solution, with what was found out about its logs.
+/// Why a drive has no solution: what is wrong with its logs, where that was found out, before what came of it.
 pub fn unsolved(error: NavigateError) -> Box<dyn Error + Send + Sync> {
-    match error.findings().as_slice() {
-        [] => error.into(),
-        found => format!("{error}; {}", all(found).join("; ")).into(),
+    let is_cause = |found: &Finding| {
+        matches!(
+            found,
+            Finding::WrongGravity { .. }
+                | Finding::WrongTurnRate { .. }
+                | Finding::WrongTurnAxis { .. }
+                | Finding::WrongAxes { .. }
+                | Finding::WrongVelocity { .. }
+        )
+    };
+    let (causes, rest): (Vec<_>, Vec<_>) = error.findings().into_iter().partition(is_cause);
+    if causes.is_empty() && rest.is_empty() {
+        return error.into();
     }
+    let mut said = all(&causes);
+    said.push(error.to_string());
+    said.extend(all(&rest));
+    said.join("; ").into()
 }
