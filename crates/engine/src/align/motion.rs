@@ -53,7 +53,9 @@ const LONGEST_PAUSE: f64 = 5.0;
 /// Velocities needed for a search to be worth it.
 const FEWEST: usize = 6;
 /// How far apart the velocities of a search must be \[m/s\].
-const SPREAD: f64 = 0.5;
+const SPREAD: f64 = 1.0;
+/// The same of positions alone, which slow craft have.
+const SPREAD_OF_POSITIONS: f64 = 0.5;
 /// A second minimum is out of the question when the best one's squared residuals are less by this much.
 const RIVAL: f64 = 25.0;
 /// Largest standard deviation of the attitude about any axis for a start at once \[rad\]: the filter, unlike the window,
@@ -266,7 +268,11 @@ impl MotionAligner {
         if segments.len() < FEWEST {
             return Err(MotionFailure::TooFew);
         }
-        if spread < SPREAD {
+        let least = match by_velocity(&self.fixes) {
+            Some(false) => SPREAD_OF_POSITIONS,
+            _ => SPREAD,
+        };
+        if spread < least {
             return Err(MotionFailure::TooSteady {
                 change: self.spread,
                 within: self.longest,
@@ -349,21 +355,29 @@ impl MotionAligner {
         let bias = (guess.accel - mean).component_div(&std);
         let looser_yet = by_velocity(&self.fixes) == Some(false) && looser < LOOSER[2];
         let most = if looser_yet { CLOSE } else { FIT };
-        if fit > most || bias.amax() > MOST_BIAS {
+        if fit > most || lateness.is_some() && bias.amax() > MOST_BIAS {
             return Err(MotionFailure::Misfit(fit));
         }
         let c_nb = end.q_nb.to_rotation_matrix().into_inner();
         let attitude = end.covariance.fixed_view::<3, 3>(3, 3) * fit;
         let worst = (c_nb * attitude * c_nb.transpose()).diagonal().max().sqrt();
         let waited = last.time - self.began.unwrap_or(last.time);
+        let waited = waited.min(PLATEAU[0]) + (waited - PLATEAU[1]).max(0.0);
+        let lenient = (GOOD + LENIENT * (waited - PATIENT).max(0.0)).min(CERTAIN);
+        let grows = last.time - first.time < LONGEST;
+        // Velocities become certain soon: their window is waited for.
+        let settled = lenient.max(GOOD + LENIENT * (PLATEAU[0] - PATIENT));
+        let (enough, certain) = match lateness {
+            Some(_) => (lenient, CERTAIN),
+            None if grows => (GOOD, settled),
+            None => (settled, settled),
+        };
         // A number that is not one is not certain either.
-        if worst.is_nan() || worst > CERTAIN {
+        if worst.is_nan() || worst > certain {
             return Err(MotionFailure::Uncertain(worst));
         }
-        let waited = waited.min(PLATEAU[0]) + (waited - PLATEAU[1]).max(0.0);
-        let enough = GOOD + LENIENT * (waited - PATIENT).max(0.0);
         if worst > enough {
-            if last.time - first.time < LONGEST {
+            if grows {
                 let guess = solution.guess;
                 self.solved = Some(Solved {
                     guess,

@@ -27,7 +27,7 @@ const RATE: f64 = 0.003;
 /// The same of the mean specific force \[m/s²\].
 const FORCE: f64 = 0.05;
 /// What reads more than [`SIGMAS`] times the bias of a gyro switched on, at least this one \[rad/s\], turns on the spot.
-const BIAS_FLOOR: f64 = 0.02;
+const BIAS_FLOOR: f64 = 0.06;
 
 /// Tells rest by comparing block means, and keeps what it says.
 #[derive(Clone, Default)]
