@@ -84,7 +84,8 @@ def test_progress_reaches_its_total() -> None:
     undrift.outages(drive, length=30, count=2, bias_models=["white", "arma"], progress=Bar)
     bar: Any = Bar.last
     assert bar.desc == "outages" and bar.closed and bar.calls > 2
-    assert bar.n == bar.total == 2 * 90_000
+    # Two models, and the drive without outages.
+    assert bar.n == bar.total == 3 * 90_000
     undrift.navigate(drive, solution=False, progress=Bar)
     bar = Bar.last
     assert bar.desc == "navigate" and bar.closed and 80_000 < bar.n <= 90_000
@@ -106,5 +107,5 @@ def test_a_bar_that_raises_ends_the_computation(drive: undrift.Drive) -> None:
 
 
 def test_a_bar_of_ones_own(drive: undrift.Drive, capsys: pytest.CaptureFixture[str]) -> None:
-    undrift.outages(drive, length=30, count=1, bias_models="white", progress=True)
+    undrift.outages(drive, length=30, count=1, start=120, bias_models="white", progress=True)
     assert "outages: " in capsys.readouterr().err

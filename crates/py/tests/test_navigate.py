@@ -263,8 +263,7 @@ def test_outages_are_the_terminals(
 
 
 def test_outages_refuse_what_does_not_fit(saved: Path) -> None:
-    with pytest.raises(undrift.UndriftError, match="count, every or at"):
-        undrift.outages(saved)
+    assert len(undrift.outages(saved, bias_models="arma").cuts) > 1
     with pytest.raises(undrift.UndriftError, match="overlap"):
         undrift.outages(saved, count=40, length=10.0)
     with pytest.raises(undrift.UndriftError, match='unknown bias model "gray"'):
