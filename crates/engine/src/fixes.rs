@@ -12,7 +12,7 @@
 //! and jumps do not count. The velocities' own error grows with L, so γ never says more of the whole than the fixes do:
 //! white and correlated part together have the stated variance, unless the white part alone is larger.
 //!
-//! Positions alone show their white part in their third differences ([`white_variance`]). What else they state lasts, and
+//! Positions alone show their white part in their third differences (`derived::white_variance`). What else they state lasts, and
 //! for how long they cannot show.
 
 mod track;
