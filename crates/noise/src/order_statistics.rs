@@ -1,5 +1,8 @@
 //! Medians and quantiles of a sample.
 
+/// Median absolute deviation of a standard normal distribution, inverted.
+pub const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
+
 /// Median, the mean of the two in the middle; NaN of none. What is not finite is left out.
 pub fn median(values: &[f64]) -> f64 {
     let sorted = finite_sorted(values);

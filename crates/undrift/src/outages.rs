@@ -41,6 +41,7 @@ pub(crate) use result::path;
 pub use result::{result, track};
 pub use run::{run, run_against};
 pub use schedule::{FIRST, Schedule, ScheduleError, schedule};
+pub(crate) use uncut::withheld;
 pub use uncut::{Reference, Rejected};
 
 use undrift_noise::BiasModel;

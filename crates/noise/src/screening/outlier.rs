@@ -3,11 +3,8 @@
 
 use super::record::{RecordError, check};
 use super::tail;
-use crate::order_statistics::upper_median;
+use crate::order_statistics::{MAD_TO_SIGMA, upper_median};
 use serde::{Deserialize, Serialize};
-
-/// Median absolute deviation of a standard normal distribution, inverted.
-const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
 
 /// Median deviations at which squares are capped.
 const CAP: f64 = 5.0;

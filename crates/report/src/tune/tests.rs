@@ -8,7 +8,7 @@ use undrift::results::{Drive, Number, TunedVibration};
 /// Of "°/s" in rad/s.
 const DEG: f64 = std::f64::consts::PI / 180.0;
 
-fn of_length(length: f64, ratio: [f64; 3]) -> TunedDrift {
+pub(super) fn of_length(length: f64, ratio: [f64; 3]) -> TunedDrift {
     TunedDrift {
         length_s: length.into(),
         outages: 24,

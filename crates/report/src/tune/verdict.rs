@@ -133,22 +133,8 @@ pub(super) fn judgement(tune: &Tune) -> (Severity, Use, String) {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use undrift::results::{Drive, Number};
-
-    fn of_length(length: f64, ratio: [f64; 3]) -> TunedDrift {
-        TunedDrift {
-            length_s: length.into(),
-            outages: 24,
-            before_m: 8.0.into(),
-            after_m: (8.0 * ratio[0]).into(),
-            ratio: ratio[0].into(),
-            ratio_low: ratio[1].into(),
-            ratio_high: ratio[2].into(),
-            before_within: [0.5, 0.8, 0.9].map(Number),
-            after_within: [0.7, 0.95, 0.99].map(Number),
-        }
-    }
+    use super::{super::tests::of_length, *};
+    use undrift::results::Drive;
 
     fn tune(ratios: [[f64; 3]; 2]) -> Tune {
         Tune {

@@ -3,7 +3,7 @@
 
 use super::{
     NotStatic,
-    pieces::{longer, longest_between, longest_piece, within},
+    pieces::{beyond, longer, longest_between, longest_piece, within},
     slow::{self, Subtracted},
     steps::steps,
     windows::Windows,
@@ -68,34 +68,27 @@ pub(super) fn part_at_rest(record: &Record, rate_hz: f64) -> Result<Part, NotSta
     }
     let found = steps(&windows, &session, &masked);
     let piece = longest_piece(&session, &found);
-    left_out.extend(found.iter().filter_map(|step| {
-        let before = step.at.end <= piece.start;
-        let next = found.iter().find(|other| other.at.start > step.at.start);
-        let last = found.iter().rfind(|other| other.at.start < step.at.start);
-        let (start, end) = match before {
-            true => (last.map_or(session.start, |last| last.at.end), step.at.end),
-            false => (
-                step.at.start,
-                next.map_or(session.end, |next| next.at.start),
-            ),
-        };
-        let (start_s, end_s) = (seconds(start).into(), end_of(end).into());
-        let resting = (start..end).filter(|window| windows.rests(*window)).count();
-        let lies_still = resting as f64 >= RESTS * (end - start) as f64;
-        let step = lies_still.then(|| (step.axis.to_owned(), step.size));
-        (end > start).then(|| Omitted {
-            why: if lies_still {
-                Omission::Step
-            } else {
-                Omission::Handled
-            },
-            start_s,
-            end_s,
-            step: step.as_ref().map(|(_, size)| *size).into(),
-            axis: step.map(|(axis, _)| axis),
-            ..Omitted::default()
-        })
-    }));
+    left_out.extend(
+        beyond(&found, &session, &piece).filter_map(|(step, range)| {
+            let Range { start, end } = range;
+            let (start_s, end_s) = (seconds(start).into(), end_of(end).into());
+            let resting = (start..end).filter(|window| windows.rests(*window)).count();
+            let lies_still = resting as f64 >= RESTS * (end - start) as f64;
+            let step = lies_still.then(|| (step.axis.to_owned(), step.size));
+            (end > start).then(|| Omitted {
+                why: if lies_still {
+                    Omission::Step
+                } else {
+                    Omission::Handled
+                },
+                start_s,
+                end_s,
+                step: step.as_ref().map(|(_, size)| *size).into(),
+                axis: step.map(|(axis, _)| axis),
+                ..Omitted::default()
+            })
+        }),
+    );
     let disturbed = disturbed(&windows, &piece);
     let moving = |range: Range<usize>| disturbed[range].iter().filter(|moves| **moves).count();
     let refused = || NotStatic::Moving {

@@ -1,4 +1,4 @@
-//! Pieces of a record: before, between and after what is left out.
+//! Pieces of a record: before, between and after what is excluded.
 
 use super::steps::Step;
 use std::ops::Range;
@@ -10,6 +10,25 @@ pub(super) fn within(
 ) -> impl Iterator<Item = Range<usize>> + use<> {
     let parts = [whole.start..part.start, part.end..whole.end];
     parts.into_iter().filter(|part| !part.is_empty())
+}
+
+/// Each of the steps of a part, in order, with what is beyond it, seen from the piece that is used.
+pub(super) fn beyond<'a>(
+    steps: &'a [Step],
+    part: &Range<usize>,
+    piece: &Range<usize>,
+) -> impl Iterator<Item = (&'a Step, Range<usize>)> {
+    let range = |k: usize| {
+        let at = &steps[k].at;
+        let last = k.checked_sub(1).map(|last| steps[last].at.end);
+        let next = steps.get(k + 1).map(|next| next.at.start);
+        match at.end <= piece.start {
+            true => last.unwrap_or(part.start)..at.end,
+            false => at.start..next.unwrap_or(part.end),
+        }
+    };
+    let ranges: Vec<Range<usize>> = (0..steps.len()).map(range).collect();
+    steps.iter().zip(ranges)
 }
 
 /// The longest piece of a part between its steps.

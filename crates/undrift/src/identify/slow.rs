@@ -1,7 +1,7 @@
 //! What goes on slowly in a part of a record that rests and is no noise of its sensor: small steps, a warm-up, cycles.
 
 use super::{
-    pieces::{longest_piece, within},
+    pieces::{beyond, longest_piece, within},
     steps::Step,
     windows::{STEPS, Windows},
 };
@@ -64,9 +64,16 @@ pub(super) fn without_slow(
     let steps = steps_of(windows, part, &found);
     let piece = longest_piece(part, &steps);
     if !steps.is_empty() && piece.len() * windows.width >= SHORTEST {
-        steady
-            .left_out
-            .extend(beyond_steps(&steps, part, &piece, &seconds));
+        let omitted = |(step, range): (&Step, Range<usize>)| Omitted {
+            why: Omission::Step,
+            start_s: seconds(range.start).into(),
+            end_s: seconds(range.end).into(),
+            axis: Some(step.axis.to_owned()),
+            step: step.size.into(),
+            ..Omitted::default()
+        };
+        let omitted = beyond(&steps, part, &piece).map(omitted);
+        steady.left_out.extend(omitted);
         found = find(&piece);
         steady.kept = piece;
     }
@@ -226,32 +233,4 @@ fn steps_of(windows: &Windows, part: &Range<usize>, found: &[Vec<Disturbance>]) 
     }
     clearest.sort_by_key(|step| step.at.start);
     clearest
-}
-
-/// What of a part is beyond each of its steps, seen from the piece that is used.
-fn beyond_steps(
-    steps: &[Step],
-    part: &Range<usize>,
-    piece: &Range<usize>,
-    seconds: &dyn Fn(usize) -> f64,
-) -> Vec<Omitted> {
-    let of = |(k, step): (usize, &Step)| {
-        let before = k
-            .checked_sub(1)
-            .map_or(part.start, |last| steps[last].at.end);
-        let after = steps.get(k + 1).map_or(part.end, |next| next.at.start);
-        let range = match step.at.end <= piece.start {
-            true => before..step.at.end,
-            false => step.at.start..after,
-        };
-        Omitted {
-            why: Omission::Step,
-            start_s: seconds(range.start).into(),
-            end_s: seconds(range.end).into(),
-            axis: Some(step.axis.to_owned()),
-            step: step.size.into(),
-            ..Omitted::default()
-        }
-    };
-    steps.iter().enumerate().map(of).collect()
 }

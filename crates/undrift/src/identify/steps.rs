@@ -1,8 +1,8 @@
 //! Where the level of a record steps: a gyro that re-zeroes, a sensor that is tilted.
 
-use super::windows::{MAD_TO_SIGMA, STEPS, Windows};
+use super::windows::{STEPS, Windows};
 use std::ops::Range;
-use undrift_noise::order_statistics::upper_median;
+use undrift_noise::order_statistics::{MAD_TO_SIGMA, upper_median};
 
 /// Windows to either side that a line is laid through, for large steps and for small ones.
 const SIDES: [usize; 2] = [8, 32];

@@ -3,12 +3,10 @@
 use crate::record::Record;
 use std::ops::Range;
 use undrift_noise::{
-    order_statistics::upper_median,
+    order_statistics::{MAD_TO_SIGMA, upper_median},
     temperature::{self, LEAST_CHANGE_K},
 };
 
-/// Median absolute deviation of a standard normal distribution, inverted.
-pub(super) const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
 /// Least samples of a window, which is a second else.
 const WINDOW: f64 = 20.0;
 const LONGEST: f64 = 1e6;

@@ -5,11 +5,11 @@ use super::{
     errors::ModelOutcome,
     left_out::{Needs, WhyLeftOut},
     run::run_against,
-    uncut::{Reference, Rejected},
+    uncut::{Reference, Rejected, withheld},
 };
 use crate::{
     navigate::{self, Hindsight, NavigateError, Report, Wanted, look_ahead, settings},
-    replay::{Measurement, Outage, ReplayError},
+    replay::{Outage, ReplayError},
 };
 use undrift_noise::BiasModel;
 
@@ -99,7 +99,10 @@ impl Logs {
             rejected,
         };
         let withheld = match self.truth.is_empty() {
-            true => withheld(&self.aiding, &counted, rejected),
+            true => withheld(&self.aiding, rejected, |time| {
+                let next = counted.partition_point(|cut| !cut.contains(time) && cut.end < time);
+                counted.get(next).is_some_and(|cut| cut.contains(time))
+            }),
             false => [0; 2],
         };
         let runs = match counted.is_empty() {
@@ -115,21 +118,4 @@ impl Logs {
             runs,
         })
     }
-}
-
-/// Positions inside the outages, and how many of them are rejected.
-fn withheld(aiding: &[Measurement], cuts: &[Outage], rejected: &Rejected) -> [u64; 2] {
-    let mut counts = [0; 2];
-    for measurement in aiding {
-        let Measurement::Gnss(fix) = measurement else {
-            continue;
-        };
-        let next = cuts.partition_point(|cut| !cut.contains(fix.time) && cut.end < fix.time);
-        let inside = cuts.get(next).is_some_and(|cut| cut.contains(fix.time));
-        if inside && fix.position.is_some() {
-            counts[0] += 1;
-            counts[1] += u64::from(rejected.rest(fix).position.is_none());
-        }
-    }
-    counts
 }

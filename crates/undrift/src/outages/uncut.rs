@@ -77,6 +77,22 @@ impl Rejected {
     }
 }
 
+/// Positions of the fixes at times that count, and how many of them are rejected.
+pub(crate) fn withheld(
+    aiding: &[Measurement],
+    rejected: &Rejected,
+    counts: impl Fn(f64) -> bool,
+) -> [u64; 2] {
+    let positions = aiding.iter().filter_map(|measurement| match measurement {
+        Measurement::Gnss(fix) if fix.position.is_some() && counts(fix.time) => Some(fix),
+        _ => None,
+    });
+    positions.fold([0; 2], |[all, out], fix| {
+        let is_rejected = rejected.rest(fix).position.is_none();
+        [all + 1, out + u64::from(is_rejected)]
+    })
+}
+
 impl Observer for Rejected {
     fn updated(&mut self, time: f64, updates: [Option<Update>; 2]) {
         self.note(time, updates);

@@ -2,9 +2,9 @@
 
 use super::fit::FitLog;
 use crate::{
-    outages::{OutageErrors, Reference, Rejected, run_against},
+    outages::{OutageErrors, Reference, Rejected, run_against, withheld},
     reference::{Coverage, HORIZONTAL},
-    replay::{Measurement, Outage},
+    replay::Outage,
     settings::Settings,
 };
 use rand::{RngExt, SeedableRng};
@@ -127,17 +127,11 @@ impl Unseen<'_> {
 
     /// Positions of the span, and how many of them are rejected.
     fn withheld(&self, rejected: &Rejected) -> [u64; 2] {
-        let mut counts = [0; 2];
-        let fixes = self.log.aiding.iter().filter_map(|m| match m {
-            Measurement::Gnss(fix) if fix.position.is_some() => Some(fix),
-            _ => None,
-        });
         let (from, to) = self.span;
-        for fix in fixes.filter(|fix| self.truth.is_empty() && from < fix.time && fix.time <= to) {
-            counts[0] += 1;
-            counts[1] += u64::from(rejected.rest(fix).position.is_none());
-        }
-        counts
+        let is_reference = self.truth.is_empty();
+        withheld(self.log.aiding, rejected, |time| {
+            is_reference && from < time && time <= to
+        })
     }
 }
 
@@ -243,6 +237,7 @@ mod tests {
     use super::*;
     use crate::{
         reference::Errors,
+        replay::Measurement,
         simulate::{GnssNoise, Trajectory, simulate},
     };
     use undrift_nav::{Vector3, sample::Position, shaping::ShapingFilter};
