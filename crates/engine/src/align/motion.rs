@@ -9,7 +9,7 @@ use super::{
     basis::{bias_variances, noise_of_mean},
     result::MotionFailure,
     segments::{Segment, moving, segments},
-    sightings::{Sighting, by_velocity, sightings, spread},
+    sightings::{Sighting, held_late, sightings, spread},
     wahba::{EndCovariance, Guess, Problem},
 };
 use crate::{
@@ -195,14 +195,18 @@ impl MotionAligner {
         if fix.position.is_none() || self.samples.is_empty() {
             return None;
         }
-        match by_velocity(&self.fixes) {
-            // Positions alone between fixes that have a velocity.
-            Some(true) if fix.velocity.is_none() => return None,
-            Some(false) if fix.velocity.is_some() => {
-                self.fixes.clear();
-                self.solved = None;
+        let alone = fix.velocity.is_none();
+        if self
+            .fixes
+            .front()
+            .is_some_and(|first| first.velocity.is_none() != alone)
+        {
+            if alone {
+                // Between fixes that have a velocity.
+                return None;
             }
-            _ => {}
+            self.fixes.clear();
+            self.solved = None;
         }
         self.began.get_or_insert(fix.time);
         if let Some((_, variance)) = rest {
@@ -224,9 +228,9 @@ impl MotionAligner {
         let from = self.solved.map_or(0.0, |solved| solved.looser);
         let mut looser = LOOSER.into_iter().filter(|looser| *looser >= from);
         let found = looser.find_map(|looser| {
-            let found = self.search(settings, rest, looser);
+            let found = self.search(settings, rest, alone, looser);
             let misfit = matches!(found, Err(MotionFailure::Misfit(_)));
-            let last = looser == LOOSER[2] || by_velocity(&self.fixes) == Some(true);
+            let last = looser == LOOSER[2] || !alone;
             (last || !misfit).then_some(found)
         });
         match found.unwrap_or(Err(MotionFailure::TooFew)) {
@@ -249,14 +253,28 @@ impl MotionAligner {
         }
     }
 
+    /// Searches the window, whose fixes are positions `alone` or have velocities.
     fn search(
         &mut self,
         settings: &Settings,
         rest: Option<GyroBias>,
+        alone: bool,
         looser: f64,
     ) -> Result<AlignedInMotion, MotionFailure> {
-        let begun = self.solved.map_or(0.0, |solved| solved.late);
-        let mut seen = sightings(&self.fixes, looser, begun);
+        let [first, last] = [self.fixes.front(), self.fixes.back()];
+        let (first, last) = (
+            *first.ok_or(MotionFailure::TooFew)?,
+            *last.ok_or(MotionFailure::TooFew)?,
+        );
+        let place = antenna(&first).ok_or(MotionFailure::TooFew)?;
+        let solved = self.solved;
+        let mut late = solved.map_or(0.0, |solved| solved.late);
+        let stamped = sightings(&self.fixes, alone, looser);
+        let held = |late: f64| match alone {
+            true => held_late(&stamped, late, last.time),
+            false => stamped.clone(),
+        };
+        let mut seen = held(late);
         let spread = spread(&seen);
         self.spread = self.spread.max(spread);
         let (gyro, accel) = settings.sensors.split_at(3);
@@ -268,31 +286,22 @@ impl MotionAligner {
         if segments.len() < FEWEST {
             return Err(MotionFailure::TooFew);
         }
-        let least = match by_velocity(&self.fixes) {
-            Some(false) => SPREAD_OF_POSITIONS,
-            _ => SPREAD,
-        };
+        let least = if alone { SPREAD_OF_POSITIONS } else { SPREAD };
         if spread < least {
             return Err(MotionFailure::TooSteady {
                 change: self.spread,
                 within: self.longest,
             });
         }
-        if by_velocity(&self.fixes) == Some(false) && moving(&segments) < LEAST_MOTION {
+        if alone && moving(&segments) < LEAST_MOTION {
             return Err(MotionFailure::Ambiguous);
         }
-        let [first, last] = [self.fixes.front(), self.fixes.back()];
-        let (first, last) = (
-            *first.ok_or(MotionFailure::TooFew)?,
-            *last.ok_or(MotionFailure::TooFew)?,
-        );
-        let place = antenna(&first).ok_or(MotionFailure::TooFew)?;
-        let lateness = (by_velocity(&self.fixes) == Some(false)).then(|| {
-            let prior = settings.parameters.prior(Parameter::TimeOffset);
-            prior.map_or(0.0, |prior| LATENESS * LATENESS * prior.std * prior.std)
-        });
-        let solved = self.solved.take();
-        let mut late = begun;
+        self.solved = None;
+        let variance_of = |kind: Parameter| {
+            let prior = settings.parameters.prior(kind);
+            prior.map_or(0.0, |prior| prior.std * prior.std)
+        };
+        let lateness = alone.then(|| LATENESS * LATENESS * variance_of(Parameter::TimeOffset));
         let problem = Problem {
             segments: &segments,
             reference: gyro_prior.0,
@@ -303,10 +312,7 @@ impl MotionAligner {
             gyro_noise: noise_of_mean(gyro, 1.0),
             accel_noise: noise_of_mean(accel, 1.0),
             late: lateness.map(|variance| (-late, variance)),
-            arm: settings
-                .parameters
-                .prior(Parameter::LeverArm)
-                .map_or(0.0, |prior| prior.std * prior.std),
+            arm: variance_of(Parameter::LeverArm),
         };
         // Noise larger than stated makes residuals and covariance larger, and a difference mean less.
         let fit = |cost: f64| (cost / (3 * (segments.len() - 1)) as f64).max(1.0);
@@ -325,7 +331,7 @@ impl MotionAligner {
         // Once more about the bias found, in which a segment is linear, and about the time by which fixes are late, in
         // which their positions are not.
         let mut rounds = MOST_ROUNDS;
-        let (solution, end, fit) = loop {
+        let (end, fit) = loop {
             let again = self.segments(&seen, &guess.gyro);
             if again.len() < FEWEST {
                 return Err(MotionFailure::TooFew);
@@ -337,48 +343,39 @@ impl MotionAligner {
                 ..problem
             };
             let solution = problem.refine(&guess);
-            let end = problem
-                .end(&solution.guess)
-                .ok_or(MotionFailure::Ambiguous)?;
             guess = solution.guess;
-            rounds -= 1;
+            let end = problem.end(&guess).ok_or(MotionFailure::Ambiguous)?;
             let later = end.by_position.map_or(0.0, |(_, (later, _))| later);
-            if rounds == 0 || later.abs() < SAME_TIME {
-                late += later;
-                break (solution, end, fit(solution.cost));
-            }
             late += later;
-            seen = sightings(&self.fixes, looser, late);
+            rounds -= 1;
+            if rounds == 0 || later.abs() < SAME_TIME {
+                break (end, fit(solution.cost));
+            }
+            seen = held(late);
         };
         let (mean, variance) = &problem.accel;
         let std = variance.map(|variance| variance.sqrt().max(LEAST_BIAS));
         let bias = (guess.accel - mean).component_div(&std);
-        let looser_yet = by_velocity(&self.fixes) == Some(false) && looser < LOOSER[2];
-        let most = if looser_yet { CLOSE } else { FIT };
-        if fit > most || lateness.is_some() && bias.amax() > MOST_BIAS {
+        let most = if alone && looser < LOOSER[2] {
+            CLOSE
+        } else {
+            FIT
+        };
+        if fit > most || alone && bias.amax() > MOST_BIAS {
             return Err(MotionFailure::Misfit(fit));
         }
         let c_nb = end.q_nb.to_rotation_matrix().into_inner();
         let attitude = end.covariance.fixed_view::<3, 3>(3, 3) * fit;
         let worst = (c_nb * attitude * c_nb.transpose()).diagonal().max().sqrt();
         let waited = last.time - self.began.unwrap_or(last.time);
-        let waited = waited.min(PLATEAU[0]) + (waited - PLATEAU[1]).max(0.0);
-        let lenient = (GOOD + LENIENT * (waited - PATIENT).max(0.0)).min(CERTAIN);
         let grows = last.time - first.time < LONGEST;
-        // Velocities become certain soon: their window is waited for.
-        let settled = lenient.max(GOOD + LENIENT * (PLATEAU[0] - PATIENT));
-        let (enough, certain) = match lateness {
-            Some(_) => (lenient, CERTAIN),
-            None if grows => (GOOD, settled),
-            None => (settled, settled),
-        };
+        let (enough, certain) = certainty(waited, alone, grows);
         // A number that is not one is not certain either.
         if worst.is_nan() || worst > certain {
             return Err(MotionFailure::Uncertain(worst));
         }
         if worst > enough {
             if grows {
-                let guess = solution.guess;
                 self.solved = Some(Solved {
                     guess,
                     late,
@@ -402,15 +399,8 @@ impl MotionAligner {
         let late = end
             .by_position
             .map(|(_, (_, variance))| (late, (variance * fit).sqrt()));
-        let filter = filter(
-            &nav,
-            late,
-            &last,
-            &solution.guess,
-            &(end.covariance * fit),
-            settings,
-        )
-        .ok_or(MotionFailure::Misfit(fit))?;
+        let filter = filter(&nav, late, &last, &guess, &(end.covariance * fit), settings)
+            .ok_or(MotionFailure::Misfit(fit))?;
         Ok(AlignedInMotion {
             filter,
             duration: last.time - first.time,
@@ -430,6 +420,21 @@ impl MotionAligner {
             },
             other => other,
         }
+    }
+}
+
+/// Standard deviation of the attitude \[rad\] that is enough for a start, and beyond which a solution is dropped, after so
+/// long \[s\] without a start; of a window of positions `alone` or of velocities, which still `grows` or not.
+fn certainty(waited: f64, alone: bool, grows: bool) -> (f64, f64) {
+    let lenient = |waited: f64| (GOOD + LENIENT * (waited - PATIENT).max(0.0)).min(CERTAIN);
+    let [from, to] = PLATEAU;
+    let by_now = lenient(waited.min(from) + (waited - to).max(0.0));
+    // Velocities become certain soon: their window is waited for.
+    let settled = by_now.max(lenient(from));
+    match (alone, grows) {
+        (true, _) => (by_now, CERTAIN),
+        (false, true) => (GOOD, settled),
+        (false, false) => (settled, settled),
     }
 }
 

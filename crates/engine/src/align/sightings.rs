@@ -11,7 +11,7 @@ use undrift_nav::{Vector3, sample::GnssFix};
 const NEAR: f64 = 1.1;
 /// Least share of their stated variance that positions have in the search: nothing is exact.
 const LEAST_SHARE: f64 = 4e-4;
-/// Standard deviation of a position that says nothing \[m\].
+/// Standard deviation of a position without information \[m\].
 const NOTHING: f64 = 1e6;
 
 /// What a fix says of the antenna.
@@ -26,16 +26,10 @@ pub(super) struct Sighting {
     pub(super) variance: Vector3,
 }
 
-/// Whether fixes have velocities; `None` without fixes.
-pub(super) fn by_velocity(fixes: &VecDeque<GnssFix>) -> Option<bool> {
-    fixes.front().map(|fix| fix.velocity.is_some())
-}
-
-/// What the fixes of the window say. Positions hold `late` \[s\] after their stamps, those of the future left out, and
-/// have the variance that they show by their scatter times `looser`, at most what they state; the last sighting says
-/// nothing but the time of the window's end.
-pub(super) fn sightings(fixes: &VecDeque<GnssFix>, looser: f64, late: f64) -> Vec<Sighting> {
-    if by_velocity(fixes) == Some(true) {
+/// What the fixes of a window say: their velocities, or of positions `alone` their places, with the variance that they show by
+/// their scatter times `looser`, at most what they state.
+pub(super) fn sightings(fixes: &VecDeque<GnssFix>, alone: bool, looser: f64) -> Vec<Sighting> {
+    if !alone {
         let velocity = |fix: &GnssFix| {
             fix.velocity.map(|(v_n, covariance)| Sighting {
                 time: fix.time,
@@ -51,7 +45,7 @@ pub(super) fn sightings(fixes: &VecDeque<GnssFix>, looser: f64, late: f64) -> Ve
     };
     let position = |fix: &GnssFix| {
         Some(Sighting {
-            time: fix.time + late,
+            time: fix.time,
             place: first.offset_to(&antenna(fix)?),
             variance: fix.position?.1.diagonal(),
             ..Sighting::default()
@@ -78,16 +72,24 @@ pub(super) fn sightings(fixes: &VecDeque<GnssFix>, looser: f64, late: f64) -> Ve
             of.variance = (least * looser).inf(&of.variance);
         }
     }
-    if let Some(last) = fixes.back() {
-        seen.retain(|of| of.time < last.time - STAMP_ROUNDING);
-        let end = seen.last().copied().unwrap_or_default();
-        seen.push(Sighting {
-            time: last.time,
-            variance: Vector3::repeat(NOTHING * NOTHING),
-            ..end
-        });
-    }
     seen
+}
+
+/// Positions that hold `late` \[s\] after their stamps, those after the window's `end` \[s\] excluded; the last sighting is
+/// that end, without information.
+pub(super) fn held_late(seen: &[Sighting], late: f64, end: f64) -> Vec<Sighting> {
+    let held = seen.iter().map(|of| Sighting {
+        time: of.time + late,
+        ..*of
+    });
+    let mut held: Vec<Sighting> = held.filter(|of| of.time < end - STAMP_ROUNDING).collect();
+    let last = held.last().copied().unwrap_or_default();
+    held.push(Sighting {
+        time: end,
+        variance: Vector3::repeat(NOTHING * NOTHING),
+        ..last
+    });
+    held
 }
 
 /// How far apart velocities are over ground: the diagonal of the box that holds them \[m/s\].

@@ -119,7 +119,7 @@ fn velocities_are_apart_by_their_extremes() {
             quality: undrift_nav::sample::FixQuality::Unknown,
         });
     }
-    assert_eq!(spread(&sightings(&aligner.fixes, 1.0, 0.0)), 5.0);
+    assert_eq!(spread(&sightings(&aligner.fixes, false, 1.0)), 5.0);
 }
 
 #[test]
