@@ -73,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// What files are. Those that cannot be read are reported and left out.
+/// Describes files; unreadable ones are reported and skipped.
 pub fn read(files: &[PathBuf]) -> Result<Vec<Inspection>> {
     let mut inspections = Vec::new();
     for file in files {

@@ -107,7 +107,7 @@ fn positions_alone_have_to_move_for_fifteen_seconds() {
     assert!(started > 45.0, "{started}");
 }
 
-/// Ten standard deviations of its prior: whatever attitude explains that, it is none.
+/// A bias of ten standard deviations of its prior: an attitude that explains it is invalid.
 #[test]
 fn an_accelerometer_that_is_far_off_aligns_nothing() {
     let mut scenario = drive(1, 0.0);

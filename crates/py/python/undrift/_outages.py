@@ -73,7 +73,7 @@ class Outages(Told):
     cuts: Floats
     """Start and length of every outage [s], n × 2."""
     left_out: tuple[Mapping[str, Any], ...]
-    """Outages that were asked for and left out: ``start_s``, ``length_s``, ``why``."""
+    """Outages that were asked for and excluded: ``start_s``, ``length_s``, ``why``."""
     reference: str
     """What the errors are measured against: ``truth``, or ``gnss`` for the withheld fixes."""
     withheld: int

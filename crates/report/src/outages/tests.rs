@@ -360,7 +360,7 @@ fn what_was_done_names_the_drive_the_outages_and_the_reference() {
     );
 }
 
-/// One conclusion, in the terminal as in the report; what is left out and rejected is counted in both.
+/// One conclusion, in the terminal as in the report; excluded outages and rejected fixes are counted in both.
 #[test]
 fn the_terminal_concludes_as_the_report_does() {
     use undrift::{
