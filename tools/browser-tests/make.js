@@ -37,7 +37,7 @@ async function hostile() {
   await run(undrift, "navigate", file(DRIVE), ...model("gauss-markov"), "--report", at("navigate.html"));
   await run(undrift, "navigate", file(DRIVE), ...model("random-walk"));
   await run(undrift, "report", at(`gauss-markov${DRIVE}.json`), at(`random-walk${DRIVE}.json`), "-o", at("compare.html"));
-  await run(undrift, "outages", file(DRIVE), "--length", "10", "--every", "25", "--start", "60", "--report", at("outages.html"));
+  await run(undrift, "outages", file(DRIVE), "--length", "10", "--every", "25", "--start", "60", "--bias-models", "all", "--report", at("outages.html"));
 }
 
 async function hour() {
