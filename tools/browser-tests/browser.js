@@ -19,6 +19,8 @@ export const launch = () => chromium.launch({
 // A page with a report, a sample unless a folder is given, and what went wrong on it.
 export async function open(browser, name, { folder = samples, ...options } = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
+  // On a machine that does much else a page takes its time.
+  context.setDefaultTimeout(120000);
   const page = await context.newPage();
   const troubles = [];
   // The tests read pixels back, the page does not.
@@ -27,6 +29,6 @@ export async function open(browser, name, { folder = samples, ...options } = {})
   page.on("dialog", dialog => { troubles.push("dialog: " + dialog.message()); dialog.dismiss(); });
   page.on("request", request => { if (!/^(file|data|blob):/.test(request.url())) troubles.push("request: " + request.url()); });
   await page.goto(pathToFileURL(path.join(folder, name + ".html")).href);
-  if (options.javaScriptEnabled !== false) await page.waitForFunction(() => window.report && window.report.ready, null, { timeout: 10000 });
+  if (options.javaScriptEnabled !== false) await page.waitForFunction(() => window.report && window.report.ready);
   return { page, troubles, close: () => context.close() };
 }

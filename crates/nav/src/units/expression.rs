@@ -149,7 +149,7 @@ impl Reader<'_> {
         }
     }
 
-    /// factor [ "^" exponent | superscript ].
+    /// factor [ "^" exponent | superscript | exponent without a space, as in `m/s2` and `m s-2` ].
     fn power(&mut self, depth: usize) -> Result<Unit, UnitErrorKind> {
         let base = self.factor(depth)?;
         let superscripts = [
@@ -160,7 +160,14 @@ impl Reader<'_> {
             ("³", 6),
             ("½", 1),
         ];
-        let halves = if self.take("^") || self.take("**") {
+        let adjacent = number_length(self.rest);
+        let halves = if let Some(halves) = [("2", 4), ("3", 6), ("-1", -2), ("-2", -4), ("-3", -6)]
+            .iter()
+            .find_map(|(digits, halves)| (self.rest[..adjacent] == **digits).then_some(*halves))
+        {
+            self.rest = &self.rest[adjacent..];
+            halves
+        } else if self.take("^") || self.take("**") {
             self.exponent()?
         } else if let Some((_, halves)) = superscripts.iter().find(|(s, _)| self.take(s)) {
             *halves
