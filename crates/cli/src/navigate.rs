@@ -16,7 +16,7 @@ use undrift::{
     drive::Drive,
     findings::Finding,
     io::write::{SolutionFile, SolutionFormat, SolutionOptions},
-    navigate::{self, Hindsight, Wanted},
+    navigate::{self, Clock, Hindsight, Wanted},
     noise::{BiasModel, ImuModel},
     results,
 };
@@ -60,6 +60,10 @@ pub struct Arguments {
     /// Look ahead: study the errors of all fixes first, and find the mounting. Default: as while driving, from the log so far
     #[arg(long)]
     look_ahead: bool,
+    /// Whose times the solution has: imu, as the samples are stamped, or gnss, as the fixes are. Default: imu, and where the two
+    /// differ the standard deviations contain it
+    #[arg(long, value_name = "NAME", help_heading = "Output")]
+    clock: Option<Clock>,
     #[command(flatten)]
     result: ResultOutput,
 }
@@ -111,6 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let wanted = Wanted {
             files: outputs(arguments, &file, &drive)?,
             hindsight: Hindsight::asked(arguments.look_ahead, arguments.smooth),
+            clock: arguments.clock.unwrap_or_default(),
             recording,
             ..navigate::Wanted::default()
         };

@@ -108,6 +108,58 @@ pub fn vehicle_attitude(
     (q_nv, [0, 1, 2].map(|i| std(variance(i))))
 }
 
+/// Below this rate \[Hz\] samples that seem early may be so: the motion between two is taken to be as the second one says.
+const SLOW: f64 = 50.0;
+
+/// The receiver's clock against the samples', as the fixes show it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ReceiverClock {
+    /// By how much its stamps are earlier than the samples', and the standard deviation of that \[s\].
+    pub offset: f64,
+    /// See above.
+    pub offset_std: f64,
+    /// Standard deviations of the position at a time of this clock, north, east, down \[m\]: without the doubt about the offset, which
+    /// those of [`Estimator::nav_std`] contain with the speed.
+    pub position_std: [f64; 3],
+    /// From one sample to the next \[s\].
+    pub interval: f64,
+}
+
+impl ReceiverClock {
+    /// By how much the samples seem to be late \[s\], or early where it is negative, beyond one standard deviation: data come late by
+    /// filters and buffers. Fixes that come late are the receiver's delay, and the samples' clock is right; of a log below
+    /// 50 Hz the samples may be early by less than an interval.
+    pub fn lateness(&self) -> f64 {
+        let beyond = (self.offset.abs() - self.offset_std).max(0.0);
+        let is_slow = self.interval * SLOW > 1.0;
+        match self.offset < 0.0 {
+            true if is_slow && -self.offset < self.interval => -beyond,
+            true => 0.0,
+            false => beyond,
+        }
+    }
+}
+
+/// [`ReceiverClock::position_std`] for these parameters, the first of which is behind so many
+/// states, of a filter that has run for so long \[s\], at this velocity [m/s] and covariance. The error is `δr − v (δτ + age δd)`, with
+/// the signs of the rows of a position.
+pub fn position_std_on_receiver_clock(
+    (parameters, behind, age): (&Parameters, usize, f64),
+    v_n: &Vector3,
+    p: impl Fn(usize, usize) -> f64,
+) -> [f64; 3] {
+    let place = |kind| Some(behind + parameters.start(kind)?);
+    let [offset, rate] = [Parameter::TimeOffset, Parameter::ClockRate].map(place);
+    core::array::from_fn(|i| {
+        let clock = |at: Option<usize>, age: f64| Some((at?, -age * v_n[i]));
+        let row = [Some((i, 1.0)), clock(offset, 1.0), clock(rate, age)];
+        let terms = || row.into_iter().flatten();
+        let variance = terms().flat_map(|(j, a)| terms().map(move |(k, b)| (j, k, a * b)));
+        let variance: f64 = variance.map(|(j, k, factor)| factor * p(j, k)).sum();
+        variance.max(0.0).sqrt()
+    })
+}
+
 /// An error-state filter; its methods are those of [`Filter`] where nothing else is said.
 pub trait Estimator: Send + Sync {
     /// Position, velocity and attitude of the IMU.
@@ -150,6 +202,18 @@ pub trait Estimator: Send + Sync {
         let at = mounting.map(|start| self.sensors().states() + start);
         let mounted = at.map(|at| (at, [self.estimates()[at], self.estimates()[at + 1]]));
         vehicle_attitude(q_nb, mounted, |i, j| p[(i, j)])
+    }
+    /// The receiver's clock against the samples'; `None` where no time offset is estimated.
+    fn receiver_clock(&self) -> Option<ReceiverClock> {
+        let (offset, offset_std) = self.time_offset(Parameter::TimeOffset)?;
+        let (sensors, p) = (self.sensors(), self.covariance());
+        let of = (self.parameters(), sensors.states(), self.since_start());
+        Some(ReceiverClock {
+            offset,
+            offset_std,
+            position_std: position_std_on_receiver_clock(of, &self.nav().v_n, |i, j| p[(i, j)]),
+            interval: sensors.axis(0).interval,
+        })
     }
     /// Whether the solution is still one.
     ///

@@ -176,7 +176,10 @@ impl FixGate {
             self.learn(nis);
             self.accepted = time;
             self.confirmed += 1;
-            self.agreeing = None;
+            if let (Some((_, last)), Some(open)) = (self.agreeing.take(), &mut self.open) {
+                // The solution has become so unsure that it takes in what it rejected.
+                open.gave_way |= (innovation - last).norm() < AGREE * innovation.norm();
+            }
             self.close(summary);
             return;
         }

@@ -580,6 +580,9 @@ impl Run {
         observer.updated(fix.time, done.map(|u| u.as_ref()?.as_ref().ok().copied()));
         // A solution that only a fix would throw off the Earth has nothing in common with the fixes any more.
         let off = |update: &Result<Update, FilterError>| *update == Err(FilterError::Implausible);
+        if updates[0].is_some() {
+            self.summary.late_samples.note(filter);
+        }
         let diverged = filter.check().is_err() || updates.iter().flatten().any(off);
         self.note_updates(fix, part, updates, observer);
         if diverged {

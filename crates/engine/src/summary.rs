@@ -9,6 +9,7 @@ use crate::aid::Aid;
 use crate::{
     aid::ByAid,
     align::Alignment,
+    estimator::Estimator,
     fixes::FixStudy,
     mounting::{Mounting, MountingError},
     settings::{Doubt, fix_errors::FixErrors},
@@ -85,6 +86,43 @@ impl Innovations {
     }
 }
 
+/// Standard deviations from which a difference between the clocks is not by chance, and matters to the position.
+const SIGMAS: f64 = 3.0;
+
+/// Where the samples turn out to be late ([`ReceiverClock::lateness`](crate::estimator::ReceiverClock::lateness)), and that
+/// matters.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
+pub struct LateSamples {
+    /// Positions used.
+    pub positions: u64,
+    /// Those at which the solution was behind the receiver's clock by more than three standard deviations of its position.
+    pub behind: u64,
+    /// The furthest that it was behind at one of them \[m\].
+    pub most: f64,
+    /// The time by which the samples were late there, negative if early, and its standard deviation \[s\].
+    pub delay: (f64, f64),
+}
+
+impl LateSamples {
+    /// Of the filter after a position.
+    pub(super) fn note(&mut self, filter: &dyn Estimator) {
+        self.positions += 1;
+        let Some(clock) = filter.receiver_clock() else {
+            return;
+        };
+        let (speed, std) = (filter.nav().v_n.xy().norm(), filter.nav_std());
+        let behind = clock.offset.abs() * speed;
+        let is_sure = clock.offset.abs() > SIGMAS * clock.offset_std;
+        if is_sure && clock.lateness() != 0.0 && behind > SIGMAS * std[0].max(std[1]) {
+            self.behind += 1;
+            if behind > self.most {
+                (self.most, self.delay) = (behind, (clock.offset, clock.offset_std));
+            }
+        }
+    }
+}
+
 /// What a replay was like.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
@@ -123,6 +161,8 @@ pub struct Summary {
     pub sample_faults: Vec<SampleFault>,
     /// When and why the solution was aligned again.
     pub restarts: Vec<Restart>,
+    /// Where the samples turn out to be later than their stamps.
+    pub late_samples: LateSamples,
     /// Mean factors on the stated standard deviations of position and velocity, where they were adapted.
     pub adapted: [Option<f64>; 2],
     /// How many times the model's the white noise of each axis was, as the samples show; `None` where it was the model's.

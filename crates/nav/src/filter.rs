@@ -629,11 +629,6 @@ impl<const N: usize> Filter<N> {
         self.sensors.set_white_noise(variance);
     }
 
-    /// Sets the random walk of a parameter that is estimated from now on [unit/√s].
-    pub fn set_walk(&mut self, kind: Parameter, walk: f64) {
-        self.parameters.set_walk(kind, walk);
-    }
-
     /// Adds uncertainty for `duration` seconds without samples in which the body may have turned
     /// with `rate` [rad/s] and accelerated with `accel` [m/s²] (one standard deviation each axis).
     pub fn grow(&mut self, duration: f64, rate: f64, accel: f64) {

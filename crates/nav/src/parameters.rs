@@ -171,13 +171,6 @@ impl Parameters {
         self.placed()
     }
 
-    /// Changes the random walk of a kind that is there.
-    pub(crate) fn set_walk(&mut self, kind: Parameter, walk: f64) {
-        if let Some(prior) = &mut self.priors[kind as usize] {
-            prior.walk = walk;
-        }
-    }
-
     /// With every kind at its place.
     fn placed(mut self) -> Self {
         self.states = 0;

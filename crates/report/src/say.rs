@@ -96,6 +96,8 @@ pub fn say(finding: &Finding) -> String {
             samples,
             start,
         } => sensors::spikes(*axis, *samples, *start),
+        F::SlowSamples { rate, factor } => sensors::slow_samples(*rate, *factor),
+        F::LateSamples { delay, most } => sensors::late_samples(*delay, *most),
         F::HeadingOff {
             start,
             end,

@@ -8,10 +8,10 @@ mod weight;
 pub use crate::replay::Log;
 pub use collect::{
     WITHOUT_GNSS, of_accuracy, of_correlation, of_disagreement, of_ends, of_fixes, of_health,
-    of_held, of_order, of_scalar, of_skipped, of_temperature, of_timing, with_axes,
+    of_held, of_order, of_rate, of_scalar, of_skipped, of_temperature, of_timing, with_axes,
 };
 pub use cut::of_outages;
-pub use weight::{is_doubtful, of_model, ranked, verdict};
+pub use weight::{is_doubtful, is_jump, of_model, ranked, verdict};
 
 use crate::{
     outages::WhyLeftOut,
@@ -180,6 +180,20 @@ pub enum Finding {
     Late {
         /// By how much later than the stamps of the fixes \[s\].
         delay: f64,
+    },
+    /// Innovations are larger than predicted, and so few samples miss what the vehicle does between them.
+    SlowSamples {
+        /// Samples a second [Hz].
+        rate: f64,
+        /// Times the predicted size.
+        factor: f64,
+    },
+    /// The samples hold earlier than they are stamped, or a slow log's later, and the vehicle is fast enough for that to matter.
+    LateSamples {
+        /// By how much they are late against the fixes, negative if early, and its standard deviation \[s\].
+        delay: [f64; 2],
+        /// How far the solution on the IMU's clock is behind the receiver's, at most \[m\].
+        most: f64,
     },
     /// The IMU's axes are not forward, right, down of the vehicle: 1 forward, −1 backward, 2 right,
     /// −2 left, as far as it shows.

@@ -1,5 +1,6 @@
 //! One drive through the filter and into a file, streamed: memory does not grow with the log.
 
+mod clock;
 mod findings;
 mod outputs;
 mod recorder;
@@ -7,6 +8,7 @@ mod recording;
 mod result;
 mod start;
 
+pub use clock::{Clock, UnknownClock};
 pub use recorder::{Wanted, solution_row};
 pub use recording::Recording;
 pub use start::{Started, start};
@@ -49,6 +51,8 @@ pub struct Report {
     pub summary: Summary,
     /// What the solution knows at each instant.
     pub hindsight: Hindsight,
+    /// Whose times it has.
+    pub clock: Clock,
     /// What the fixes show of themselves.
     pub study: Option<FixStudy>,
     /// What they are wrong by beyond what they state, as all of them show.
@@ -288,7 +292,7 @@ pub fn resolve_ahead(
 /// As [`settings`]; a log that cannot be read or ends before the alignment; a mounting that cannot be
 /// estimated; a file that cannot be written; a filter that cannot be built.
 pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report, NavigateError> {
-    let hindsight = wanted.hindsight;
+    let (hindsight, clock) = (wanted.hindsight, wanted.clock);
     let (drive, mounting) = resolve_ahead(drive, hindsight)?;
     let smooth = hindsight == Hindsight::Smooth;
     let mut settings = settings(&drive, kind)?;
@@ -348,6 +352,7 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
     Ok(Report {
         std_factors: std_factors(&drive, &settings, &summary)?,
         hindsight,
+        clock,
         study,
         fix_errors,
         summary,

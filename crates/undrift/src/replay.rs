@@ -8,7 +8,8 @@ pub use crate::settings::{Doubt, GnssUse, Outage, Settings, quality::QualityStd}
 pub use not_aligned::NotAligned;
 pub use undrift_engine::{
     Aid, ByAid, Contradiction, CovarianceHealth, FixMend, HeadingOff, Implausible, Innovations,
-    Lean, Log, MOST_EVENTS, Measurement, Part, Restart, RestartCause, SampleFault, Scalar, Summary,
+    LateSamples, Lean, Log, MOST_EVENTS, Measurement, Part, Restart, RestartCause, SampleFault,
+    Scalar, Summary,
     estimator::STAMP_ROUNDING,
     vibration::{self, Vibration},
 };

@@ -11,7 +11,9 @@
 //! its sensor errors, and spreads the small difference at the next node over the span.
 
 use crate::{
-    estimator::{Adjoint, Estimator, vehicle_attitude},
+    estimator::{
+        Adjoint, Estimator, ReceiverClock, position_std_on_receiver_clock, vehicle_attitude,
+    },
     reference::Predicted,
     replay::{Doubt, Measurements, Observer, ReplayError, Samples, Settings, replay},
 };
@@ -52,6 +54,8 @@ pub struct Node {
     pub omega_nb_b: Vector3,
     /// By how much smoothing found the fixes' positions to hold later than the filter believed \[s\].
     late: f64,
+    /// The receiver's clock against the samples'; the zero where no time offset is estimated.
+    pub receiver_clock: ReceiverClock,
 }
 
 impl Node {
@@ -368,6 +372,26 @@ fn node(
     };
     let late = offset(Parameter::TimeOffset)
         .map(|late| late + offset(Parameter::ClockRate).unwrap_or(0.0) * head[15]);
+    let of = (parameters, sensors.states(), head[15]);
+    let place = |kind| Some(sensors.states() + parameters.start(kind)?);
+    let terms = [
+        (place(Parameter::TimeOffset), 1.0),
+        (place(Parameter::ClockRate), head[15]),
+    ];
+    let terms = || {
+        terms
+            .into_iter()
+            .filter_map(|(at, factor)| Some((at?, factor)))
+    };
+    let pairs = terms().flat_map(|(i, a)| terms().map(move |(j, b)| a * b * covariance[(i, j)]));
+    let receiver_clock = ReceiverClock {
+        offset: terms()
+            .map(|(at, factor)| factor * estimates[at - NAV])
+            .sum(),
+        offset_std: pairs.sum::<f64>().max(0.0).sqrt(),
+        position_std: position_std_on_receiver_clock(of, &nav.v_n, |i, j| covariance[(i, j)]),
+        interval: sensors.axis(0).interval,
+    };
     let (q_nv, vehicle_std) = vehicle_attitude(&nav.q_nb, mounted, |i, j| covariance[(i, j)]);
     Node {
         q_bv: nav.q_nb.inverse() * q_nv,
@@ -382,6 +406,7 @@ fn node(
         sensor_error_std: sensors.error_std(|i, j| covariance[(i, j)]),
         omega_nb_b: Vector3::new(head[12], head[13], head[14]),
         late: late.unwrap_or(0.0),
+        receiver_clock,
     }
 }
 
@@ -557,6 +582,7 @@ impl<'a> Path<'a> {
                 }),
                 omega_nb_b: from.omega_nb_b,
                 late: 0.0,
+                receiver_clock: to.receiver_clock,
             })?;
         }
         self.nav = to.nav;
@@ -593,6 +619,7 @@ mod tests {
             sensor_error_std: [0.0; AXES],
             omega_nb_b: Vector3::zeros(),
             late: 0.0,
+            receiver_clock: ReceiverClock::default(),
         };
         let (q_nv, std) = node.vehicle_attitude();
         assert!((to_rpy(&q_nv).z.to_degrees() - 35.0).abs() < 1e-9);
@@ -627,6 +654,7 @@ mod tests {
             // To the right: the antenna goes south.
             omega_nb_b: Vector3::new(0.0, 0.0, 0.2),
             late: 0.1,
+            receiver_clock: ReceiverClock::default(),
         };
         let (found, velocity) = smoothed.antenna(&node, &Vector3::new(1.0, 0.0, 0.0));
         assert!(

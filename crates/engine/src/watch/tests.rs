@@ -1,6 +1,7 @@
 use super::*;
-use crate::tests::{Scenario, receiver};
-use undrift_nav::filter::Outcome;
+use crate::tests::{Navigated, Scenario, receiver};
+use alloc::vec::Vec;
+use undrift_nav::{filter::Outcome, parameters::Parameter};
 use undrift_simulate::{GnssNoise, Trajectory};
 
 /// An update with this NIS per degree of freedom and this whitened innovation.
@@ -246,4 +247,87 @@ fn positions_that_are_pulled_away_slowly_are_reported_before_they_are_rejected()
         // Predicted less measured: the solution is west of the fixes.
         assert!(lean.mean[1] < -0.5, "seed {seed}: {lean:?}");
     }
+}
+
+/// A car with fixes of centimetres whose stamps are late by `late` of their number \[s\].
+fn with_stamps(late: impl Fn(usize) -> f64) -> Navigated {
+    use undrift_nav::parameters::{Parameters, Prior};
+    let noise = GnssNoise {
+        position_std: [0.02; 3],
+        ..receiver()
+    };
+    let mut scenario = Scenario::new(&Trajectory::car(240.0, 4), &noise, 5);
+    let prior = Prior {
+        walk: 6e-3,
+        ..Prior::constant(0.1)
+    };
+    scenario.settings.parameters = Parameters::none()
+        .with(Parameter::TimeOffset, prior)
+        .with(Parameter::VelocityTimeOffset, prior);
+    for (k, fix) in scenario.log.gnss.iter_mut().enumerate() {
+        fix.time += late(k);
+    }
+    scenario.navigate()
+}
+
+/// Fixes that are stamped late are the receiver's delay; with stamps that are early it is the samples that are late.
+#[test]
+fn samples_are_late_where_fixes_are_stamped_before_they_hold() {
+    for late in [0.0, 0.1] {
+        let samples = with_stamps(|_| late).summary.late_samples;
+        assert_eq!(samples.behind, 0, "{late}");
+        assert!(samples.positions > 590);
+    }
+    let samples = with_stamps(|_| -0.1).summary.late_samples;
+    assert!(samples.behind as f64 > 0.4 * samples.positions as f64);
+    let fastest = 15.0;
+    assert!(samples.most < 0.12 * fastest, "{}", samples.most);
+    let (delay, std) = samples.delay;
+    assert!(
+        (delay - 0.1).abs() < 4.0 * std && std < 0.02,
+        "{delay} {std}"
+    );
+}
+
+/// Data come late: only of a slow log are samples early, and by less than an interval. One standard deviation is chance.
+#[test]
+fn lateness_is_what_filters_and_buffers_do() {
+    use crate::estimator::ReceiverClock;
+    let late = |offset, interval| {
+        let clock = ReceiverClock {
+            offset,
+            offset_std: 0.01,
+            interval,
+            ..ReceiverClock::default()
+        };
+        clock.lateness()
+    };
+    assert!((late(0.1, 0.01) - 0.09).abs() < 1e-12);
+    assert_eq!((late(0.009, 0.01), late(-0.1, 0.01)), (0.0, 0.0));
+    assert!((late(-0.05, 0.1) + 0.04).abs() < 1e-12);
+    assert_eq!((late(-0.15, 0.1), late(-0.05, 0.02)), (0.0, 0.0));
+}
+
+/// At 15 m/s north an offset known to 20 ms is 0.3 m, which a position on the receiver's clock does not have: its error is
+/// that of the fixes, whatever both clocks are off by.
+#[test]
+fn on_the_receivers_clock_the_position_is_as_good_as_the_fixes() {
+    use crate::estimator::position_std_on_receiver_clock;
+    use undrift_nav::parameters::{Parameters, Prior};
+    let prior = Prior::constant(1.0);
+    let parameters = Parameters::none()
+        .with(Parameter::TimeOffset, prior)
+        .with(Parameter::ClockRate, prior);
+    // Errors north δ + 15 (τ + 100 ρ), east δ, down δ: δ of 2 cm, τ of 20 ms, ρ of 0.1 ms/s.
+    let clock = |i: usize| [15.0, 0.0, 0.0, 1.0, 0.0].get(i).copied().unwrap_or(0.0);
+    let rate = |i: usize| [1500.0, 0.0, 0.0, 0.0, 1.0].get(i).copied().unwrap_or(0.0);
+    let own = |i: usize, j: usize| if i == j && i < 3 { 4e-4 } else { 0.0 };
+    let p = |i: usize, j: usize| own(i, j) + 4e-4 * clock(i) * clock(j) + 1e-8 * rate(i) * rate(j);
+    let v_n = Vector3::new(15.0, 0.0, 0.0);
+    for std in position_std_on_receiver_clock((&parameters, 3, 100.0), &v_n, p) {
+        assert!((std - 0.02).abs() < 1e-9, "{std}");
+    }
+    // Without a clock they are those of the position.
+    let [north, ..] = position_std_on_receiver_clock((&Parameters::none(), 3, 100.0), &v_n, p);
+    assert!((north - p(0, 0).sqrt()).abs() < 1e-12);
 }

@@ -3,7 +3,10 @@
 use super::sensors::too_optimistic;
 use super::words::{at, many};
 use crate::numbers::{error, short};
-use undrift::replay::{Contradiction, FixMend, Lean, Part};
+use undrift::{
+    findings,
+    replay::{Contradiction, FixMend, Lean, Part},
+};
 
 pub(super) fn bad_covariance(fixes: u64) -> String {
     format!(
@@ -107,6 +110,13 @@ pub(super) fn rejected(fixes: &Contradiction) -> String {
         (n, Part::Velocity) => format!("{n} velocities"),
     };
     let (first, last, largest) = (fixes.first, fixes.last, fixes.largest);
+    if findings::is_jump(fixes) && !fixes.height {
+        return format!(
+            "the positions of the fixes jump by {} m at {} s while nothing else does (RTK on a wrong integer, another base or receiver, multipath?): positions before and after do not fit together",
+            size(first),
+            at(fixes.start)
+        );
+    }
     if fixes.height && fixes.gave_way {
         return format!(
             "the height of the fixes jumps by {largest:.1} m at {} s while nothing else does (above sea level against above the ellipsoid?): heights before and after do not fit together",

@@ -152,6 +152,30 @@ pub(super) fn late(delay: f64) -> String {
     )
 }
 
+pub(super) fn slow_samples(rate: f64, factor: f64) -> String {
+    format!(
+        "innovations are {factor:.1} times as large as predicted: {} samples a second miss what the vehicle does between them; log the IMU at 50 Hz or more",
+        short(rate)
+    )
+}
+
+pub(super) fn late_samples([delay, std]: [f64; 2], most: f64) -> String {
+    let (late, behind, why) = match delay < 0.0 {
+        true => ("early", "ahead of", "samples far apart"),
+        false => (
+            "late",
+            "behind",
+            "a low-pass filter in the sensor, samples far apart, or its clock",
+        ),
+    };
+    format!(
+        "the IMU's samples are {:.0} +- {:.0} ms {late} against the fixes ({why}): the solution has the times of the IMU and is up to {} m {behind} the receiver's, which its standard deviations contain; --clock gnss gives it the times of the receiver, --clock imu says that those of the IMU are right",
+        1e3 * delay.abs(),
+        1e3 * std,
+        short(most)
+    )
+}
+
 pub(super) fn spikes(axis: usize, samples: u64, start: f64) -> String {
     format!(
         "replaced {} of {} as implausible, the first at {} s",

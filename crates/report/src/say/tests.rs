@@ -597,6 +597,18 @@ fn rejected_fixes_grow_or_fall_and_may_be_larger_amid() {
         ..height
     }));
     assert!(text.starts_with("rejected 15 heights"), "{text}");
+    let integer = Contradiction {
+        end: 243_326.0,
+        first: 0.52,
+        last: 0.55,
+        largest: 0.6,
+        ..jump()
+    };
+    let text = say(&Finding::Rejected(integer));
+    assert!(
+        text.starts_with("the positions of the fixes jump by 0.52 m at 243311"),
+        "{text}"
+    );
 }
 
 #[test]

@@ -19,6 +19,10 @@ use undrift_noise::screening::Timing;
 pub const WITHOUT_GNSS: f64 = 5.0;
 /// Change of the fixes' standard deviations above which it is reported.
 const WORTH_REPORTING: f64 = 0.05;
+/// Below so many samples a second the motion between them is missed [Hz].
+const LEAST_RATE: f64 = 25.0;
+/// Share of the fixes from which what they show is no chance.
+const SOMETIMES: f64 = 0.05;
 /// Spans of rejected fixes that are reported one by one.
 const LISTED: usize = 3;
 /// Autocorrelation of innovations above which it is not the accuracy of the fixes that is wrong.
@@ -220,6 +224,13 @@ pub fn of_disagreement(summary: &Summary) -> Vec<Finding> {
                 sigmas: *sigmas,
             }),
     );
+    let late = &summary.late_samples;
+    if late.behind as f64 > SOMETIMES * late.positions as f64 {
+        found.push(Finding::LateSamples {
+            delay: late.delay.into(),
+            most: late.most,
+        });
+    }
     found.extend(summary.leans.iter().copied().map(Finding::OneSided));
     found.extend(
         summary
@@ -398,6 +409,16 @@ pub fn of_accuracy(part: Part, factor: f64, summary: &Summary, known: bool) -> F
         factor,
         adapted: summary.adapted.iter().any(Option::is_some),
         correlated,
+    }
+}
+
+/// The same of a log with so many samples a second [Hz].
+pub fn of_rate(found: Finding, rate: f64) -> Finding {
+    match found {
+        Finding::OptimisticModel { factor, .. } if rate < LEAST_RATE => {
+            Finding::SlowSamples { rate, factor }
+        }
+        other => other,
     }
 }
 
@@ -665,7 +686,14 @@ mod tests {
                 ..
             }
         ));
-        // Of fixes that are as good as they state the model is to blame, if they seem worse.
+        // Of fixes that are as good as they state the model is to blame, if they seem worse; or a log too slow.
+        let found = of_accuracy(Part::Velocity, 1.5, &adapted, true);
+        let (rate, factor) = (24.0, 1.5);
+        assert_eq!(
+            of_rate(found.clone(), rate),
+            Finding::SlowSamples { rate, factor }
+        );
+        assert_eq!(of_rate(found.clone(), 25.0), found);
         assert_eq!(
             of_accuracy(Part::Velocity, 1.5, &adapted, true),
             Finding::OptimisticModel {

@@ -1,7 +1,10 @@
 //! How much findings weigh, and what they conclude together.
 
 use super::{Finding, Severity};
-use crate::tune;
+use crate::{
+    replay::{Contradiction, Part},
+    tune,
+};
 use statrs::distribution::{Binomial, DiscreteCDF};
 use std::ops::RangeInclusive;
 use undrift_noise::ImuModel;
@@ -22,6 +25,19 @@ const UPSIDE_DOWN: f64 = -0.5;
 const MANY: f64 = 0.1;
 /// Share of outages that may lie outside of what the model predicts, and how unlikely more of them are by chance.
 const OUTSIDE: (f64, f64) = (0.2, 0.05);
+
+/// Positions that are rejected for longer than this \[s\] were so although nothing else showed an error: the solution follows sooner
+/// where the velocities contradict it, too, or are missing.
+const FOLLOWS: f64 = 5.0;
+
+/// Whether the positions, or their heights alone, jumped and stayed where they went while nothing else did: those before and those
+/// after do not fit together.
+pub fn is_jump(of: &Contradiction) -> bool {
+    let steady = (of.last - of.first).abs() < 0.5 * of.largest;
+    let lasted = of.end - of.start > FOLLOWS;
+    let moved = of.part == Part::Position && of.gave_way && !of.frozen;
+    moved && (of.height || lasted && steady)
+}
 
 /// Whether so many outages of so many outside of their predicted size are more than a fifth, beyond chance.
 fn is_beyond_chance(outside: u64, outages: u64) -> bool {
@@ -58,8 +74,7 @@ impl Finding {
             }
             Self::OutagesLeftOut { outages, of, .. } if 2 * outages > *of => Severity::Warning,
             Self::FarParameter { sigmas, .. } if *sigmas > VERY_FAR => Severity::Warning,
-            // Heights before and after do not fit together.
-            Self::Rejected(fixes) if fixes.height && fixes.gave_way => Severity::Warning,
+            Self::Rejected(fixes) if is_jump(fixes) => Severity::Warning,
             Self::NoisyFixes { factor } if *factor > WRONG_UNIT => Severity::Warning,
             Self::Held { length, .. } if *length > LONG => Severity::Warning,
             Self::NotDown { down } if down[2] < UPSIDE_DOWN => Severity::Warning,
@@ -71,6 +86,7 @@ impl Finding {
             | Self::WrongTurnRate { .. }
             | Self::NoTurns
             | Self::Late { .. }
+            | Self::SlowSamples { .. }
             | Self::WrongVelocity { .. }
             | Self::Restart { .. }
             | Self::WrongSign { .. }
@@ -117,8 +133,8 @@ impl Finding {
             | Self::Held { .. }
             | Self::SetBack { .. }
             | Self::VelocityBias { .. } => 2,
-            Self::NoMounting { .. } => 2,
-            Self::Rejected(fixes) if fixes.height && fixes.gave_way => 2,
+            Self::NoMounting { .. } | Self::LateSamples { .. } | Self::SlowSamples { .. } => 2,
+            Self::Rejected(fixes) if is_jump(fixes) => 2,
             Self::OptimisticModel { .. } | Self::FarParameter { .. } => 3,
             Self::CorrelatedInnovations { .. } | Self::OptimisticDrift { .. } => 4,
             Self::CoversPart { .. } | Self::OfModel { .. } => 5,
@@ -181,4 +197,45 @@ pub fn verdict(found: &[Finding]) -> (Severity, Option<&Finding>) {
 pub fn is_doubtful<'a>(findings: impl IntoIterator<Item = &'a Finding>) -> bool {
     let severe = |finding: &Finding| finding.severity() > Severity::Note;
     findings.into_iter().any(severe)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Half a metre for six seconds, then accepted.
+    fn jump() -> Contradiction {
+        Contradiction {
+            part: Part::Position,
+            height: false,
+            start: 100.0,
+            end: 106.0,
+            fixes: 7,
+            first: 0.5,
+            last: 0.6,
+            growth: 0.017,
+            largest: 0.6,
+            frozen: false,
+            gave_way: true,
+        }
+    }
+
+    #[test]
+    fn a_jump_lasts_stays_and_is_of_the_positions_alone() {
+        let with = |change: fn(&mut Contradiction)| {
+            let mut of = jump();
+            change(&mut of);
+            is_jump(&of)
+        };
+        assert!(with(|_| {}));
+        // It came back, or the solution followed as where more than the positions contradicts it.
+        assert!(!with(|of| of.gave_way = false));
+        assert!(!with(|of| of.end = 105.0));
+        // A solution that drifts away.
+        assert!(!with(|of| of.last = 0.9));
+        assert!(!with(|of| of.frozen = true));
+        assert!(!with(|of| of.part = Part::Velocity));
+        // Of a height the gate itself sees to that.
+        assert!(with(|of| (of.height, of.end) = (true, 100.0)));
+    }
 }

@@ -1,6 +1,6 @@
 //! What a navigated drive shows of its logs and its solution.
 
-use super::{NavigateError, Report};
+use super::{Clock, NavigateError, Report};
 use crate::{
     findings::{self, Finding, Log, NoError},
     fixes::LONGEST_CORRELATION,
@@ -39,7 +39,10 @@ impl Report {
                 }),
         );
         found.extend(findings::of_temperature(self.thermal));
-        let disagreements = findings::of_disagreement(s);
+        let mut disagreements = findings::of_disagreement(s);
+        if self.clock != Clock::Unstated {
+            disagreements.retain(|of| !matches!(of, Finding::LateSamples { .. }));
+        }
         found.extend(findings::with_axes(disagreements, &self.rotation));
         for (log, skipped, gaps) in &self.scalars {
             let used = &s.innovations[log.aid()];
@@ -58,7 +61,8 @@ impl Report {
                 // only the rest.
                 let seen = lasting.is_some_and(|lasting| lasting.time < LONGEST_CORRELATION);
                 let factor = factor.filter(|factor| *factor > 1.0 || !seen)?;
-                Some(findings::of_accuracy(part, factor, s, errors.known))
+                let found = findings::of_accuracy(part, factor, s, errors.known);
+                Some(findings::of_rate(found, 1.0 / self.gaps.nominal_interval))
             }));
             let said = |of: &Finding| matches!(of, Finding::OptimisticModel { .. });
             if !found.iter().any(said) {
@@ -165,6 +169,7 @@ mod tests {
             std_factors,
             summary: Summary::default(),
             hindsight: Hindsight::Causal,
+            clock: Default::default(),
             study: None,
             fix_errors: FixErrors::default(),
             mounting: None,

@@ -1,6 +1,11 @@
 //! What is kept of a run while it goes: files, errors against the truth, curves.
 
-use super::{Hindsight, outputs::Outputs, recording::Recording};
+use super::{
+    Hindsight,
+    clock::{Clock, Timing},
+    outputs::Outputs,
+    recording::Recording,
+};
 use crate::{
     consistency::{Consistency, ErrorState},
     drive::Drive,
@@ -66,6 +71,8 @@ pub struct Wanted {
     pub files: Vec<SolutionFile>,
     /// What the solution may know at each instant.
     pub hindsight: Hindsight,
+    /// Whose times the solution has.
+    pub clock: Clock,
     /// The run over time in [`super::Report::recording`].
     pub recording: bool,
     /// The solution at every sample in [`super::Report::rows`]: 31 numbers each.
@@ -79,6 +86,7 @@ pub struct Wanted {
 /// Keeps what is wanted of a run.
 pub(super) struct Recorder {
     outputs: Outputs,
+    timing: Timing,
     truth: Option<TruthCursor<Readable>>,
     /// Whether the axes are the vehicle's, as those of the truth.
     pub(super) mounted: bool,
@@ -112,6 +120,7 @@ impl Recorder {
     pub(super) fn new(wanted: Wanted, truth: Option<TruthReader>) -> Result<Self, ReplayError> {
         Ok(Self {
             outputs: Outputs::new(wanted.files),
+            timing: Timing::of(wanted.clock),
             truth: truth.map(|reader| {
                 TruthCursor::new(Readable {
                     reader,
@@ -147,7 +156,12 @@ impl Recorder {
                 path.add(&sample?, |node| {
                     let (error, std) = (node.sensor_error, node.sensor_error_std);
                     let attitude = node.vehicle_attitude();
-                    let (nav, nav_std) = of_vehicle(&node.nav, node.nav_std, attitude);
+                    let of_vehicle = of_vehicle(&node.nav, node.nav_std, attitude);
+                    let omega_n = node.nav.q_nb * node.omega_nb_b;
+                    let clock = Some(&node.receiver_clock);
+                    let Some((nav, nav_std)) = self.timing.put(of_vehicle, clock, &omega_n) else {
+                        return Ok(());
+                    };
                     self.record(&nav, nav_std, error, std).map(drop)
                 })?;
             }
@@ -222,14 +236,24 @@ impl Observer for Recorder {
             self.outputs.begin(filter.nav().time);
             return Ok(());
         }
-        let (nav, nav_std) = of_vehicle(filter.nav(), filter.nav_std(), filter.vehicle_attitude());
+        let of_vehicle = of_vehicle(filter.nav(), filter.nav_std(), filter.vehicle_attitude());
+        let (clock, omega_n) = (
+            filter.receiver_clock(),
+            filter.nav().q_nb * filter.omega_nb_b(),
+        );
+        let Some((nav, nav_std)) = self.timing.put(of_vehicle, clock.as_ref(), &omega_n) else {
+            return Ok(());
+        };
         let truth = self.record(
             &nav,
             nav_std,
             filter.sensor_error(),
             filter.sensor_error_std(),
         )?;
-        if let Some(truth) = truth.filter(|truth| truth.time >= self.next_nees) {
+        // The filter is on the IMU's clock.
+        if let Some(truth) = truth.filter(|truth| truth.time >= self.next_nees)
+            && self.timing.clock != Clock::Gnss
+        {
             self.next_nees = truth.time + NEES_SPAN;
             self.consistency.add(&ErrorState::new(filter, &truth, None));
         }

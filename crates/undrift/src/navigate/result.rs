@@ -34,6 +34,7 @@ impl Report {
             bias_model: kind.name().into(),
             smooth: self.hindsight == Hindsight::Smooth,
             look_ahead: self.hindsight != Hindsight::Causal,
+            clock: self.clock.name().into(),
             mounting: None,
             position: nis(&s.innovations[Aid::Position]),
             velocity: nis(&s.innovations[Aid::Velocity]),

@@ -28,6 +28,9 @@ pub struct Navigate {
     pub smooth: bool,
     /// Whether the solution knows more of the log than what came before: else it is that of a run while driving.
     pub look_ahead: bool,
+    /// Whose times the solution has: "imu", those of the samples as stamped; "gnss", those of the fixes; "unstated", those of the
+    /// samples, and the standard deviations contain by how much they differ from those of the fixes.
+    pub clock: String,
     /// The mounting in words, where it was estimated; filled in where results are shown.
     pub mounting: Option<String>,
     /// Innovations of the positions.
