@@ -174,7 +174,8 @@ impl Aligner {
                 attitude: std,
             };
             let start = self.start(&seen, from_rpy(&rpy), settings);
-            let mut filter = estimator::build(start, &std, &settings.sensors, settings.parameters)?;
+            let parameters = settings.worthwhile(&seen.position.1);
+            let mut filter = estimator::build(start, &std, &settings.sensors, parameters)?;
             let correlated = settings
                 .fix_errors
                 .correlated_std(&seen.position.1, &seen.velocity.1);
@@ -303,7 +304,8 @@ impl Aligner {
             q_nb: spin * level_at_rest,
             ..now
         };
-        let mut filter = estimator::build(at_rest, &wide, &settings.sensors, settings.parameters)?;
+        let parameters = settings.worthwhile(&seen.position.1);
+        let mut filter = estimator::build(at_rest, &wide, &settings.sensors, parameters)?;
         let variance = noise_of_mean(&settings.sensors[3..], duration) + LEVEL_FLOOR * LEVEL_FLOOR;
         let level = Aiding::Level(force_at_rest);
         filter.update(&level, &(Matrix3::identity() * variance), &Gate::OPEN)?;

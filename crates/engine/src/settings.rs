@@ -13,8 +13,13 @@ use crate::{
     vehicle::Constraints,
 };
 use alloc::vec::Vec;
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
 use undrift_nav::{
-    Matrix3, Vector3, covariance::AXES, parameters::Parameters, shaping::ShapingFilter,
+    Matrix3, Vector3,
+    covariance::AXES,
+    parameters::{Parameter, Parameters},
+    shaping::ShapingFilter,
 };
 
 /// Half-open span of time without GNSS: fixes after `start` up to and including `end` are withheld.
@@ -101,7 +106,22 @@ pub struct Settings {
     pub log: Option<LogTo>,
 }
 
+/// A lever arm that is known to so small a part of the fixes' standard deviation is not worth estimating.
+const LITTLE: f64 = 0.2;
+
 impl Settings {
+    /// The parameters that a filter estimates from fixes of this covariance \[m²\] on: without the lever arm where it is known to a
+    /// fifth of their standard deviation.
+    pub(crate) fn worthwhile(&self, position: &Matrix3) -> Parameters {
+        let least = position[(0, 0)].min(position[(1, 1)]).sqrt();
+        match self.parameters.prior(Parameter::LeverArm) {
+            Some(prior) if prior.std < LITTLE * least => {
+                self.parameters.without(Parameter::LeverArm)
+            }
+            _ => self.parameters,
+        }
+    }
+
     /// For sensors of these models and no louder: antenna at the IMU, alignment by itself, no outages, no
     /// parameters, no vehicle, fixes gated.
     pub fn new(sensors: [ShapingFilter; AXES]) -> Self {
@@ -141,4 +161,27 @@ pub enum GnssUse {
     Position,
     /// Velocity only, once aligned.
     Velocity,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::sensors;
+    use undrift_nav::parameters::Prior;
+
+    #[test]
+    fn a_lever_arm_known_to_a_fifth_of_the_fixes_is_not_estimated() {
+        let with = |arm: f64| {
+            let mut settings = Settings::new(sensors());
+            settings.parameters = Parameters::none()
+                .with(Parameter::LeverArm, Prior::constant(arm))
+                .with(Parameter::TimeOffset, Prior::constant(0.1));
+            // 0.3 m north, 0.2 m east; the height does not count.
+            let position = Matrix3::from_diagonal(&Vector3::new(0.09, 0.04, 1e-4));
+            settings.worthwhile(&position)
+        };
+        assert_eq!(with(0.041).states(), 4);
+        assert_eq!(with(0.039).states(), 1);
+        assert!(with(0.039).prior(Parameter::TimeOffset).is_some());
+    }
 }

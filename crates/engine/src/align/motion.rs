@@ -454,9 +454,9 @@ fn filter(
         velocity: Vector3::repeat(WIDE),
         attitude: Vector3::repeat(WIDE),
     };
-    let mut filter = estimator::build(*end, &std, &settings.sensors, settings.parameters).ok()?;
-    if let (Some((late, std)), Some(at)) = (late, settings.parameters.start(Parameter::TimeOffset))
-    {
+    let parameters = settings.worthwhile(&position);
+    let mut filter = estimator::build(*end, &std, &settings.sensors, parameters).ok()?;
+    if let (Some((late, std)), Some(at)) = (late, parameters.start(Parameter::TimeOffset)) {
         filter.renew(Parameter::TimeOffset, std);
         let mut error = vec![0.0; filter.states()];
         error[filter.sensors().states() + at] = late;

@@ -15,7 +15,6 @@ use undrift_io::{
 use undrift_nav::{
     Vector3,
     covariance::AXES,
-    parameters::Parameter,
     sample::{GnssFix, ImuSample, Scalar, TruthSample},
 };
 
@@ -78,10 +77,10 @@ impl Drive {
         self
     }
 
-    /// The drive with the antenna at a place that is known, from the IMU, body axes \[m\]: it is no longer estimated.
+    /// The drive with the antenna at a place that is known, from the IMU, body axes \[m\]: to 0.05 m, as with a tape.
     pub fn with_lever_arm(mut self, lever_arm: Vector3) -> Self {
         self.lever_arm = lever_arm;
-        self.parameters = self.parameters.without(Parameter::LeverArm);
+        self.parameters = tables::with_given_lever_arm(self.parameters);
         self
     }
 

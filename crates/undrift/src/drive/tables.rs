@@ -214,6 +214,8 @@ const TIME_OFFSET_WALK: f64 = 6e-3;
 const CLOCK_RATE_STD: f64 = 3e-4;
 /// Where an antenna may be of which nothing is said, each way \[m\].
 const LEVER_ARM_STD: f64 = 0.5;
+/// How well a lever arm is measured that is stated, each way \[m\]: with a tape, from the middle of one housing to that of another.
+const LEVER_ARM_STD_GIVEN: f64 = 0.05;
 /// What data sheets of cheap inertial sensors allow their scale factors, one standard deviation.
 const SCALE_FACTOR_STD: f64 = 0.02;
 /// How much a scale factor of a gyro changes with temperature, rate and vibration [1/√s]. A constant would be believed to
@@ -309,6 +311,19 @@ pub(super) fn vehicle_by_default(
     (constraints, parameters)
 }
 
+/// What a lever arm is known to, given or not \[m\].
+fn lever_arm_std(given: bool) -> f64 {
+    match given {
+        true => LEVER_ARM_STD_GIVEN,
+        false => LEVER_ARM_STD,
+    }
+}
+
+/// The parameters with a lever arm that is given.
+pub(super) fn with_given_lever_arm(parameters: Parameters) -> Parameters {
+    parameters.with(Parameter::LeverArm, Prior::constant(lever_arm_std(true)))
+}
+
 /// The parameters that are estimated where nothing else is said.
 pub(super) fn states_by_default() -> Parameters {
     let (offset, rate) = (Some(TIME_OFFSET_STD), Some(CLOCK_RATE_STD));
@@ -331,8 +346,7 @@ pub(super) fn read_states(
     let misalignment = std("misalignment", Quantity::Angle, None)?;
     let offset = std("time_offset", Quantity::Time, Some(TIME_OFFSET_STD))?;
     let rate = std("clock_rate", Quantity::Dimensionless, Some(CLOCK_RATE_STD))?;
-    let unknown = (!antenna).then_some(LEVER_ARM_STD);
-    let lever_arm = std("lever_arm", Quantity::Length, unknown)?;
+    let lever_arm = std("lever_arm", Quantity::Length, Some(lever_arm_std(antenna)))?;
     section.only_known()?;
     let constants = [misalignment, lever_arm];
     Ok(estimated(
