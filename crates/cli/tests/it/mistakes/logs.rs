@@ -17,6 +17,7 @@ pub fn logs() -> Vec<Mistake> {
         |what, files: fn(&Case)| mistake(what, "identify record.csv -o imu.toml").files(files);
     vec![
         logs("units in the header", |case| {
+            states_velocities(case);
             let header = "t [s],gx [deg/s],gy [deg/s],gz [deg/s],ax [g],ay [g],az [g]";
             imu(case, header, |row| {
                 let values = in_degrees_and_g(row);
@@ -24,22 +25,15 @@ pub fn logs() -> Vec<Mistake> {
             });
         }),
         logs("Excel's line `sep=,` before the header", |case| {
+            states_velocities(case);
             let text = case.read("imu.csv").unwrap();
             case.put("imu.csv", format!("sep=,\n{text}").as_bytes());
         }),
         logs("dates as times", |case| {
-            for name in ["imu.csv", "gnss.csv"] {
-                let text = case.read(name).unwrap();
-                let mut lines = text.lines();
-                let mut dated = lines.next().unwrap().to_owned() + "\n";
-                for line in lines {
-                    let (time, rest) = line.split_once(',').unwrap();
-                    let time: f64 = time.parse().unwrap();
-                    let (minutes, seconds) = ((time / 60.0).floor(), time % 60.0);
-                    dated += &format!("2026-03-01T10:{minutes:02}:{seconds:07.4}Z,{rest}\n");
-                }
-                case.put(name, dated.as_bytes());
-            }
+            states_velocities(case);
+            ["imu.csv", "gnss.csv"]
+                .into_iter()
+                .for_each(|name| dated(case, name));
         }),
         drive("a counter of 32 bits that wraps, in µs", |log| {
             // It wraps 40 s after the beginning.
@@ -63,6 +57,7 @@ pub fn logs() -> Vec<Mistake> {
             log.set("\"m/s^2\"", "\"-m/s^2\"");
         }),
         logs("raw sentences in a column", |case| {
+            states_velocities(case);
             let text = case.read("imu.csv").unwrap();
             let mut lines = text.lines();
             let mut made = lines.next().unwrap().to_owned() + ",raw\n";
@@ -71,6 +66,14 @@ pub fn logs() -> Vec<Mistake> {
                 made += ",\"$VNYMR,+066.172,+003.948,+002.132,+00.2653*5A\"\n";
             }
             case.put("imu.csv", made.as_bytes());
+        }),
+        mistake(
+            "Emlid's positions, without a header",
+            "navigate imu.csv reach.LLH",
+        )
+        .files(|case| {
+            dated(case, "imu.csv");
+            case.put("reach.LLH", emlid().as_bytes());
         }),
         drive("a vertical speed that is stated as unknown", |log| {
             log.set("\"0.05 m/s\"", "\"0.05, 0.05, 20 m/s\"");
@@ -131,6 +134,49 @@ pub fn logs() -> Vec<Mistake> {
             case.put("record.csv", text.as_bytes());
         }),
     ]
+}
+
+/// The log of the receiver with the accuracies of its velocities.
+fn states_velocities(case: &Case) {
+    let text = case.read("gnss.csv").unwrap();
+    let mut lines = text.lines();
+    let mut made = lines.next().unwrap().to_owned() + ",vn_std,ve_std,vd_std\n";
+    for line in lines {
+        made += line;
+        made += ",0.05,0.05,0.05\n";
+    }
+    case.put("gnss.csv", made.as_bytes());
+}
+
+/// The time of a day, hh:mm:ss.
+fn clock(time: f64) -> String {
+    let (minutes, seconds) = ((time / 60.0).floor(), time % 60.0);
+    format!("10:{minutes:02}:{seconds:07.4}")
+}
+
+/// A log with dates in UTC for times.
+fn dated(case: &Case, name: &str) {
+    let text = case.read(name).unwrap();
+    let mut lines = text.lines();
+    let mut dated = lines.next().unwrap().to_owned() + "\n";
+    for line in lines {
+        let (time, rest) = line.split_once(',').unwrap();
+        let time = clock(time.parse().unwrap());
+        dated += &format!("2026-03-01T{time}Z,{rest}\n");
+    }
+    case.put(name, dated.as_bytes());
+}
+
+/// The fixes as RTKLIB's rows, in GPS time, which is 18 s ahead of UTC.
+fn emlid() -> String {
+    let rows = super::good().gnss.into_iter().map(|row| {
+        let [lat, lon, height] = [1, 2, 3].map(|column| row.number(column));
+        let time = clock(row.time + 18.0);
+        format!(
+            "2026/03/01 {time} {lat:.9} {lon:.9} {height:.4} 1 12 0.5000 0.5000 1.0000 0.0010 0.0010 0.0010 0.50 5.0\n"
+        )
+    });
+    rows.collect()
 }
 
 fn reverse(log: &mut Log) {
