@@ -40,6 +40,9 @@ pub struct Arguments {
     drive: Vec<PathBuf>,
     #[command(flatten)]
     common: Common,
+    /// Noise model of the IMU: a model file or a preset (`undrift model --list`)
+    #[arg(long, value_name = "IMU.toml")]
+    model: Option<String>,
     /// Bias model: white, paper, gauss-markov, random-walk, ar or arma
     #[arg(long, value_name = "NAME", default_value = "arma")]
     bias_model: BiasModel,
@@ -74,36 +77,43 @@ pub struct Common {
     /// Folder of the log files. Default: that of the drive file
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
-    /// Noise model of the IMU: a model file or a preset (`undrift model --list`)
-    #[arg(long, value_name = "IMU.toml")]
-    model: Option<String>,
     #[command(flatten)]
     kept: Kept,
 }
 
-/// The drive with the model that the command line asks for, and the files of the run.
+/// The drive with the first of the models that the command line asks for, all of these, and the files of the run.
 pub fn load<'a>(
     sources: &[PathBuf],
     common: &'a Common,
+    models: &[String],
     outputs: impl IntoIterator<Item = &'a Path>,
-) -> Result<(Source, Files)> {
+) -> Result<(Source, Vec<ImuModel>, Files)> {
     let mut source = Source::of(sources, common.data.as_deref(), &common.kept)?;
-    if let Some(name) = &common.model {
-        source.drive.model = Some(ImuModel::resolve(name, Path::new(""))?);
+    let read = models
+        .iter()
+        .map(|name| ImuModel::resolve(name, Path::new("")));
+    let read = read.collect::<Result<Vec<_>, _>>()?;
+    if let Some(first) = read.first() {
+        source.drive.model = Some(first.clone());
     }
-    let model = common.model.as_deref().map(Path::new);
+    let models = models.iter().map(Path::new);
     let named = sources.iter().map(PathBuf::as_path);
-    let inputs = named.chain(source.drive.logs()).chain(model);
+    let inputs = named.chain(source.drive.logs()).chain(models);
     let files = Files::claim(inputs, outputs.into_iter().chain(common.kept.file()))?;
     source.save(&files, &common.kept)?;
     details::drive(&source);
-    Ok((source, files))
+    Ok((source, read, files))
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let solutions = arguments.output.iter().map(PathBuf::as_path);
     let written = arguments.result.files().chain(solutions);
-    let (Source { file, drive, .. }, files) = load(&arguments.drive, &arguments.common, written)?;
+    let (Source { file, drive, .. }, _, files) = load(
+        &arguments.drive,
+        &arguments.common,
+        arguments.model.as_slice(),
+        written,
+    )?;
     let recording = arguments.result.is_wanted();
     let report = stage("navigation", || {
         let _bar = Bar::watching(

@@ -15,8 +15,8 @@ use undrift::{
     fleet::Choice,
     io::write::{SolutionFile, SolutionFormat, SolutionOptions, solution::SolutionRow},
     navigate::Hindsight,
-    noise::BiasModel,
-    outages::{Logs, Schedule, ScheduleError},
+    noise::{BiasModel, ImuModel},
+    outages::{ComparedModel, Logs, Schedule, ScheduleError, USUAL_MODELS},
     replay::{Outage, STAMP_ROUNDING},
     results,
 };
@@ -24,14 +24,16 @@ use undrift_report::{figures, say as sentences, text};
 
 /// Cut GNSS repeatedly on a drive and measure how far each bias model drifts.
 ///
-/// Every bias model navigates the drive with GNSS withheld during the outages. Errors inside them, against
-/// the truth or else the withheld fixes, are reported as maximum, RMS and median over the outages.
+/// Every bias model, or with several --model every noise model, navigates the drive with GNSS withheld during
+/// the outages. Errors inside them, against the truth or else the withheld fixes, are reported as maximum, RMS
+/// and median over the outages.
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift outages imu.csv gnss.pos --length 30
   undrift outages examples/rtk-drive.toml --data logs --length 10 --every 30 --start 40
   undrift outages examples/navego-adis16405.toml --data logs --every 24 --count 15 --out out
   undrift outages examples/drive30.toml --data target/drive30/seed1 --count 10 --bias-models white,arma
+  undrift outages drive.toml --model rest.toml --model tuned.toml
 
 tools/make-drive30 makes target/drive30/seed1.")]
 pub struct Arguments {
@@ -40,9 +42,13 @@ pub struct Arguments {
     drive: Vec<PathBuf>,
     #[command(flatten)]
     common: navigate::Common,
-    /// Bias models to compare, of white, paper, gauss-markov, random-walk, ar, arma; or all
-    #[arg(long, value_name = "NAMES", value_delimiter = ',', default_value = "gauss-markov,random-walk,ar,arma", value_parser = bias_models)]
-    bias_models: Vec<Vec<BiasModel>>,
+    /// Noise model of the IMU: a model file or a preset (`undrift model --list`); repeated: models to compare
+    #[arg(long, value_name = "IMU.toml")]
+    model: Vec<String>,
+    /// Bias models to compare, of white, paper, gauss-markov, random-walk, ar, arma; or all. Default:
+    /// gauss-markov,random-walk,ar,arma; for several --model one, arma
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = bias_models)]
+    bias_models: Option<Vec<Vec<BiasModel>>>,
     #[command(flatten)]
     plan: Plan,
     /// Start times of the outages in the GNSS file's time [s], instead of --start, --count and --every
@@ -89,14 +95,19 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         start,
     } = arguments.plan;
     let length = length.unwrap_or(Choice::default().plan.length_s);
-    let models = arguments.bias_models.concat();
+    let kinds = kinds(arguments)?;
     if let Some(path) = &arguments.track {
         track_format(path)?;
     }
     let asked = Schedule::asked(arguments.at.clone(), every, count, start);
     let outputs = arguments.result.files().chain(arguments.track.as_deref());
-    let (Source { file, drive, .. }, files) =
-        navigate::load(&arguments.drive, &arguments.common, outputs)?;
+    let (Source { file, drive, .. }, models, files) = navigate::load(
+        &arguments.drive,
+        &arguments.common,
+        &arguments.model,
+        outputs,
+    )?;
+    let compared = compared(&arguments.model, models, &kinds);
     let hindsight = Hindsight::asked(arguments.look_ahead, arguments.smooth);
     let logs =
         Logs::load(&drive, hindsight).map_err(|error| anyhow!(sentences::unsolved(error)))?;
@@ -106,9 +117,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let cuts = logs.plan_or_usual(asked, length, start);
     let cuts = cuts.map_err(refused)?;
     let experiment = stage("navigation", || {
-        let bar = Bar::new("navigated", logs.samples(models.len()), "samples");
+        let bar = Bar::new("navigated", logs.samples(compared.len()), "samples");
         let done = |more| bar.add(more);
-        logs.run(&models, &cuts, hindsight, &done)
+        logs.compare(&compared, &cuts, hindsight, &done)
             .map_err(anyhow::Error::from)
     })?;
     let mut runs = experiment
@@ -147,6 +158,31 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         bail!(sentences::no_result(&result.findings));
     }
     Ok(())
+}
+
+/// The bias models to run: of several noise models the same one.
+fn kinds(arguments: &Arguments) -> Result<Vec<BiasModel>, Invalid> {
+    let asked = arguments.bias_models.as_ref().map(|names| names.concat());
+    match (arguments.model.as_slice(), asked) {
+        ([_, _, ..], Some(kinds)) if kinds.len() > 1 => Err(Invalid(format!(
+            "{} --model are compared as one bias model, but --bias-models has {}: specify one of them, or one --model",
+            arguments.model.len(),
+            kinds.len()
+        ))),
+        ([_, _, ..], None) => Ok(vec![BiasModel::Arma]),
+        (_, asked) => Ok(asked.unwrap_or(USUAL_MODELS.to_vec())),
+    }
+}
+
+/// What is compared: bias models, or the noise models of these names.
+fn compared(names: &[String], models: Vec<ImuModel>, kinds: &[BiasModel]) -> Vec<ComparedModel> {
+    match kinds {
+        [kind] if models.len() > 1 => {
+            let names = names.iter().map(|name| navigate::stem(Path::new(name)));
+            ComparedModel::each(names.zip(models), *kind)
+        }
+        kinds => kinds.iter().copied().map(Into::into).collect(),
+    }
 }
 
 /// The bias models of a name.

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::results::{self, ReportFiles};
-use undrift_report::{Document, figures, html};
+use undrift_report::{Document, ReportFormat, figures};
 
 /// Make a report of one result, or compare several.
 ///
@@ -22,11 +22,12 @@ pub struct Arguments {
     /// Result files
     #[arg(value_name = "RESULT.json", required = true)]
     results: Vec<PathBuf>,
-    /// Write the report as one self-contained HTML file
+    /// Write the report as one self-contained HTML file; its tables alone as .md, .tex or .csv
     #[arg(
         short,
         long,
         value_name = "FILE.html",
+        value_parser = report_file,
         required_unless_present = "figures"
     )]
     output: Option<PathBuf>,
@@ -69,14 +70,13 @@ pub fn svg_only(path: Option<&Path>) -> Result<()> {
     }
 }
 
-/// The name of a report, which is HTML.
-fn html_file(name: &str) -> Result<PathBuf, String> {
+/// The name of a report, whose extension says what it is written as.
+fn report_file(name: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(name);
-    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    match ending.as_deref() {
-        None | Some("html" | "htm") => Ok(path),
-        Some(_) => Err(format!(
-            "a report is HTML: name it {}; a browser prints it as PDF",
+    match ReportFormat::from_path(&path) {
+        Some(_) => Ok(path),
+        None => Err(format!(
+            "a report is HTML, or its tables as .md, .tex or .csv: name it {}; a browser prints it as PDF",
             path.with_extension("html").display()
         )),
     }
@@ -87,8 +87,8 @@ fn html_file(name: &str) -> Result<PathBuf, String> {
 pub struct ResultOutput {
     #[command(flatten)]
     json: JsonOutput,
-    /// Write a report with tables and figures as one self-contained HTML file
-    #[arg(long, value_name = "FILE.html", help_heading = "Output", value_parser = html_file)]
+    /// Write a report with tables and figures as one self-contained HTML file; its tables alone as .md, .tex or .csv
+    #[arg(long, value_name = "FILE.html", help_heading = "Output", value_parser = report_file)]
     report: Option<PathBuf>,
     /// Write the report's figures into this folder as SVG; the report page can save PNG
     #[arg(long, value_name = "DIR", help_heading = "Output")]
@@ -147,7 +147,8 @@ fn write(
     figures: Option<&Path>,
 ) -> Result<()> {
     if let Some(path) = report {
-        files.write(path, &html::render(document))?;
+        let format = ReportFormat::from_path(path).unwrap_or(ReportFormat::Html);
+        files.write(path, &format.render(document))?;
     }
     if let Some(folder) = figures {
         make_folder(folder)?;

@@ -4,6 +4,7 @@ use crate::{
     columns::{self, Named},
     error::{Failure, error},
     model::NoiseModel,
+    navigate::Verdict,
     work::{self, Progress},
 };
 use pyo3::prelude::*;
@@ -15,7 +16,7 @@ use undrift::{
     record::{self, Record, RecordFormat},
     results,
 };
-use undrift_report::say;
+use undrift_report::{say, verdict};
 
 /// An identified record; `undrift.Identified` wraps it.
 #[pyclass(frozen, module = "undrift._undrift")]
@@ -160,10 +161,13 @@ fn identified(
 #[pymethods]
 impl Identified {
     /// Everything as JSON, and the verdict.
-    fn result(&self, py: Python<'_>) -> (String, &'static str) {
+    fn result(&self, py: Python<'_>) -> (String, Verdict) {
         py.detach(|| {
             let result = self.found.result(&self.name);
-            (results::text(&result), result.verdict().name())
+            (
+                results::text(&result),
+                (result.verdict().name(), verdict::identify(&result)),
+            )
         })
     }
 

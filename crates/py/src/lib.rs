@@ -12,6 +12,7 @@ mod error;
 mod filter;
 mod fleet;
 mod identify;
+mod inspect;
 mod model;
 mod navigate;
 mod orders;
@@ -45,6 +46,7 @@ mod _undrift {
             fleet_lookups, fleet_process,
         },
         identify::{Identified, identify},
+        inspect::inspect,
         model::NoiseModel,
         navigate::{navigate, outages},
         orders::{arma_pandit_wu, arma_select},

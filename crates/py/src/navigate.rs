@@ -4,7 +4,7 @@ use crate::{
     columns,
     drive::Drive,
     error::{Failure, error},
-    model::bias_model,
+    model::{NoiseModel, bias_model},
     work::{self, Progress},
 };
 use numpy::{IntoPyArray, PyArray1};
@@ -12,14 +12,17 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 use undrift::{
-    findings,
+    findings::{self, Finding},
     io::write::{SolutionFile, SolutionFormat, SolutionOptions},
     navigate::{self as navigation, Hindsight, Wanted},
-    outages::{Logs, Schedule},
+    outages::{ComparedModel, Logs, Schedule},
     results,
     usability::Usability,
 };
-use undrift_report::{say, text};
+use undrift_report::{say, text, verdict};
+
+/// The verdict in a word, and the line that says why.
+pub type Verdict = (&'static str, String);
 
 /// Navigates a drive: its result as JSON, the same without the series for plots, the verdict, and the solution as arrays where
 /// `solution` asks for it.
@@ -39,7 +42,7 @@ pub fn navigate<'py>(
     every: Option<f64>,
     solution: bool,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(String, String, &'static str, Bound<'py, PyDict>)> {
+) -> PyResult<(String, String, Verdict, Bound<'py, PyDict>)> {
     let kind = bias_model(bias)?;
     let format: Option<SolutionFormat> = format.map(str::parse).transpose().map_err(error)?;
     let name = drive.file.file_stem().unwrap_or_default();
@@ -62,12 +65,17 @@ pub fn navigate<'py>(
         let mut result = say::navigated(&report, kind, about);
         let json = results::text(&result);
         result.series = None;
-        let verdict = Usability::from(findings::verdict(&result.findings).0);
-        Ok::<_, Failure>((report, json, results::text(&result), verdict.name()))
+        let brief = results::text(&result);
+        Ok::<_, Failure>((report, json, brief, verdict_of(&result.findings)))
     };
     let (report, json, brief, verdict) =
         work::run_with(py, progress.as_ref(), &counted, navigate)?.map_err(error)?;
     Ok((json, brief, verdict, columns::solution(py, &report.rows)?))
+}
+
+fn verdict_of(found: &[Finding]) -> Verdict {
+    let usability = Usability::from(findings::verdict(found).0);
+    (usability.name(), verdict::of_findings(found))
 }
 
 /// Start of an outage, times and errors.
@@ -75,8 +83,9 @@ pub type Curve<'py> = (f64, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>
 /// A model's curves.
 pub type Curves<'py> = (String, Vec<Curve<'py>>);
 
-/// Cuts the GNSS of a drive: the result as JSON, the terminal's table, and for every model the start of
-/// each outage [s] with the horizontal error [m] over the time since [s].
+/// Cuts the GNSS of a drive and compares bias models, or noise models by their names: the result as JSON, the terminal's
+/// table, the verdict, and for every model the start of each outage [s] with the horizontal error [m] over the time since
+/// [s].
 #[pyfunction]
 #[expect(
     clippy::too_many_arguments,
@@ -86,6 +95,7 @@ pub fn outages<'py>(
     py: Python<'py>,
     drive: &Drive,
     bias_models: Vec<String>,
+    models: Vec<(String, Py<NoiseModel>)>,
     length: f64,
     count: Option<usize>,
     every: Option<f64>,
@@ -94,19 +104,27 @@ pub fn outages<'py>(
     smooth: bool,
     look_ahead: bool,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(String, String, Vec<Curves<'py>>)> {
+) -> PyResult<(String, String, Verdict, Vec<Curves<'py>>)> {
     let kinds = bias_models
         .iter()
         .map(|name| bias_model(name))
         .collect::<PyResult<Vec<_>>>()?;
+    let models = models.into_iter();
+    let models = models.map(|(name, model)| (name, model.get().0.clone()));
+    let compared = match kinds.as_slice() {
+        [kind] if models.len() > 0 => ComparedModel::each(models, *kind),
+        kinds => kinds.iter().copied().map(Into::into).collect(),
+    };
     let asked = Schedule::asked(at, every, count, start);
     let hindsight = Hindsight::asked(look_ahead, smooth);
     let counted = Progress::default();
     let cut = || {
         let logs = Logs::load(&drive.drive, hindsight).map_err(say::unsolved)?;
         let cuts = logs.plan_or_usual(asked, length, start)?;
-        counted.of(logs.samples(kinds.len()));
-        let experiment = logs.run(&kinds, &cuts, hindsight, &|samples| counted.add(samples))?;
+        counted.of(logs.samples(compared.len()));
+        let experiment = logs.compare(&compared, &cuts, hindsight, &|samples| {
+            counted.add(samples);
+        })?;
         let result = say::cut(logs.result(&drive.file, &experiment));
         Ok::<_, Failure>((experiment.runs, result))
     };
@@ -138,6 +156,7 @@ pub fn outages<'py>(
     Ok((
         results::text(&result),
         text::outages(&result, text::unmarked),
+        verdict_of(&result.findings),
         curves,
     ))
 }

@@ -4,6 +4,7 @@ use crate::{
     drive::Drive,
     error::{Failure, error},
     model::NoiseModel,
+    navigate::Verdict,
     work::{self, Progress},
 };
 use pyo3::prelude::*;
@@ -12,9 +13,9 @@ use undrift::{
     drive, results,
     tune::{self as tuning, Options},
 };
-use undrift_report::{say, text};
+use undrift_report::{say, text, verdict};
 
-/// Identifies the noise that drives have in common: the result as JSON, the terminal's table, what should be said of
+/// Identifies the noise that drives have in common: the result as JSON, the terminal's table, the verdict, what should be said of
 /// the drives and of the fit, and the model of the sensor.
 #[pyfunction]
 pub fn tune(
@@ -23,7 +24,7 @@ pub fn tune(
     start: Option<&NoiseModel>,
     hold_out: Option<f64>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(String, String, Vec<String>, NoiseModel)> {
+) -> PyResult<(String, String, Verdict, Vec<String>, NoiseModel)> {
     if let Some(problem) = say::hold_out("hold_out", hold_out) {
         return Err(error(problem));
     }
@@ -57,6 +58,10 @@ pub fn tune(
         Ok::<_, Failure>((
             results::text(&result),
             text::tune(&result, text::unmarked),
+            (
+                verdict::tune_usability(&result).name(),
+                verdict::tune(&result),
+            ),
             warnings,
             NoiseModel(found.steady_model(&names)),
         ))

@@ -39,6 +39,7 @@ def test_plots(record: npt.NDArray[np.float64]) -> None:
     [
         ("pandas", "to_pandas", "tables"),
         ("pyarrow", "to_arrow", "tables"),
+        ("polars", "to_polars", "polars"),
         ("matplotlib", "plot", "plot"),
     ],
 )
@@ -61,7 +62,7 @@ except ImportError as error:
 def test_importing_the_package_brings_numpy_only() -> None:
     program = (
         "import sys, undrift\n"
-        "print([m for m in ('pandas', 'pyarrow', 'matplotlib', 'scipy', 'dask') if m in sys.modules])"
+        "print([m for m in ('pandas', 'pyarrow', 'matplotlib', 'polars', 'scipy', 'dask') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
     assert done.stdout == "[]\n", done.stderr

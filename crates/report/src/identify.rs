@@ -26,8 +26,8 @@ use undrift::noise::{model_file::AXES, normality::Test};
 use undrift::results::{Axis, Identify, Term};
 use units::{Unit, with_unit};
 pub(crate) use units::{Units, units};
-pub use verdict::is_usable;
-pub(crate) use verdict::{is_allan, verdict};
+pub(crate) use verdict::is_allan;
+pub use verdict::{is_usable, verdict};
 
 /// Level of the tests.
 const LEVEL: f64 = 0.05;

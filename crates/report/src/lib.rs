@@ -1,5 +1,5 @@
 //! Reports of results: their JSON and nothing else becomes a [`Document`] as data, one self-contained
-//! [`html`] file of it, and its [`figures`] as SVG.
+//! [`html`] file of it, its tables as Markdown, LaTeX or CSV ([`ReportFormat`]), and its [`figures`] as SVG.
 
 mod compare;
 mod constants;
@@ -23,6 +23,7 @@ mod parts;
 mod plain;
 mod read;
 pub mod say;
+mod tables;
 pub mod text;
 mod tune;
 
@@ -34,11 +35,21 @@ pub mod usable {
     };
 }
 
+/// Whether a result can be used, and why not: the first line of what is printed of it.
+pub mod verdict {
+    pub use crate::{
+        identify::verdict as identify,
+        say::verdict as of_findings,
+        tune::{usability as tune_usability, verdict as tune},
+    };
+}
+
 pub use crate::figure::panel::{Panel, PlotAxis, Series};
 pub use compare::{document, of_results};
 pub use document::{Block, Cell, Document, Figure, Section, Table};
 pub use numbers::short;
 pub use read::read;
+pub use tables::ReportFormat;
 
 #[cfg(test)]
 mod tests;

@@ -151,9 +151,10 @@ fn what_was_done(name: &str, run: &Outages) -> String {
             run.withheld
         ),
     };
-    let model = match drive.model.as_deref().unwrap_or_default() {
-        "" => String::new(),
-        model => {
+    let model = match (compared_as(run), drive.model.as_deref().unwrap_or_default()) {
+        (Some(form), _) => format!("; each noise model is run as {form}"),
+        (None, "") => String::new(),
+        (None, model) => {
             let quote = if model.starts_with("the ") { "" } else { "\"" };
             let forms = run.models.len();
             format!("; the noise model is {quote}{model}{quote}, run in {forms} forms")
@@ -171,6 +172,12 @@ fn what_was_done(name: &str, run: &Outages) -> String {
             "{what} GNSS was cut {cuts} times for {lengths}. During the outages the {solution} was compared with {reference}{rejected}{model}.{date}"
         ),
     )
+}
+
+/// The bias model that several noise models are run as, where these are compared.
+fn compared_as(run: &Outages) -> Option<&str> {
+    let first = run.noise_models.values().next()?;
+    Some(first.bias_model.as_str())
 }
 
 /// Lengths \[s\] in words.
@@ -280,8 +287,11 @@ fn cuts(run: &Outages) -> String {
         0 => lengths.len().to_string(),
         left_out => format!("{} of {}", lengths.len(), lengths.len() + left_out),
     };
+    let form = compared_as(run).map_or(String::new(), |form| {
+        format!("; noise models run as {form}, the run without outages with the first of them")
+    });
     format!(
-        "{count} outages of {}, reference: {reference}",
+        "{count} outages of {}, reference: {reference}{form}",
         between(&lengths)
     )
 }

@@ -153,7 +153,7 @@ pub fn model_colour(name: &str, place: usize) -> usize {
         "random-walk" => 5,
         "ar" => 3,
         "arma" => 7,
-        _ => [0, 2][place % 2],
+        _ => [0, 2, 4, 3, 5, 1, 7, 6][place % 8],
     }
 }
 

@@ -9,8 +9,7 @@ use super::{
     plain::{Mark, plain_table},
 };
 use undrift::results::{Tune, TunedDrift, TunedParameter};
-use verdict::verdict;
-pub use verdict::{is_usable, is_worse};
+pub use verdict::{is_usable, is_worse, usability, verdict};
 
 /// Shares of a normal distribution inside one, two and three standard deviations.
 const NORMAL: [f64; 3] = [0.6827, 0.9545, 0.9973];

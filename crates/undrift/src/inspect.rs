@@ -20,7 +20,7 @@ pub use sensor::model;
 use crate::drive::Logs;
 use std::path::Path;
 use undrift_io::{
-    Opened, ReadError,
+    Memory, Opened, ReadError,
     format::Format,
     layouts::KF_GINS_WITH_VELOCITY,
     log::{Stream, StreamKind},
@@ -33,8 +33,19 @@ use undrift_io::{
 /// # Errors
 /// If the file cannot be opened or is no log. What cannot be read of it is told in the parts.
 pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
+    of_log(path, Opened::hold(path)?)
+}
+
+/// As [`inspect`], of a log in memory; `path` is what messages and the drive file call it.
+///
+/// # Errors
+/// As [`inspect`].
+pub fn inspect_held(path: &Path, held: Memory) -> Result<Inspection, ReadError> {
+    of_log(path, Some(held))
+}
+
+fn of_log(path: &Path, held: Option<Memory>) -> Result<Inspection, ReadError> {
     let mut logs = Logs::default();
-    let held = Opened::hold(path)?;
     if let Some(held) = &held {
         logs.memory.insert(path.to_path_buf(), held.clone());
     }

@@ -20,6 +20,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod compared;
 mod drift;
 mod errors;
 mod experiment;
@@ -31,6 +32,7 @@ mod run;
 mod schedule;
 mod uncut;
 
+pub use compared::ComparedModel;
 pub use drift::drift_curve;
 pub use errors::{ModelErrors, ModelOutcome, ModelRun, OutageErrors};
 pub use experiment::{Experiment, UNCUT};

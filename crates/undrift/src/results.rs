@@ -44,7 +44,8 @@ pub use navigate::{
 pub use number::{Number, Numbers};
 pub(crate) use number::{by_name, numbers};
 pub use outages::{
-    Cut, Drift, LeftOutCut, ModelErrors, NisOfParts, OutageErrors, OutageSeries, Outages,
+    Cut, Drift, LeftOutCut, ModelErrors, NisOfParts, NoiseModelRun, OutageErrors, OutageSeries,
+    Outages,
 };
 pub use text::text;
 pub use tune::{Tune, TunedDrift, TunedParameter, TunedVibration};

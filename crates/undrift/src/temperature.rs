@@ -68,7 +68,7 @@ pub(crate) fn corrected(
 }
 
 /// The bias over temperature of a model, if it has one of any axis.
-fn of_model(model: &ImuModel) -> Option<Thermal> {
+pub(crate) fn of_model(model: &ImuModel) -> Option<Thermal> {
     let axes = model.axes().map(|(_, axis)| {
         axis.temperature.map(|of| ThermalAxis {
             reference_c: of.reference_c,

@@ -4,6 +4,7 @@
 //! `bad_input`, simulated by a fixed seed.
 
 mod cases;
+mod logs;
 
 use super::bad_input::{
     drives::good,
@@ -68,7 +69,9 @@ fn first(code: i32, stdout: &str, stderr: &str) -> String {
     let lines = || stderr.lines().map(str::trim);
     let verdict = stdout.lines().next().unwrap_or_default();
     if code == 0 {
-        return match stderr.lines().next() {
+        // What a drive was made of is no warning.
+        let is_note = |line: &&str| line.starts_with("drive of ") || line.starts_with("  ");
+        return match stderr.lines().find(|line| !is_note(line)) {
             Some(warning) if verdict == "usable" => warning.to_owned(),
             _ => verdict.to_owned(),
         };
@@ -89,7 +92,7 @@ What goes wrong when a log is used for the first time, and the first line of the
 `crates/cli/tests/it/mistakes.rs` makes each mistake with the real command on a simulated drive and compares this page;
 `UNDRIFT_BLESS=1` writes it. A result begins with its verdict: `usable`; `usable with care`, where the warning must be
 looked at first; or `not usable`, where a setting or a log is certainly wrong and the numbers mean nothing. The exit codes
-are those of [every verb](terminal.md#exit-codes), without `--strict`. Damaged files are in [reliability.md](reliability.md).
+are those of [every verb](terminal.md#exit-codes), without `--strict`. The last table has the kinds of logs that other programs write. Damaged files are in [reliability.md](reliability.md).
 ";
 
 #[test]

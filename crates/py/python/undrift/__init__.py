@@ -5,9 +5,10 @@ SI units and radians, unless a name states otherwise; arrays are numpy's, ``floa
 
 from undrift import arma, fleet, statistics
 from undrift._drive import Drive
-from undrift._errors import ArgumentError
+from undrift._errors import ArgumentError, VerdictError, VerdictWarning
 from undrift._filter import Filter, Innovation
 from undrift._identify import AxisIdentified, Candidate, Identified, identify
+from undrift._inspect import inspect
 from undrift._logs import GnssLog, ImuLog
 from undrift._model import ArmaNoise, AxisNoise, NoiseModel, Shaping, TemperatureEffect
 from undrift._navigate import Navigation, navigate
@@ -62,6 +63,8 @@ __all__ = [
     "TunedParameter",
     "Tuning",
     "UndriftError",
+    "VerdictError",
+    "VerdictWarning",
     "__version__",
     "acf",
     "adf",
@@ -70,6 +73,7 @@ __all__ = [
     "detrend",
     "fleet",
     "identify",
+    "inspect",
     "jarque_bera",
     "kpss",
     "ljung_box",

@@ -50,6 +50,8 @@ class AllanTerms(Result):
     ``σ²(τ) = 3Q²/τ² + N²/τ + (2 ln 2/π) B² + K² τ/3 + R² τ²/2``
     """
 
+    _UNITS = {"shortest_tau": "s"}
+
     quantisation: AllanTerm
     """Quantisation Q [u·s]."""
     white: AllanTerm
@@ -115,6 +117,8 @@ class AllanTerms(Result):
 class AllanGaussMarkov(Result):
     """White noise, quantisation and one Gauss-Markov process fitted to an Allan deviation."""
 
+    _UNITS = {"correlation_time": "s"}
+
     quantisation: float
     """Quantisation Q [u·s]."""
     white: float
@@ -132,6 +136,8 @@ class AllanGaussMarkov(Result):
 @dataclass(frozen=True, eq=False, repr=False)
 class AllanDeviation(Result):
     """A deviation over averaging time, in the unit u of the samples."""
+
+    _UNITS = {"rate": "Hz", "tau": "s"}
 
     kind: str
     """overlapping, modified, hadamard or total."""
@@ -296,6 +302,8 @@ def allan(
 @dataclass(frozen=True, eq=False, repr=False)
 class WaveletVariance(Result):
     """Haar wavelet variance at octave scales, u the unit of the samples."""
+
+    _UNITS = {"rate": "Hz", "scale": "s"}
 
     rate: float
     """Sample rate [Hz]."""

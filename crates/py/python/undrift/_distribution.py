@@ -276,6 +276,8 @@ def pacf(
 class SpectralLines(Result):
     """Narrow lines that stand out of a spectrum, strongest first."""
 
+    _UNITS = {"frequency": "Hz"}
+
     frequency: Floats
     """Frequency [Hz]."""
     amplitude: Floats
@@ -287,6 +289,8 @@ class SpectralLines(Result):
 @dataclass(frozen=True, eq=False, repr=False)
 class Spectrum(Result):
     """One-sided power spectral density, u the unit of the samples."""
+
+    _UNITS = {"rate": "Hz", "frequency": "Hz"}
 
     rate: float
     """Sample rate [Hz]."""

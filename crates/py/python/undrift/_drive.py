@@ -139,6 +139,9 @@ class Drive:
     7500
     """
 
+    #: What :func:`undrift.inspect` found of the logs; empty for a drive that it did not make.
+    description: str = ""
+
     def __init__(
         self,
         imu: Log,
@@ -197,10 +200,20 @@ class Drive:
         made._text = Path(path).read_text(encoding="utf-8")
         return made.with_model(model) if model is not None else made
 
+    @classmethod
+    def _inspected(
+        cls, drive: _undrift.Drive, text: str, description: str, model: ModelLike | None
+    ) -> Drive:
+        """The drive that :func:`undrift.inspect` makes."""
+        made = cls.__new__(cls)
+        made._drive, made._text, made.description = drive, text, description
+        return made if model is None else made.with_model(model)
+
     def with_model(self, model: ModelLike) -> Drive:
         """The same drive with another noise model."""
         made = Drive.__new__(Drive)
         made._text = self._text
+        made.description = self.description
         made._drive = self._drive.with_model(compiled(model))
         return made
 

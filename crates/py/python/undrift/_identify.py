@@ -21,7 +21,7 @@ from undrift._progress import Progress, reporter
 from undrift._result import Result, axes
 from undrift._tables import columns as columns_of
 from undrift._tables import index_of, is_table, with_units
-from undrift._told import Told
+from undrift._told import Told, judged
 from undrift._units import factor
 
 if TYPE_CHECKING:
@@ -84,6 +84,9 @@ class AxisIdentified(Result):
     warnings: tuple[str, ...]
     """Warnings about the axis."""
 
+    def _unit(self, name: str) -> str | None:
+        return "s" if name == "taus" else self.unit if name == "mean" or name.startswith("adev") else None
+
     @property
     def outside(self) -> npt.NDArray[np.bool_]:
         """Where the terms fitted lie outside of the interval of the Allan deviation."""
@@ -135,6 +138,8 @@ class AxisIdentified(Result):
 @dataclass(frozen=True, eq=False, repr=False)
 class Identified(Told):
     """A static record, identified axis by axis."""
+
+    _UNITS = {"rate": "Hz"}
 
     axes: Mapping[str, AxisIdentified]
     """What was found, ``gyro_x`` … ``accel_z``."""
@@ -218,6 +223,7 @@ def identify(
     n_max: int = 2,
     detrend: str = "temperature",
     force: bool = False,
+    strict: bool | None = None,
     progress: Progress = False,
 ) -> Identified:
     """Identifies how a sensor errs from a record of it at rest.
@@ -253,6 +259,8 @@ def identify(
         What is taken out first.
     force : bool
         Whether to identify what is no static recording.
+    strict : bool, optional
+        True: what is usable with care raises, too; False: what is not usable warns, too.
     progress : bool or callable
         True for a bar; or ``tqdm``, or what is called like it.
 
@@ -265,6 +273,8 @@ def identify(
     ------
     UndriftError
         For a recording that cannot be read or is not static; :class:`ArgumentError` for a wrong type.
+    VerdictError
+        For a result that is not usable, unless ``strict`` is False; it has the ``result``.
 
     Examples
     --------
@@ -304,7 +314,7 @@ def identify(
         found = _undrift.identify(
             records, columns, axis, units, topic, rate, whole(n_max, "n_max"), detrend, force, report
         )
-    text, verdict = found.result()
+    text, (verdict, line) = found.result()
     told = json.loads(text)
     done, failed = {}, {}
     for name in (name for name in AXES if name in told["axes"]):
@@ -321,7 +331,7 @@ def identify(
         for differing in one["differing"]
     ]
     said += [f"{name}: {warning}" for name, one in done.items() for warning in one.warnings]
-    return Identified(
+    result = Identified(
         axes=done,
         failed=failed,
         rate=told["rate_hz"],
@@ -330,6 +340,7 @@ def identify(
         json=text,
         _found=found,
     )
+    return judged(result, line, strict)
 
 
 def _bare(record: npt.NDArray[Any], axis: str | None) -> list[tuple[str, Floats]]:

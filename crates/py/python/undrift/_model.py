@@ -41,6 +41,8 @@ _UNITS = {
 class ArmaNoise(Result):
     """``x_t − ar[0] x_{t−1} − … = a_t − ma[0] a_{t−1} − …``, a of standard deviation ``sigma``."""
 
+    _UNITS = {"rate": "Hz"}
+
     ar: Sequence[float] | Floats
     """Autoregressive coefficients φ."""
     ma: Sequence[float] | Floats
@@ -54,6 +56,8 @@ class ArmaNoise(Result):
 @dataclass(frozen=True, eq=False, repr=False)
 class TemperatureEffect(Result):
     """The bias over temperature T: ``slope (T − reference) + quadratic (T − reference)²``; "unit" is rad/s or m/s²."""
+
+    _UNITS = {"reference": "°C", "range": "°C"}
 
     reference: float
     """Temperature at which the effect is 0 [°C]."""
@@ -94,6 +98,8 @@ class TemperatureEffect(Result):
 class AxisNoise(Result):
     """What is known of the random error of one axis; "unit" is rad/s or m/s². ``None``: not known."""
 
+    _UNITS = {"correlation_time": "s"}
+
     white_noise: float | None
     """Density of the white noise N [unit/√Hz]."""
     bias_instability: tuple[float, ...]
@@ -120,6 +126,8 @@ class Shaping(Result):
 
     ε is in [rad/s] or [m/s²]; w is white with unit variance, a step is one sample interval.
     """
+
+    _UNITS = {"interval": "s"}
 
     f: Floats
     """Transition F, n × n."""

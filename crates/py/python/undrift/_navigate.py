@@ -16,8 +16,8 @@ from undrift._model import ModelLike
 from undrift._progress import Progress, reporter
 from undrift._result import axes
 from undrift._simulate import Simulation
-from undrift._solution import Solution
-from undrift._told import Told
+from undrift._solution import UNITS, Solution
+from undrift._told import Told, judged
 
 if TYPE_CHECKING:
     import matplotlib.axes
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, eq=False, repr=False)
 class Navigation(Solution, Told):
     """A navigated drive: the solution at every sample, with its warnings."""
+
+    _UNITS = {**UNITS, "diverged": "s"}
 
     bias_model: str
     """Name of the bias model."""
@@ -112,6 +114,7 @@ def navigate(
     format: str | None = None,
     every: float | None = None,
     solution: bool = True,
+    strict: bool | None = None,
     progress: Progress = False,
     **keys: Any,
 ) -> Navigation:
@@ -152,6 +155,8 @@ def navigate(
         Least time between rows of the files [s].
     solution : bool
         Whether the arrays are kept.
+    strict : bool, optional
+        True: what is usable with care raises, too; False: what is not usable warns, too.
     progress : bool or callable
         True for a bar; or ``tqdm``, or what is called like it.
     **keys
@@ -166,6 +171,8 @@ def navigate(
     ------
     UndriftError
         For a drive that cannot be read or aligned; :class:`ArgumentError` for a wrong type.
+    VerdictError
+        For a result that is not usable, unless ``strict`` is False; it has the ``result``.
 
     Examples
     --------
@@ -177,13 +184,13 @@ def navigate(
     made = drive_of(drive, gnss, model, data, keys)
     files = [output] if isinstance(output, (str, os.PathLike)) else list(output)
     with reporter(progress, "navigate") as report:
-        text, brief, verdict, arrays = _undrift.navigate(
+        text, brief, (verdict, line), arrays = _undrift.navigate(
             made._drive, bias_model, smooth, look_ahead, files, format, every, solution, report
         )
     # Without the series for plots, which take longer to parse than many a drive takes to navigate.
     told = json.loads(brief)
     summary = told["summary"]
-    return Navigation(
+    done = Navigation(
         **arrays,
         json=text,
         bias_model=told["bias_model"],
@@ -198,3 +205,4 @@ def navigate(
         verdict=verdict,
         warnings=tuple(map(_undrift.in_python, told["warnings"])),
     )
+    return judged(done, line, strict)

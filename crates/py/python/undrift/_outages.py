@@ -6,23 +6,26 @@ import json
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from undrift import _undrift
 from undrift._array import Floats
 from undrift._drive import Drive, Log
-from undrift._model import ModelLike
+from undrift._errors import ArgumentError
+from undrift._model import ModelLike, NoiseModel, compiled
 from undrift._navigate import drive_of
 from undrift._progress import Progress, reporter
 from undrift._result import Result, axes, optional
 from undrift._simulate import Simulation
-from undrift._told import Told
+from undrift._told import Told, judged
 from undrift._units import factor
 
 if TYPE_CHECKING:
     import matplotlib.axes
     from pandas import DataFrame
+    from polars import DataFrame as PolarsFrame
 
 #: Names of the bias models in the order of tables.
 BIAS_MODELS = ("white", "paper", "gauss-markov", "random-walk", "ar", "arma")
@@ -34,6 +37,8 @@ USUAL_MODELS = ("gauss-markov", "random-walk", "ar", "arma")
 class Drift(Result):
     """The horizontal error in one outage over the time since GNSS was cut."""
 
+    _UNITS = {"start": "s", "since": "s", "horizontal": "m"}
+
     start: float
     """Start of the outage [s], in the logs' time base."""
     since: Floats
@@ -44,7 +49,7 @@ class Drift(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ModelErrors(Result):
-    """What the outages did to one bias model; errors by component: [m], [m/s], [deg]."""
+    """What the outages did to one model; errors by component: [m], [m/s], [deg]."""
 
     max: Mapping[str, float | None]
     """Largest magnitude over all samples inside the outages."""
@@ -64,7 +69,9 @@ class ModelErrors(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Outages(Told):
-    """How far each bias model drifts when GNSS is cut."""
+    """How far each model drifts when GNSS is cut."""
+
+    _UNITS = {"cuts": "s"}
 
     models: Mapping[str, ModelErrors]
     """The models that were run, by name."""
@@ -84,6 +91,8 @@ class Outages(Told):
     """Whether the errors are those of the smoothed solutions."""
     look_ahead: bool
     """Whether the solutions know more of the log than what came before; else they are those of a run while driving."""
+    verdict: str
+    """``usable``, ``usable with care`` or ``not usable``, as the terminal prints it; ``warnings`` say why."""
     warnings: tuple[str, ...]
     """Warnings about the logs and the models."""
     table: str = field(repr=False)
@@ -113,12 +122,20 @@ class Outages(Told):
         Of each outage there are the largest error of every component, ``north_m`` …, and the one at its end,
         ``end_north_m`` …. Needs ``undrift[tables]``.
         """
+        frame: DataFrame = optional("pandas", "tables").DataFrame(self._rows(rows))
+        return frame
+
+    def to_polars(self, rows: Literal["statistics", "each"] = "statistics") -> PolarsFrame:
+        """:meth:`to_pandas` as a ``polars.DataFrame``. Needs ``undrift[polars]``."""
+        frame: PolarsFrame = optional("polars", "polars").DataFrame(self._rows(rows))
+        return frame
+
+    def _rows(self, rows: Literal["statistics", "each"]) -> dict[str, Any]:
         if rows == "statistics":
-            return super().to_pandas()
+            return dict(self._table())
         if rows != "each":
             raise _undrift.UndriftError(f'rows: "statistics" or "each", not {rows!r}')
-        frame: DataFrame = optional("pandas", "tables").DataFrame(self._each())
-        return frame
+        return self._each()
 
     def _each(self) -> dict[str, Any]:
         told = self.data
@@ -162,6 +179,33 @@ class Outages(Told):
         return ax
 
 
+def _named(
+    models: Mapping[str, ModelLike] | Iterable[ModelLike],
+) -> list[tuple[str, _undrift.NoiseModel]]:
+    """The noise models to compare, by their names."""
+    if isinstance(models, (str, os.PathLike, NoiseModel)):
+        raise ArgumentError("models: a mapping or a list is needed; one model is model=")
+    if isinstance(models, Mapping):
+        return [(str(name), compiled(model)) for name, model in models.items()]
+    return [(_name(model), compiled(model)) for model in models]
+
+
+def _name(model: ModelLike) -> str:
+    return model.name or "model" if isinstance(model, NoiseModel) else Path(model).stem
+
+
+def _kinds(bias_models: str | Iterable[str] | None, one: bool) -> list[str]:
+    """The bias models to run: ``one`` where noise models are compared."""
+    if bias_models is None:
+        return ["arma"] if one else list(USUAL_MODELS)
+    kinds = [bias_models] if isinstance(bias_models, str) else list(bias_models)
+    if one and len(kinds) != 1:
+        raise ArgumentError(
+            f"models are compared as one bias model, but bias_models has {len(kinds)}: specify one of them, or no models"
+        )
+    return kinds
+
+
 #: Components of an error in the order of tables.
 _COMPONENTS = (
     "north_m",
@@ -189,7 +233,8 @@ def outages(
     model: ModelLike | Mapping[str, Any] | None = None,
     *,
     data: str | os.PathLike[str] | None = None,
-    bias_models: Iterable[str] = USUAL_MODELS,
+    bias_models: str | Iterable[str] | None = None,
+    models: Mapping[str, ModelLike] | Iterable[ModelLike] = (),
     length: float = 10.0,
     count: int | None = None,
     every: float | None = None,
@@ -197,10 +242,14 @@ def outages(
     at: Iterable[float] | None = None,
     smooth: bool = False,
     look_ahead: bool = False,
+    strict: bool | None = None,
     progress: Progress = False,
     **keys: Any,
 ) -> Outages:
-    """Cuts GNSS again and again on a drive and measures how far each bias model drifts.
+    """Cuts GNSS again and again on a drive and measures how far each model drifts.
+
+    Bias models of one noise model are compared; or ``models``, noise models of the IMU, all run as one bias model in the same
+    outages.
 
     ``drive``, ``gnss``, ``model``, ``data`` and further keys are those of :func:`navigate`. An
     outage lasts ``length`` [s]; the first starts ``start`` [s] after the first fix. ``count`` of them
@@ -218,8 +267,12 @@ def outages(
         Noise model of the IMU.
     data : str or path, optional
         Folder of the logs of a drive file, if not its own.
-    bias_models : str or iterable of str
-        The models that are compared, of white, paper, gauss-markov, random-walk, ar and arma.
+    bias_models : str or iterable of str, optional
+        The models that are compared, of white, paper, gauss-markov, random-walk, ar and arma; gauss-markov, random-walk, ar
+        and arma without it. One, arma without it, where ``models`` are compared.
+    models : mapping of str to model, or iterable of models
+        Noise models to compare, each a file, a preset or a :class:`NoiseModel`, by their names or named as their files. The
+        first is the one of the run without outages, which decides what fixes are a reference.
     length : float
         Length of an outage [s].
     count : int, optional
@@ -235,6 +288,8 @@ def outages(
     look_ahead : bool
         Whether the errors of all fixes are studied and the mounting is found first, else both from the log so far, as while
         driving.
+    strict : bool, optional
+        True: what is usable with care raises, too; False: what is not usable warns, too.
     progress : bool or callable
         True for a bar; or ``tqdm``, or what is called like it.
     **keys
@@ -249,6 +304,8 @@ def outages(
     ------
     UndriftError
         For outages that lie outside of the drive, and as :func:`navigate`.
+    VerdictError
+        For a result that is not usable, unless ``strict`` is False; it has the ``result``.
 
     Examples
     --------
@@ -257,11 +314,16 @@ def outages(
     >>> cut.models["white"].rms["horizontal_m"] > cut.models["arma"].rms["horizontal_m"]
     True
     """
-    made = drive_of(drive, gnss, model, data, keys)
+    named = _named(models)
+    if named and model is not None:
+        raise ArgumentError("model and models: specify one of them")
+    kinds = _kinds(bias_models, bool(named))
+    made = drive_of(drive, gnss, NoiseModel(named[0][1]) if named else model, data, keys)
     with reporter(progress, "outages") as report:
-        text, table, curves = _undrift.outages(
+        text, table, (verdict, line), curves = _undrift.outages(
             made._drive,
-            [bias_models] if isinstance(bias_models, str) else list(bias_models),
+            kinds,
+            named,
             length,
             count,
             every,
@@ -273,10 +335,10 @@ def outages(
         )
     told = json.loads(text)
     drift = told["series"]["drift"]
-    models = {}
+    done_by: dict[str, ModelErrors] = {}
     for name, of_model in curves:
         errors, mean = told["models"][name], drift[name]
-        models[name] = ModelErrors(
+        done_by[name] = ModelErrors(
             max=_ordered(errors["max"]),
             rms=_ordered(errors["rms"]),
             median=_ordered(errors["median"]),
@@ -288,8 +350,8 @@ def outages(
             warning=errors.get("warning"),
         )
     cuts = [(cut["start_s"], cut["length_s"]) for cut in told["outages"]]
-    return Outages(
-        models=models,
+    done = Outages(
+        models=done_by,
         failed=told["failed"],
         cuts=np.array(cuts).reshape(-1, 2),
         left_out=tuple(told.get("left_out", ())),
@@ -298,7 +360,9 @@ def outages(
         rejected=told["rejected"],
         smooth=told["smooth"],
         look_ahead=told["look_ahead"],
+        verdict=verdict,
         warnings=tuple(map(_undrift.in_python, told["warnings"])),
         table=table,
         json=text,
     )
+    return judged(done, line, strict)

@@ -7,13 +7,14 @@ import html
 import importlib
 from collections.abc import Iterator, Mapping
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from pandas import DataFrame
+    from polars import DataFrame as PolarsFrame
     from pyarrow import Table
 
 #: Rows that the table of a notebook shows of a long result: this many at the start and at the end.
@@ -49,6 +50,9 @@ class Result:
     A subclass whose table is not simply "its arrays, side by side" overrides :meth:`_table`.
     """
 
+    #: Units of the fields, where they are the same of all results of the class.
+    _UNITS: ClassVar[Mapping[str, str]] = {}
+
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):  # type: ignore[arg-type]
             value = getattr(self, field.name)
@@ -78,6 +82,16 @@ class Result:
             if field.repr and not field.name.startswith("_"):
                 yield field.name, getattr(self, field.name)
 
+    def _unit(self, name: str) -> str | None:
+        """Unit of a field, if it has one."""
+        return self._UNITS.get(name)
+
+    def _stated(self, name: str, value: Any) -> str:
+        """A field with its unit."""
+        unit = self._unit(name)
+        text = _text(value)
+        return text if unit is None or value is None else f"{text} {unit}"
+
     def _table(self) -> Mapping[str, Any]:
         """Columns by name: the one-dimensional arrays as long as the first of them; without any, one row."""
         columns: dict[str, Any] = {}
@@ -99,8 +113,13 @@ class Result:
         table: Table = optional("pyarrow", "tables").table(dict(self._table()))
         return table
 
+    def to_polars(self) -> PolarsFrame:
+        """The result as a ``polars.DataFrame``. Needs ``undrift[polars]``."""
+        frame: PolarsFrame = optional("polars", "polars").DataFrame(dict(self._table()))
+        return frame
+
     def __repr__(self) -> str:
-        parts = (f"{name}={_text(value)}" for name, value in self._fields())
+        parts = (f"{name}={self._stated(name, value)}" for name, value in self._fields())
         return f"{type(self).__name__}({', '.join(parts)})"
 
     def _short(self) -> str:
@@ -116,7 +135,7 @@ class Result:
         """What a notebook shows: the single values, then the table, without its middle."""
         title = html.escape(type(self).__name__)
         single = "".join(
-            f"<tr><th>{html.escape(name)}</th><td>{html.escape(_text(value))}</td></tr>"
+            f"<tr><th>{html.escape(name)}</th><td>{html.escape(self._stated(name, value))}</td></tr>"
             for name, value in self._fields()
             if not isinstance(value, np.ndarray)
         )

@@ -76,6 +76,8 @@ class Truth(Placed):
 class Simulation(Result):
     """A simulated drive: what the sensors report, and the truth."""
 
+    _UNITS = {"rate": "Hz"}
+
     imu: ImuLog
     """Inertial samples."""
     gnss: GnssLog

@@ -14,6 +14,7 @@ from undrift._units import factor
 if TYPE_CHECKING:
     import matplotlib.axes
     from pandas import DataFrame
+    from polars import DataFrame as PolarsFrame
     from pyarrow import Table
     from undrift import _undrift
 
@@ -63,6 +64,8 @@ class Series(Result):
     of an Arrow field. :func:`undrift.navigate` and :func:`undrift.identify` read them from there.
     """
 
+    _UNITS = UNITS
+
     def column_units(self) -> dict[str, str]:
         """Unit of each column of the table."""
         units: dict[str, str] = {}
@@ -84,6 +87,16 @@ class Series(Result):
             return frame.rename(columns={name: f"{name} [{unit}]" for name, unit in known.items()})
         frame.attrs["units"] = known
         return frame
+
+    def to_polars(self, *, units: bool = False) -> PolarsFrame:
+        """The result as a ``polars.DataFrame``; with ``units`` the names of columns state them, as no metadata can. Needs
+        ``undrift[polars]``.
+        """
+        frame = super().to_polars()
+        if not units:
+            return frame
+        known = self.column_units()
+        return frame.rename({name: f"{name} [{unit}]" for name, unit in known.items()})
 
     def to_arrow(self) -> Table:
         """The result as a ``pyarrow.Table``, units in the fields' metadata. Needs ``undrift[tables]``."""
@@ -181,6 +194,8 @@ class Solution(Placed):
 @dataclass(frozen=True, eq=False, repr=False)
 class FilterState(Result):
     """The state of the filter at one instant."""
+
+    _UNITS = UNITS
 
     time: float
     """Time [s]."""

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 from undrift import _undrift
+from undrift._errors import VerdictError, VerdictWarning
 from undrift._result import Result
 
 
@@ -21,9 +23,15 @@ class HasJson(Protocol):
 
 
 class Told(Result):
-    """A result of a verb of the terminal; a subclass has the field ``json``."""
+    """A result of a verb of the terminal; a subclass has the fields ``verdict`` and ``json``."""
 
+    verdict: str
     json: str
+
+    @property
+    def usable(self) -> bool:
+        """Whether the verdict is ``usable``, without reservation."""
+        return self.verdict == "usable"
 
     @property
     def data(self) -> Any:
@@ -36,8 +44,30 @@ class Told(Result):
         *,
         figures: str | os.PathLike[str] | None = None,
     ) -> None:
-        """Writes a report: one HTML file ``output`` that needs nothing else, its figures into a folder."""
+        """Writes a report: one HTML file ``output`` that needs nothing else, its figures into a folder.
+
+        A name that ends in .md, .tex or .csv has the tables alone, as Markdown, LaTeX or CSV.
+        """
         _undrift.report([(Path(), self.json)], output, figures)
+
+
+_Judged = TypeVar("_Judged", bound=Told)
+
+
+def judged(result: _Judged, line: str, strict: bool | None) -> _Judged:
+    """The result, where its verdict permits it; ``line`` is the terminal's first one. To be called by the function that
+    people call.
+
+    With care it warns, or raises if ``strict``; what is not usable raises, or warns if ``strict`` is False.
+    """
+    text = _undrift.in_python(line[:1].lower() + line[1:])
+    if result.verdict == "not usable" and strict is not False:
+        raise VerdictError(f"{text}; strict=False returns the result all the same", result)
+    if not result.usable:
+        if strict:
+            raise VerdictError(f"{text}; without strict=True this is a warning", result)
+        warnings.warn(text, VerdictWarning, stacklevel=3)
+    return result
 
 
 def report(
@@ -55,7 +85,7 @@ def report(
     results : iterable of results or paths
         What it shows.
     output : str or path, optional
-        The HTML file.
+        The HTML file; of .md, .tex or .csv, the tables alone as Markdown, LaTeX or CSV.
     figures : str or path, optional
         Folder of the figures.
 

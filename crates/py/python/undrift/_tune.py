@@ -17,7 +17,7 @@ from undrift._navigate import drive_of
 from undrift._progress import Progress, reporter
 from undrift._result import Result
 from undrift._simulate import Simulation
-from undrift._told import Told
+from undrift._told import Told, judged
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -45,10 +45,15 @@ class TunedParameter(Result):
     determined: bool
     """Whether the drives determine it: the interval is less than half as wide as before."""
 
+    def _unit(self, name: str) -> str | None:
+        return None if name in ("name", "unit", "determined") else self.unit or None
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TunedDrift(Result):
     """Drift over held-out outages of one length."""
+
+    _UNITS = {"length_s": "s", "before_m": "m", "after_m": "m"}
 
     length_s: float
     """Length of the outages [s]."""
@@ -98,6 +103,8 @@ class Tuning(Told):
     """Windows whose fixes were scored."""
     evaluations: int
     """Evaluations of the objective."""
+    verdict: str
+    """``usable``, ``usable with care`` or ``not usable``, as the terminal prints it; ``table`` begins with it."""
     warnings: tuple[str, ...]
     """Warnings about the logs and the fit."""
     table: str = field(repr=False)
@@ -121,6 +128,7 @@ def tune(
     *,
     data: str | os.PathLike[str] | Sequence[str | os.PathLike[str]] | None = None,
     hold_out: float | None = None,
+    strict: bool | None = None,
     progress: Progress = False,
     **keys: Any,
 ) -> Tuning:
@@ -147,6 +155,8 @@ def tune(
         Folder of the logs, one or one for each drive file.
     hold_out : float, optional
         Share of each drive that is withheld, 0 to 0.9.
+    strict : bool, optional
+        True: what is usable with care raises, too; False: what is not usable warns, too.
     progress : bool or callable
         True for a bar; or ``tqdm``, or what is called like it.
     **keys
@@ -161,6 +171,8 @@ def tune(
     ------
     UndriftError
         For a drive that cannot be read or aligned; :class:`ArgumentError` for a wrong type.
+    VerdictError
+        For a result that is not usable, unless ``strict`` is False; it has the ``result``.
 
     Examples
     --------
@@ -188,7 +200,7 @@ def tune(
     ]
     at_rest = None if start is None else compiled(start)
     with reporter(progress, "tune") as report:
-        text, table, warnings, tuned = _undrift.tune(
+        text, table, (verdict, line), warnings, tuned = _undrift.tune(
             [one._drive for one in made], at_rest, hold_out, report
         )
     told = json.loads(text)
@@ -203,15 +215,17 @@ def tune(
         "windows",
         "evaluations",
     )
-    return Tuning(
+    done = Tuning(
         parameters=tuple(TunedParameter(**parameter) for parameter in told["parameters"]),
         drift=tuple(_drift(drift) for drift in told["drift"]),
         model=NoiseModel(tuned),
         **{name: told[name] for name in names},
+        verdict=verdict,
         warnings=tuple(map(_undrift.in_python, warnings)),
         table=table,
         json=text,
     )
+    return judged(done, line, strict)
 
 
 def _drift(told: dict[str, Any]) -> TunedDrift:

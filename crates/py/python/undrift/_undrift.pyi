@@ -12,6 +12,8 @@ Floats = npt.NDArray[np.float64]
 Fields = dict[str, Any]
 #: Called with what is done and what there is to do, 0 where that is not known.
 Report = Callable[[int, int], object]
+#: The word, and the line that says why.
+Verdict = tuple[str, str]
 
 __version__: str
 
@@ -97,7 +99,7 @@ class NoiseModel:
     def simulate(self, count: int, rate: float, bias_model: str, seed: int) -> Floats: ...
 
 class Identified:
-    def result(self) -> tuple[str, str]: ...
+    def result(self) -> tuple[str, Verdict]: ...
     @property
     def warnings(self) -> list[str]: ...
     def model(self, base: NoiseModel | None = None) -> NoiseModel: ...
@@ -143,6 +145,9 @@ class Drive:
     def gnss(self) -> Fields: ...
     def json(self) -> str: ...
 
+def inspect(
+    logs: Sequence[tuple[Path, Sequence[tuple[str, Floats]] | None]], vehicle: str | None
+) -> tuple[Drive, str, str]: ...
 def told_by_names(names: list[str]) -> list[tuple[str, list[tuple[str, str]]]]: ...
 def navigate(
     drive: Drive,
@@ -154,10 +159,11 @@ def navigate(
     every: float | None,
     solution: bool,
     progress: Report | None,
-) -> tuple[str, str, str, Fields]: ...
+) -> tuple[str, str, Verdict, Fields]: ...
 def outages(
     drive: Drive,
     bias_models: list[str],
+    models: list[tuple[str, NoiseModel]],
     length: float,
     count: int | None,
     every: float | None,
@@ -166,13 +172,13 @@ def outages(
     smooth: bool,
     look_ahead: bool,
     progress: Report | None,
-) -> tuple[str, str, list[tuple[str, list[tuple[float, Floats, Floats]]]]]: ...
+) -> tuple[str, str, Verdict, list[tuple[str, list[tuple[float, Floats, Floats]]]]]: ...
 def tune(
     drives: Sequence[Drive],
     start: NoiseModel | None,
     hold_out: float | None,
     progress: Report | None,
-) -> tuple[str, str, list[str], NoiseModel]: ...
+) -> tuple[str, str, Verdict, list[str], NoiseModel]: ...
 def report(
     results: Sequence[tuple[Path, str]], output: Path | None, folder: Path | None
 ) -> None: ...

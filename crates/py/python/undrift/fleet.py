@@ -30,6 +30,7 @@ from undrift._result import Result, optional
 
 if TYPE_CHECKING:
     from pandas import DataFrame
+    from polars import DataFrame as PolarsFrame
     from pyarrow import Table
 
 __all__ = [
@@ -101,6 +102,11 @@ class Fleet(Result):
         """:meth:`to_arrow` as a data frame."""
         optional("pandas", "tables")
         frame: DataFrame = self.to_arrow().to_pandas()
+        return frame
+
+    def to_polars(self) -> PolarsFrame:
+        """:meth:`to_arrow` as a ``polars.DataFrame``. Needs ``undrift[polars]`` too."""
+        frame: PolarsFrame = optional("polars", "polars").from_arrow(self.to_arrow())
         return frame
 
 

@@ -12,8 +12,8 @@ pub fn is_usable(result: &Identify) -> bool {
     result.verdict() == Usability::Usable
 }
 
-/// Whether the record serves, and why not.
-pub(crate) fn verdict(result: &Identify) -> String {
+/// Whether the record serves, and why not: the first line of what is printed of it.
+pub fn verdict(result: &Identify) -> String {
     let axes: Vec<(&str, &Axis)> = result.in_order().collect();
     let known = axes.iter().filter(|(_, axis)| axis.error.is_none());
     let known: Vec<_> = known.collect();

@@ -7,6 +7,7 @@ use crate::{
 use undrift::{
     findings::Severity,
     results::{Tune, TunedDrift},
+    usability::Usability,
 };
 
 /// What to navigate with.
@@ -25,10 +26,15 @@ const NEARLY: f64 = 0.8;
 /// The length that decides where the others do not differ \[s\].
 const DECIDES: f64 = 30.0;
 
-/// What to use and why, in a line.
-pub(super) fn verdict(tune: &Tune) -> String {
+/// What to use and why, in a line: the first of what is printed of it.
+pub fn verdict(tune: &Tune) -> String {
     let (severity, what, why) = judgement(tune);
     format!("{}: use {}, {why}", usable(severity), named(tune, what))
+}
+
+/// Whether the noise found can be used.
+pub fn usability(tune: &Tune) -> Usability {
+    judgement(tune).0.into()
 }
 
 /// Whether the verdict is `usable`.

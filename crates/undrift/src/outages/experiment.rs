@@ -2,16 +2,19 @@
 
 use super::{
     Logs,
+    compared::ComparedModel,
     errors::ModelOutcome,
     left_out::{Needs, WhyLeftOut},
-    run::run_against,
+    run::run_one,
     uncut::{Reference, Rejected, withheld},
 };
 use crate::{
     navigate::{self, Hindsight, NavigateError, Report, Wanted, look_ahead, settings},
     replay::{Outage, ReplayError},
+    results::NoiseModelRun,
 };
-use undrift_noise::BiasModel;
+use std::collections::BTreeMap;
+use undrift_noise::{BiasModel, parallel};
 
 /// Longest span between two nodes of the smoother \[s\]: the errors are taken at nodes.
 const NODE_SPAN: f64 = 0.2;
@@ -21,6 +24,8 @@ const NODE_SPAN: f64 = 0.2;
 pub struct Experiment {
     /// What the solutions know at each instant.
     pub hindsight: Hindsight,
+    /// What was compared.
+    pub compared: Vec<ComparedModel>,
     /// The outages.
     pub cuts: Vec<Outage>,
     /// Those that were asked for and are not among them, and why.
@@ -34,6 +39,20 @@ pub struct Experiment {
     pub runs: Vec<ModelOutcome>,
 }
 
+impl Experiment {
+    /// The noise models that were compared, by their names in the tables; none of bias models of the drive's own.
+    pub(super) fn noise_models(&self) -> BTreeMap<String, NoiseModelRun> {
+        let of = |one: &ComparedModel| {
+            let run = NoiseModelRun {
+                model: one.model.as_ref()?.name.clone(),
+                bias_model: one.kind.name().into(),
+            };
+            Some((one.name.clone(), run))
+        };
+        self.compared.iter().filter_map(of).collect()
+    }
+}
+
 /// The model of the run without outages: that of `navigate`.
 pub const UNCUT: BiasModel = BiasModel::Arma;
 
@@ -43,16 +62,31 @@ impl Logs {
         (self.imu.len() * (models + 1)) as u64
     }
 
-    /// Navigates the drive without outages, then runs every bias model through the outages, on all cores; smoothed, the
-    /// errors are those that are left when the fixes after an outage are known too. What the run without outages rejects is
-    /// no reference, and an outage without one is left out. `done` is called with how many more samples were taken, of
-    /// [`Logs::samples`].
+    /// [`Logs::compare`] of bias models of the drive's noise model.
     ///
     /// # Errors
-    /// A drive without a model, or with one that is none at the log's rate; logs that cannot be read again.
+    /// As [`Logs::compare`].
     pub fn run(
         &self,
         kinds: &[BiasModel],
+        cuts: &[Outage],
+        hindsight: Hindsight,
+        done: &(dyn Fn(u64) + Sync),
+    ) -> Result<Experiment, NavigateError> {
+        let compared: Vec<ComparedModel> = kinds.iter().copied().map(Into::into).collect();
+        self.compare(&compared, cuts, hindsight, done)
+    }
+
+    /// Navigates the drive, with its own noise model, without outages, then runs every model through the outages, on all
+    /// cores; smoothed, the errors are those that are left when the fixes after an outage are known too. What the run without
+    /// outages rejects is no reference, and an outage without one is left out: all models have the same outages and the same
+    /// reference. `done` is called with how many more samples were taken, of [`Logs::samples`].
+    ///
+    /// # Errors
+    /// A drive without a model, or a model that makes no filter at the log's rate; logs that cannot be read again.
+    pub fn compare(
+        &self,
+        compared: &[ComparedModel],
         cuts: &[Outage],
         hindsight: Hindsight,
         done: &(dyn Fn(u64) + Sync),
@@ -82,16 +116,17 @@ impl Logs {
                 None => counted.push(*cut),
             }
         }
-        let models = kinds
+        let models = compared
             .iter()
-            .map(|kind| {
-                let mut settings = settings(&self.drive, *kind)?;
+            .map(|one| {
+                let drive = one.of(&self.drive);
+                let mut settings = settings(&drive, one.kind)?;
                 if hindsight != Hindsight::Causal {
                     look_ahead(&mut settings, self.study());
                 }
                 settings.outages = counted.clone();
                 settings.nodes = (hindsight == Hindsight::Smooth).then_some(NODE_SPAN);
-                Ok((kind.name().to_owned(), settings))
+                Ok((one.name.as_str(), settings, self.samples_of(&drive)?))
             })
             .collect::<Result<Vec<_>, NavigateError>>()?;
         let reference = Reference {
@@ -107,10 +142,14 @@ impl Logs {
         };
         let runs = match counted.is_empty() {
             true => Vec::new(),
-            false => run_against(&self.imu, &self.aiding, reference, &models, done),
+            false => parallel::map(models.len(), |k| {
+                let (name, settings, imu) = &models[k];
+                run_one(imu, &self.aiding, reference, name, settings, done)
+            }),
         };
         Ok(Experiment {
             hindsight,
+            compared: compared.to_vec(),
             cuts: counted,
             left_out,
             withheld,

@@ -179,6 +179,7 @@ impl Logs {
             withheld,
             rejected,
             findings: self.findings(experiment),
+            noise_models: experiment.noise_models(),
             ..result(&experiment.cuts, &experiment.runs, &self.track())
         }
     }

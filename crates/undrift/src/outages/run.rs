@@ -47,14 +47,26 @@ pub fn run_against(
 ) -> Vec<ModelOutcome> {
     parallel::map(models.len(), |k| {
         let (name, settings) = &models[k];
-        let run = run_model(imu, aiding, reference, settings, done);
-        let run = run.map(|(errors, summary)| ModelRun {
-            name: name.clone(),
-            errors,
-            summary,
-        });
-        (name.clone(), run)
+        run_one(imu, aiding, reference, name, settings, done)
     })
+}
+
+/// One model of [`run_against`].
+pub(super) fn run_one(
+    imu: &[ImuSample],
+    aiding: &[Measurement],
+    reference: Reference,
+    name: &str,
+    settings: &Settings,
+    done: &(dyn Fn(u64) + Sync),
+) -> ModelOutcome {
+    let run = run_model(imu, aiding, reference, settings, done);
+    let run = run.map(|(errors, summary)| ModelRun {
+        name: name.to_owned(),
+        errors,
+        summary,
+    });
+    (name.to_owned(), run)
 }
 
 fn run_model(

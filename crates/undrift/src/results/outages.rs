@@ -30,6 +30,9 @@ pub struct Outages {
     pub rejected: u64,
     /// Names of the models that were run, in their order.
     pub order: Vec<String>,
+    /// Where noise models were compared: what each name stands for. Else the models are bias models of the drive's.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub noise_models: BTreeMap<String, NoiseModelRun>,
     /// What the outages did to each of them.
     pub models: BTreeMap<String, ModelErrors>,
     /// The models that could not be run, and why.
@@ -49,6 +52,17 @@ pub struct Outages {
     pub warnings: Vec<String>,
     /// For plots.
     pub series: OutageSeries,
+}
+
+/// A noise model in an experiment with outages.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct NoiseModelRun {
+    /// Name that its file has for it.
+    pub model: String,
+    /// The bias model that it was run as.
+    pub bias_model: String,
 }
 
 /// One outage.

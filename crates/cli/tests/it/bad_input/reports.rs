@@ -245,6 +245,94 @@ fn fixes_are_kept_with_their_standard_deviations() {
     assert!(column(fixes, "std_east_m").iter().all(|std| *std > 0.0));
 }
 
+/// Two model files of one stem, compared in the same outages: each has the drift that it has alone.
+#[test]
+fn noise_models_are_compared_side_by_side() {
+    let case = Log::good().write("report_models");
+    let outages = |more: &[&str]| {
+        let plan = "outages drive.toml --start 40 --count 3 --length 5";
+        case.run(&[&plan.split(' ').collect::<Vec<_>>(), more].concat())
+    };
+    for (preset, file) in [("mpu6050", "imu.toml"), ("adis16405", "b.toml")] {
+        let model = case.run(&["model", preset, "--to", "undrift"]).stdout;
+        case.put(file, model.as_bytes());
+    }
+    let models = [
+        "--model", "imu.toml", "--model", "b.toml", "--model", "imu.toml",
+    ];
+    let done = outages(&[&models as &[&str], &["--json", "both.json"]].concat());
+    assert!(done.succeeded(), "{}", done.stderr);
+    says(&done.stdout, &["noise models run as arma", "\nimu-2 "]);
+    let both = json(&case, "both.json");
+    let names = ["imu", "b", "imu-2"];
+    assert_eq!(both["order"], serde_json::json!(names));
+    assert_eq!(both["models"]["imu"], both["models"]["imu-2"]);
+    for (name, file) in [("imu", "imu.toml"), ("b", "b.toml")] {
+        assert_eq!(both["noise_models"][name]["bias_model"], "arma");
+        let alone = [
+            "--model",
+            file,
+            "--bias-models",
+            "arma",
+            "--json",
+            "one.json",
+        ];
+        assert!(outages(&alone).succeeded());
+        let one = json(&case, "one.json");
+        assert_eq!(one["models"]["arma"], both["models"][name], "{name}");
+        assert!(one.get("noise_models").is_none());
+    }
+    // One bias model for all, or several of one noise model.
+    let white = [
+        &models as &[&str],
+        &["--bias-models", "white", "--json", "white.json"],
+    ]
+    .concat();
+    assert!(outages(&white).succeeded());
+    assert_eq!(
+        json(&case, "white.json")["noise_models"]["b"]["bias_model"],
+        "white"
+    );
+    let several = outages(&[&models as &[&str], &["--bias-models", "white,arma"]].concat());
+    assert_eq!(several.code, Some(2));
+    let said = "3 --model are compared as one bias model, but --bias-models has 2";
+    says(&several.stderr, &[said]);
+}
+
+/// The tables of a report as files: the same numbers in each format.
+#[test]
+fn tables_are_written_by_the_extension_of_the_report() {
+    let case = Log::good().write("report_tables");
+    let plan = "outages drive.toml --start 40 --count 3 --length 5 --bias-models white,arma";
+    let plan: Vec<&str> = plan.split(' ').collect();
+    let done = case.run(&[&plan as &[&str], &["--report", "t.csv", "--json", "r.json"]].concat());
+    assert!(done.succeeded(), "{}", done.stderr);
+    for name in ["t.md", "t.TEX"] {
+        let done = case.run(&["report", "r.json", "-o", name]);
+        assert!(done.succeeded(), "{}", done.stderr);
+    }
+    let rms = &json(&case, "r.json")["models"]["arma"]["rms"]["horizontal_m"];
+    let csv = text(&case, "t.csv");
+    let mut rows = csv.lines().map(|row| row.split(',').collect::<Vec<_>>());
+    let head = rows.next().unwrap();
+    let row = rows.find(|row| row[..2] == ["errors-rms", "arma"]).unwrap();
+    let cell = row[head
+        .iter()
+        .position(|name| *name == "horizontal [m]")
+        .unwrap()];
+    let difference = cell.parse::<f64>().unwrap() / rms.as_f64().unwrap() - 1.0;
+    // Three digits of it.
+    assert!(difference.abs() < 0.005, "{cell} {rms}");
+    says(&text(&case, "t.md"), &["\n| model | N [m] |", cell]);
+    says(
+        &text(&case, "t.TEX"),
+        &["\\toprule", "\\label{tab:errors-rms}", cell],
+    );
+    let done = case.run(&["report", "r.json", "-o", "t.pdf"]);
+    assert_eq!(done.code, Some(2));
+    says(&done.stderr, &[".md, .tex or .csv", "t.html"]);
+}
+
 #[test]
 fn results_of_a_kind_are_compared_and_of_several_follow_each_other() {
     let case = Log::good().write("report_compare");

@@ -1,6 +1,6 @@
 //! The mistakes themselves.
 
-use super::{Case, Log, Mistake, drive, mistake};
+use super::{Case, Log, Mistake, drive, logs::logs, mistake};
 use crate::bad_input::log::Row;
 
 /// The mistakes in groups.
@@ -15,6 +15,7 @@ pub fn cases() -> Vec<(&'static str, Vec<Mistake>)> {
         ("Models", models()),
         ("Outages, tuning and reports", verbs()),
         ("Command line and results", command_line()),
+        ("Logs of other programs", logs()),
     ]
 }
 
@@ -283,7 +284,7 @@ fn gnss() -> Vec<Mistake> {
 }
 
 /// Rows of a static recording at 100 Hz, in deg/s and g, each changed by `of` its time and values.
-fn record(rows: u32, header: &str, of: impl Fn(f64, &mut [f64; 6])) -> String {
+pub fn record(rows: u32, header: &str, of: impl Fn(f64, &mut [f64; 6])) -> String {
     let mut text = format!("{header}\n");
     let mut state = 1u64;
     let mut noise = || {
@@ -307,7 +308,7 @@ fn record(rows: u32, header: &str, of: impl Fn(f64, &mut [f64; 6])) -> String {
     text
 }
 
-const HEADER: &str = "t_s,gx_dps,gy_dps,gz_dps,ax_g,ay_g,az_g";
+pub const HEADER: &str = "t_s,gx_dps,gy_dps,gz_dps,ax_g,ay_g,az_g";
 const BARE: &str = "a,b,c,d,e,f,g";
 
 fn recordings() -> Vec<Mistake> {

@@ -120,6 +120,7 @@ fn experiment(runs: Vec<(&str, Option<Finding>)>, left_out: usize) -> Experiment
     };
     Experiment {
         hindsight: Hindsight::Causal,
+        compared: Vec::new(),
         cuts: if runs.is_empty() {
             Vec::new()
         } else {

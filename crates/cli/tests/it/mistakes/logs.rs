@@ -1,0 +1,201 @@
+//! Logs as other programs write them. Most of these once failed or misled.
+
+use super::{
+    Case, Log, Mistake,
+    cases::{HEADER, record},
+    drive, mistake,
+};
+use crate::bad_input::log::{Row, table};
+
+/// Standard gravity \[m/s²\].
+const GRAVITY: f64 = 9.80665;
+
+/// The kinds, each with what is answered today.
+pub fn logs() -> Vec<Mistake> {
+    let logs = |what, files: fn(&Case)| mistake(what, "navigate imu.csv gnss.csv").files(files);
+    let recording =
+        |what, files: fn(&Case)| mistake(what, "identify record.csv -o imu.toml").files(files);
+    vec![
+        logs("units in the header", |case| {
+            states_velocities(case);
+            let header = "t [s],gx [deg/s],gy [deg/s],gz [deg/s],ax [g],ay [g],az [g]";
+            imu(case, header, |row| {
+                let values = in_degrees_and_g(row);
+                row.put(1, &values);
+            });
+        }),
+        logs("Excel's line `sep=,` before the header", |case| {
+            states_velocities(case);
+            let text = case.read("imu.csv").unwrap();
+            case.put("imu.csv", format!("sep=,\n{text}").as_bytes());
+        }),
+        logs("dates as times", |case| {
+            states_velocities(case);
+            ["imu.csv", "gnss.csv"]
+                .into_iter()
+                .for_each(|name| dated(case, name));
+        }),
+        drive("a counter of 32 bits that wraps, in µs", |log| {
+            // It wraps 40 s after the beginning.
+            let start = 4_294_967_296.0 - 40e6;
+            for row in &mut log.imu {
+                row.fields[0] = format!("{:.0}", (start + row.time * 1e6) % 4_294_967_296.0);
+            }
+            log.set(
+                "time = \"t\"\ngyro",
+                "time = \"t\"\ntime_unit = \"us\"\ngyro",
+            );
+            log.set("[truth]", "time_offset = \"4254.967296 s\"\n[truth]");
+            log.set(
+                "[\"roll\", \"pitch\", \"yaw\"]\n",
+                "[\"roll\", \"pitch\", \"yaw\"]\ntime_offset = \"4254.967296 s\"\n",
+            );
+        }),
+        drive("accelerometers of reversed sign", reverse),
+        drive("the same, mended", |log| {
+            reverse(log);
+            log.set("\"m/s^2\"", "\"-m/s^2\"");
+        }),
+        logs("raw sentences in a column", |case| {
+            states_velocities(case);
+            let text = case.read("imu.csv").unwrap();
+            let mut lines = text.lines();
+            let mut made = lines.next().unwrap().to_owned() + ",raw\n";
+            for line in lines {
+                made += line;
+                made += ",\"$VNYMR,+066.172,+003.948,+002.132,+00.2653*5A\"\n";
+            }
+            case.put("imu.csv", made.as_bytes());
+        }),
+        mistake(
+            "Emlid's positions, without a header",
+            "navigate imu.csv reach.LLH",
+        )
+        .files(|case| {
+            dated(case, "imu.csv");
+            case.put("reach.LLH", emlid().as_bytes());
+        }),
+        drive("a vertical speed that is stated as unknown", |log| {
+            log.set("\"0.05 m/s\"", "\"0.05, 0.05, 20 m/s\"");
+        }),
+        drive("the height changes its datum", |log| {
+            for row in log.gnss.iter_mut().filter(|row| row.time > 100.0) {
+                let height = row.number(3) + 35.2;
+                row.put(3, &[height]);
+            }
+        }),
+        recording("2 % of the packets are lost", |case| {
+            let mut rows = 0_u32;
+            let text = record(30_000, HEADER, |_, _| ());
+            let mut kept = String::new();
+            for line in text.lines() {
+                rows += 1;
+                if rows % 50 != 37 {
+                    kept += line;
+                    kept.push('\n');
+                }
+            }
+            case.put("record.csv", kept.as_bytes());
+        }),
+        recording("accelerometers in every fourth row", |case| {
+            let text = record(30_000, HEADER, |_, _| ());
+            let mut mixed = String::new();
+            for (at, line) in text.lines().enumerate() {
+                let fields: Vec<&str> = line.split(',').collect();
+                mixed += &match at % 4 {
+                    0 => line.to_owned(),
+                    _ => format!("{},,,", fields[..4].join(",")),
+                };
+                mixed.push('\n');
+            }
+            case.put("record.csv", mixed.as_bytes());
+        }),
+        recording("Kalibr's columns", |case| {
+            let text = record(30_000, HEADER, |_, _| ());
+            let mut made =
+                String::from("timestamp,omega_x,omega_y,omega_z,alpha_x,alpha_y,alpha_z\n");
+            for line in text.lines().skip(1) {
+                let values: Vec<f64> = line.split(',').map(|x| x.parse().unwrap()).collect();
+                let time = 1_700_000_000_000_000_000_u64 + (values[0] * 1e9).round() as u64;
+                let rates = values[1..4].iter().map(|rate| rate.to_radians());
+                let forces = values[4..].iter().map(|force| force * GRAVITY);
+                let values: Vec<String> = rates.chain(forces).map(|x| format!("{x:.8}")).collect();
+                made += &format!("{time},{}\n", values.join(","));
+            }
+            case.put("record.csv", made.as_bytes());
+        }),
+        recording("in the hand for the first seconds", |case| {
+            let text = record(30_000, HEADER, |t, row| {
+                if t < 4.5 {
+                    row[0] += 40.0 * (3.0 * t).sin();
+                    row[4] += 0.3 * (2.0 * t).cos();
+                }
+            });
+            case.put("record.csv", text.as_bytes());
+        }),
+    ]
+}
+
+/// The log of the receiver with the accuracies of its velocities.
+fn states_velocities(case: &Case) {
+    let text = case.read("gnss.csv").unwrap();
+    let mut lines = text.lines();
+    let mut made = lines.next().unwrap().to_owned() + ",vn_std,ve_std,vd_std\n";
+    for line in lines {
+        made += line;
+        made += ",0.05,0.05,0.05\n";
+    }
+    case.put("gnss.csv", made.as_bytes());
+}
+
+/// The time of a day, hh:mm:ss.
+fn clock(time: f64) -> String {
+    let (minutes, seconds) = ((time / 60.0).floor(), time % 60.0);
+    format!("10:{minutes:02}:{seconds:07.4}")
+}
+
+/// A log with dates in UTC for times.
+fn dated(case: &Case, name: &str) {
+    let text = case.read(name).unwrap();
+    let mut lines = text.lines();
+    let mut dated = lines.next().unwrap().to_owned() + "\n";
+    for line in lines {
+        let (time, rest) = line.split_once(',').unwrap();
+        let time = clock(time.parse().unwrap());
+        dated += &format!("2026-03-01T{time}Z,{rest}\n");
+    }
+    case.put(name, dated.as_bytes());
+}
+
+/// The fixes as RTKLIB's rows, in GPS time, which is 18 s ahead of UTC.
+fn emlid() -> String {
+    let rows = super::good().gnss.into_iter().map(|row| {
+        let [lat, lon, height] = [1, 2, 3].map(|column| row.number(column));
+        let time = clock(row.time + 18.0);
+        format!(
+            "2026/03/01 {time} {lat:.9} {lon:.9} {height:.4} 1 12 0.5000 0.5000 1.0000 0.0010 0.0010 0.0010 0.50 5.0\n"
+        )
+    });
+    rows.collect()
+}
+
+fn reverse(log: &mut Log) {
+    for row in &mut log.imu {
+        let force = [4, 5, 6].map(|column| -row.number(column));
+        row.put(4, &force);
+    }
+}
+
+fn in_degrees_and_g(row: &Row) -> [f64; 6] {
+    [1, 2, 3, 4, 5, 6].map(|column| match column {
+        1..=3 => row.number(column).to_degrees(),
+        _ => row.number(column) / GRAVITY,
+    })
+}
+
+/// The inertial log under another header, its rows changed.
+fn imu(case: &Case, header: &str, change: fn(&mut Row)) {
+    let mut rows = super::good().imu;
+    rows.iter_mut().for_each(change);
+    case.put("imu.csv", table(header, &rows).as_bytes());
+}

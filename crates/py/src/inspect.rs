@@ -1,0 +1,90 @@
+//! Logs into drives: what the logs are, and a drive file that reads them.
+
+use crate::{
+    columns::{self, Named},
+    drive::Drive,
+    error::{Failure, error},
+    work,
+};
+use pyo3::prelude::*;
+use std::path::{Path, PathBuf};
+use undrift::{
+    drive,
+    inspect::{self as inspection, Inspection},
+    io::Memory,
+    vehicle::Profile,
+};
+use undrift_report::inspect as report;
+
+/// Describes logs, each a file, or columns in memory under a name: a drive of them, its drive file, and the description.
+#[pyfunction]
+pub fn inspect(
+    py: Python<'_>,
+    logs: Vec<(PathBuf, Option<Named<'_>>)>,
+    vehicle: Option<&str>,
+) -> PyResult<(Drive, String, String)> {
+    let profile = vehicle.map(profile).transpose()?;
+    let held = |(path, named): (PathBuf, Option<Named<'_>>)| {
+        let columns = named.map(|named| columns::columns(&path, named));
+        Ok((path, columns.transpose()?.map(Memory::Columns)))
+    };
+    let logs = logs.into_iter().map(held).collect::<PyResult<Vec<_>>>()?;
+    work::run(py, || drive_of(logs, profile))?.map_err(error)
+}
+
+fn profile(name: &str) -> PyResult<Profile> {
+    let known = Profile::ALL.into_iter().find(|known| known.name() == name);
+    known.ok_or_else(|| {
+        let names = Profile::ALL.map(Profile::name).join(", ");
+        error(format!("unknown vehicle \"{name}\"; available: {names}"))
+    })
+}
+
+fn drive_of(
+    logs: Vec<(PathBuf, Option<Memory>)>,
+    vehicle: Option<Profile>,
+) -> Result<(Drive, String, String), Failure> {
+    let inspect = |(path, held): (PathBuf, Option<Memory>)| match held {
+        Some(held) => inspection::inspect_held(&path, held),
+        None => inspection::inspect(&path),
+    };
+    let found = logs.into_iter().map(inspect);
+    let mut found = found.collect::<Result<Vec<_>, _>>()?;
+    let motion = inspection::motion(&mut found);
+    found.iter_mut().for_each(report::fill);
+    complete(&found)?;
+    let text = report::drive_file(&found, Path::new(""), vehicle, motion);
+    let held = found
+        .iter()
+        .filter_map(|log| Some((log.file.clone(), log.held.clone()?)));
+    let logs = drive::Logs {
+        memory: held.collect(),
+        ..drive::Logs::default()
+    };
+    let file = PathBuf::from("<drive>");
+    let drive = drive::Drive::with_logs(&text, "<drive>", Path::new(""), logs)?;
+    let described: Vec<String> = found.iter().map(report::text).collect();
+    Ok((Drive { drive, file }, text, described.join("\n")))
+}
+
+/// A drive needs an IMU and fixes.
+fn complete(found: &[Inspection]) -> Result<(), Failure> {
+    for (table, what) in [("imu", "inertial samples"), ("gnss", "positions")] {
+        let mut parts = found.iter().flat_map(|log| &log.parts);
+        match parts.find(|part| part.table == table) {
+            Some(part) => {
+                if let Some(problem) = &part.problem {
+                    return Err(format!("the {what} cannot be read: {problem}").into());
+                }
+            }
+            None => {
+                let names = found.iter().map(|log| log.file.display().to_string());
+                let names = Vec::from_iter(names).join(" and ");
+                let problem =
+                    format!("no {what} in {names}: specify their log too, inspect(imu, gnss)");
+                return Err(problem.into());
+            }
+        }
+    }
+    Ok(())
+}
