@@ -100,8 +100,9 @@ mod tests {
 
     /// So many samples at zero, and others from `from` on, `apart` from each other, on both sides.
     fn banded(inside: usize, others: usize, from: f64, apart: f64) -> Vec<f64> {
-        let other =
-            |k: usize| (from + apart * (k / 2) as f64) * if k % 2 == 0 { 1.0 } else { -1.0 };
+        let other = |k: usize| {
+            (from + apart * (k / 2) as f64) * if k.is_multiple_of(2) { 1.0 } else { -1.0 }
+        };
         let mut x = vec![0.0; inside];
         x.extend((0..others).map(other));
         x

@@ -123,7 +123,7 @@ fn the_likelihood_of_records_is_the_sum_and_its_slope_is_the_gradient() {
         .map(|x| problem(x, &[]).likelihood(&phi, &theta).unwrap());
     let squares: f64 = parts.iter().map(|one| one.sum_of_squares).sum();
     assert!((joint.sum_of_squares / squares - 1.0).abs() < 1e-12);
-    assert!((all.objective(&[z.clone()], 2)[0] + joint.log_likelihood).abs() < 1e-9);
+    assert!((all.objective(std::slice::from_ref(&z), 2)[0] + joint.log_likelihood).abs() < 1e-9);
     let gradient = all.gradient(&z, 2).unwrap();
     for (i, slope) in gradient.iter().enumerate() {
         let moved = |by: f64| {

@@ -209,7 +209,7 @@ fn a_search_starts_at_the_moments_of_blocks_and_of_the_full_rate() {
     let curve = wavelet_variance(&record, 0.5).unwrap();
     let moments = fit_moments(&curve, set, false).unwrap();
     let of = |full| starts(set, &moments, full, 300.0);
-    assert_eq!((of(None).len(), of(Some(moments.clone())).len()), (4, 5));
+    assert_eq!((of(None).len(), of(Some(moments)).len()), (4, 5));
     assert_eq!(of(None)[0], set.coordinates(&moments.terms));
-    assert_eq!(of(Some(moments.clone()))[4], of(None)[0]);
+    assert_eq!(of(Some(moments))[4], of(None)[0]);
 }
