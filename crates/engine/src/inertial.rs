@@ -533,4 +533,114 @@ mod tests {
         // By steps of a twentieth it scatters about that.
         assert!((mean - 0.9).abs() < 0.03, "{mean}");
     }
+
+    /// Samples at 100 Hz of an IMU that reads these, from a watch that knows its axes; what comes out.
+    fn through(
+        values: &[[f64; AXES]],
+        dts: &[f64],
+        moves: bool,
+        prepare: impl Fn(&mut Inertial),
+    ) -> (Vec<Checked>, Inertial) {
+        let mut summary = Summary::default();
+        let mut inertial = Inertial::new(Matrix3::identity());
+        prepare(&mut inertial);
+        let (mut out, mut time) = (Vec::new(), 0.0);
+        for (values, dt) in values.iter().zip(dts) {
+            time += dt;
+            let of = |from: usize| Vector3::from_column_slice(&values[from..from + 3]) * *dt;
+            let sample = ImuSample {
+                time,
+                dt: *dt,
+                dtheta: of(0),
+                dvel: of(3),
+            };
+            out.extend(inertial.next(sample, moves, &mut summary));
+        }
+        out.extend(inertial.last(moves, &mut summary));
+        assert_eq!(
+            inertial.last(moves, &mut summary).map(|of| of.sample.time),
+            None
+        );
+        (out, inertial)
+    }
+
+    fn known(inertial: &mut Inertial) {
+        for axis in &mut inertial.axes {
+            (axis.seen, axis.step) = (LEAST_VALUES, 0.02);
+        }
+    }
+
+    #[test]
+    fn a_replaced_spike_is_in_doubt_by_the_usual_steps_and_its_neighbours_distance() {
+        let at = |k: usize| {
+            let mut values: [f64; AXES] = core::array::from_fn(|axis| 0.001 * noise(k, axis));
+            values[0] = [0.1, 4.0, 0.3, 0.2][k];
+            values[4] = [0.0, 0.0, 90.0, 2.0][k];
+            values
+        };
+        let values: Vec<[f64; AXES]> = (0..4).map(at).collect();
+        let (out, _) = through(&values, &[0.01; 4], true, known);
+        let doubt = |k: usize| out[k].doubt.unwrap();
+        assert!(out[0].doubt.is_none() && out[3].doubt.is_none());
+        // (5 · 0.02 + 0.2) rad/s over 0.01 s, about one axis.
+        let spread = |std: f64| (std * 0.01) * (std * 0.01);
+        let [turn, gain] = doubt(1);
+        assert!(
+            (turn[(0, 0)] / spread(0.3) - 1.0).abs() < 1e-9
+                && (turn.sum() / turn[(0, 0)] - 1.0).abs() < 1e-9
+        );
+        assert_eq!(gain, Matrix3::zeros());
+        assert!((out[1].sample.dtheta.x - 0.2 * 0.01).abs() < 1e-12);
+        // Accelerometer y between 0 and 2, after a step that was beyond the usual one.
+        let [turn, gain] = doubt(2);
+        let step = 0.02 * (1.0 + 0.9 * STEP_GAIN);
+        assert!((gain[(1, 1)] / spread(2.0 + 5.0 * step) - 1.0).abs() < 1e-9);
+        assert_eq!(turn, Matrix3::zeros());
+        assert!((out[2].sample.dvel.y - 1.0 * 0.01).abs() < 1e-12);
+        // The neighbour of the next one is what stands in its place: 0.2, not 4.
+        assert!((out[2].sample.dtheta.x - 0.3 * 0.01).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_sample_beyond_a_gap_is_no_neighbour() {
+        let values: Vec<[f64; AXES]> = (0..3)
+            .map(|k| {
+                let mut values = [0.001; AXES];
+                values[2] = [0.1, 9.0, 0.1][k];
+                values
+            })
+            .collect();
+        for (after, is_spike) in [(0.0149, true), (0.0151, false)] {
+            let (out, _) = through(&values, &[0.01, 0.01, after], true, known);
+            assert_eq!(out[1].doubt.is_some(), is_spike, "{after}");
+        }
+        // Nor are the first and the last sample between two.
+        let ends = [[9.0; AXES], [0.1; AXES], [9.0; AXES]];
+        let (out, _) = through(&ends, &[0.01; 3], true, known);
+        assert!(out[0].doubt.is_none() && out[2].doubt.is_none());
+    }
+
+    #[test]
+    fn a_sensor_that_repeats_all_its_values_at_rest_has_no_noise() {
+        let values = [[0.5; AXES]; 620];
+        for (moves, noiseless) in [(false, true), (true, false)] {
+            let (_, inertial) = through(&values, &[0.01; 620], moves, |_| ());
+            assert_eq!(inertial.noiseless, noiseless);
+        }
+        // Five seconds of it.
+        let (_, short) = through(&values[..499], &[0.01; 499], false, |_| ());
+        assert!(!short.noiseless);
+        // One axis that changes is enough.
+        let mut alive = values;
+        for (k, values) in alive.iter_mut().enumerate() {
+            values[5] = noise(k, 5);
+        }
+        assert!(!through(&alive, &[0.01; 620], false, |_| ()).1.noiseless);
+    }
+
+    #[test]
+    fn values_are_the_same_to_a_part_in_ten_to_the_twelve() {
+        assert!(is_same(3.0, 3.0 + 3.9e-12) && !is_same(3.0, 3.0 + 4.1e-12));
+        assert!(is_same(0.0, -0.9e-12) && !is_same(0.0, -1.1e-12) && !is_same(-2.0, 2.0));
+    }
 }

@@ -296,6 +296,7 @@ fn spectrum(sensor: &ShapingFilter, hertz: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use alloc::vec::Vec;
     use rand::SeedableRng;
     use rand_distr::{Distribution, StandardNormal};
     use rand_xoshiro::Xoshiro256PlusPlus;
@@ -412,5 +413,147 @@ mod tests {
         for times in vibration.louder().unwrap() {
             assert!((times / louder - 1.0).abs() < 1e-12, "{times}");
         }
+    }
+
+    /// Samples at 100 Hz whose axes read white noise of `times` the model's density, seed 3.
+    fn noisy(times: [f64; AXES], count: usize) -> Vec<ImuSample> {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(3);
+        let sample = |k: usize| {
+            let mut value = |axis: usize| {
+                let noise: f64 = StandardNormal.sample(&mut random);
+                times[axis] * WHITE / STEP.sqrt() * noise * STEP
+            };
+            ImuSample {
+                time: STEP * (k + 1) as f64,
+                dt: STEP,
+                dtheta: undrift_nav::Vector3::from_fn(|i, _| value(i)),
+                dvel: undrift_nav::Vector3::from_fn(|i, _| value(3 + i)),
+            }
+        };
+        (0..count).map(sample).collect()
+    }
+
+    #[test]
+    fn each_axis_shows_its_own_density() {
+        let times = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        let settings = Settings::new(sensors());
+        let imu = noisy(times, 30_000);
+        for (found, times) in densities(&imu, &settings).unwrap().into_iter().zip(times) {
+            // Some 450 independent values of 13 frequencies each: 2 % of the density.
+            assert!(
+                (found / (times * WHITE) - 1.0).abs() < 0.06,
+                "{found} {times}"
+            );
+        }
+        // A log too short for a block, or too slow.
+        assert_eq!(densities(&imu[..20], &settings), None);
+        let slow = Settings::new([ShapingFilter::white(WHITE, 0.1).unwrap(); AXES]);
+        assert_eq!(densities(&imu, &slow), None);
+    }
+
+    #[test]
+    fn a_gap_begins_the_block_again_and_a_sample_a_bit_longer_does_not() {
+        let blocks = |at: usize, dt: f64| {
+            let mut vibration = Vibration::new(&sensors(), &[1.0; AXES]);
+            let mut ends = Vec::new();
+            for (k, mut sample) in noisy([1.0; AXES], 2000).into_iter().enumerate() {
+                if k == at {
+                    sample.dt = dt;
+                }
+                if vibration.next(&sample).is_some() {
+                    ends.push(k + 1);
+                }
+            }
+            ends
+        };
+        let usual = blocks(0, STEP);
+        let length = usual[0];
+        assert!(
+            usual
+                .iter()
+                .enumerate()
+                .all(|(k, end)| *end == (k + 1) * length)
+        );
+        let at = length + length / 2;
+        assert_eq!(blocks(at, 1.49 * STEP), usual);
+        // The sample after the gap is none of either block.
+        let gap = blocks(at, 1.51 * STEP);
+        assert_eq!(gap[..2], [length, at + 1 + length]);
+    }
+
+    #[test]
+    fn variances_of_turned_axes_are_sums_over_the_squares_of_their_parts() {
+        let variances = [1.0, 2.0, 4.0, 10.0, 20.0, 40.0];
+        // North to east about down: x reads what y read, y what x read.
+        let quarter = Matrix3::new(0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+        assert_eq!(
+            turned_variances(&quarter, &variances),
+            [2.0, 1.0, 4.0, 20.0, 10.0, 40.0]
+        );
+        let half = core::f64::consts::FRAC_1_SQRT_2;
+        let eighth = Matrix3::new(half, half, 0.0, -half, half, 0.0, 0.0, 0.0, 1.0);
+        for (found, exact) in turned_variances(&eighth, &variances)
+            .into_iter()
+            .zip([1.5, 1.5, 4.0, 15.0, 15.0, 40.0])
+        {
+            assert!((found - exact).abs() < 1e-12);
+        }
+        let mut vibration = Vibration::new(&sensors(), &[1.0; AXES]);
+        (vibration.level, vibration.beyond) = (variances, variances.map(|v| 3.0 * v));
+        (vibration.count, vibration.means, vibration.sum) = (1, 3, [1.0; AXES]);
+        vibration.turn(&quarter);
+        assert_eq!(
+            (vibration.count, vibration.means, vibration.sum),
+            (0, 0, [0.0; AXES])
+        );
+        assert_eq!((vibration.level[0], vibration.beyond[0]), (2.0, 6.0));
+    }
+
+    #[test]
+    fn what_samples_change_can_be_kept_and_put_back() {
+        let imu = noisy([5.0; AXES], 3000);
+        let mut first = Vibration::new(&sensors(), &[1.5; AXES]);
+        for sample in &imu[..1777] {
+            if first.next(sample).is_some() {
+                first.count();
+            }
+        }
+        let mut kept = Vec::new();
+        first.numbers(&mut |number: &mut f64| kept.push(*number));
+        let mut second = Vibration::new(&sensors(), &[1.5; AXES]);
+        let mut put = kept.iter();
+        second.numbers(&mut |number: &mut f64| *number = *put.next().unwrap());
+        assert_eq!(put.next(), None);
+        for sample in &imu[1777..] {
+            assert_eq!(first.next(sample), second.next(sample));
+            if sample.time > 25.0 {
+                first.count();
+                second.count();
+            }
+        }
+        assert_eq!(first.variances(), second.variances());
+        assert!(first.louder().is_some() && first.louder() == second.louder());
+        assert_eq!(
+            (first.factors(), first.white_noise()),
+            ([1.5; AXES], first.white)
+        );
+    }
+
+    #[test]
+    fn noise_counts_after_three_seconds_and_beyond_twice_the_density_and_a_quarter() {
+        let mut vibration = Vibration::new(&sensors(), &[1.0; AXES]);
+        let of = |vibration: &Vibration| {
+            vibration
+                .variances()
+                .map(|v| v > WHITE * WHITE / STEP * 1.001)
+        };
+        vibration.known = MEMORY;
+        vibration.level = vibration.model.map(|model| 2.24 * model);
+        assert_eq!(of(&vibration), [false; AXES]);
+        vibration.level = vibration.model.map(|model| 2.26 * model);
+        assert_eq!(of(&vibration), [true; AXES]);
+        vibration.known = 0.99 * MEMORY;
+        assert_eq!(of(&vibration), [false; AXES]);
+        assert_eq!(vibration.louder(), None);
     }
 }

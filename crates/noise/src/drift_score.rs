@@ -315,4 +315,72 @@ mod tests {
             );
         }
     }
+
+    /// White noise r over a process: the sum of the next k has the variance (1 + φ + … )² P of what is known, what drives the
+    /// state on the way, and k r.
+    #[test]
+    fn what_is_expected_follows_the_filter_through_a_gap() {
+        let (interval, k) = (0.5, 6);
+        let terms = crate::composite::CompositeTerms {
+            white: 0.5,
+            gauss_markov: [
+                crate::composite::GaussMarkov {
+                    sigma: 1.0,
+                    tau_s: 4.0,
+                },
+                Default::default(),
+            ],
+            ..Default::default()
+        };
+        let filter = terms.to_shaping(interval).unwrap();
+        let mut record: Vec<f64> = (0..1200)
+            .map(|k| f64::from(k * k * 37 % 17) / 8.0 - 1.0)
+            .collect();
+        record[900..940].fill(f64::NAN);
+        record[1010] = f64::NAN;
+        let found = &score(&record, 600, &filter, &[k as f64 * interval]).unwrap()[0];
+        let phi = (-interval / 4.0f64).exp();
+        let (q, r) = (1.0 - phi * phi, 0.25 / interval);
+        let sum = |n: usize| (0..n).map(|i| phi.powi(i as i32)).sum::<f64>();
+        let own: f64 = (1..k).map(|n| q * sum(n).powi(2)).sum::<f64>() + k as f64 * r;
+        let (mut p, mut expected, mut origins) = (1.0, 0.0, 0);
+        for (at, y) in record.iter().enumerate() {
+            if (600..=1200 - k).contains(&at) {
+                let missing = record[at..at + k].iter().filter(|y| y.is_nan()).count();
+                if 3 * missing <= k {
+                    // The rest counts for what is missing: k²/m samples' white noise.
+                    let m = (k - missing) as f64;
+                    expected += sum(k).powi(2) * p + own + r * missing as f64 * k as f64 / m;
+                    origins += 1;
+                }
+            }
+            let known = if y.is_nan() { p } else { p * r / (p + r) };
+            p = phi * phi * known + q;
+        }
+        assert_eq!(found.origins, origins);
+        let expected = interval * (expected / f64::from(origins as u32)).sqrt();
+        // Settled gains are off by 1e-5.
+        assert!(
+            (found.predicted_rms / expected - 1.0).abs() < 1e-5,
+            "{} {expected}",
+            found.predicted_rms
+        );
+    }
+
+    #[test]
+    fn origins_of_a_long_horizon_are_a_thirty_second_of_it_apart() {
+        let filter = ShapingFilter::white(0.1, 1.0).unwrap();
+        let record: Vec<f64> = (0..1000).map(|k| f64::from(k * k * 37 % 17)).collect();
+        for (length, apart) in [(31, 1), (63, 1), (64, 2), (100, 3)] {
+            let found = &score(&record, 400, &filter, &[f64::from(length)]).unwrap()[0];
+            let last = 600 - length as usize;
+            assert_eq!(found.origins, last / apart + 1, "{length}");
+            let windows = found.origins as f64 * apart as f64 / f64::from(length);
+            assert!((found.windows - windows).abs() < 1e-12);
+            assert_eq!(
+                found.batches.len(),
+                ((last + 1) / (2 * length as usize)).max(1)
+            );
+        }
+    }
 }

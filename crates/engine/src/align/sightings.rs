@@ -100,3 +100,126 @@ pub(super) fn spread(seen: &[Sighting]) -> f64 {
     });
     (high - low).xy().norm()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use undrift_nav::{Matrix3, earth::Geodetic};
+
+    const PLACE: Geodetic = Geodetic {
+        lat: 0.8,
+        lon: 0.1,
+        height: 300.0,
+    };
+
+    fn fix(time: f64, ned: Vector3, std: f64) -> GnssFix {
+        GnssFix::at(time, PLACE.displaced(&ned), [std; 3])
+    }
+
+    #[test]
+    fn velocities_are_taken_as_they_are_measured() {
+        let with = |time: f64, v_n: Vector3| GnssFix {
+            velocity: Some((v_n, Matrix3::from_diagonal(&Vector3::new(0.1, 0.2, 0.3)))),
+            ..fix(time, Vector3::zeros(), 1.0)
+        };
+        let (a, b) = (Vector3::new(1.0, 2.0, 3.0), Vector3::new(4.0, -2.0, 9.0));
+        let fixes = VecDeque::from([with(1.0, a), fix(2.0, a, 1.0), with(3.0, b)]);
+        let seen = sightings(&fixes, false, 4.0);
+        assert_eq!(seen.len(), 2);
+        assert_eq!(
+            (seen[0].time, seen[0].v_n, seen[1].time, seen[1].v_n),
+            (1.0, a, 3.0, b)
+        );
+        assert_eq!(seen[1].variance, Vector3::new(0.1, 0.2, 0.3));
+        assert_eq!(seen[1].place, Vector3::zeros());
+        // 3 and 4 m/s over ground; down does not count.
+        assert_eq!(spread(&seen), 5.0);
+        assert_eq!(spread(&seen[..1]), 0.0);
+    }
+
+    #[test]
+    fn of_positions_alone_the_velocity_is_that_of_the_second_around_each() {
+        // North with the square of the time, every half second.
+        let place = |t: f64| Vector3::new(t * t, 2.0 * t, 0.0);
+        let times: Vec<f64> = (0..9).map(|k| 0.5 * f64::from(k)).collect();
+        let fixes: VecDeque<GnssFix> = times
+            .iter()
+            .map(|t| fix(10.0 + t, place(*t), 2.0))
+            .collect();
+        let seen = sightings(&fixes, true, 1.0);
+        assert_eq!(seen.len(), 9);
+        for (k, (of, t)) in seen.iter().zip(&times).enumerate() {
+            assert_eq!(of.time, 10.0 + t);
+            // Against the first, to the rounding of an angle.
+            assert!((of.place - place(*t)).norm() < 1e-6, "{k}");
+            // From 1.1 s before at most to 1.1 s after: two fixes on either side.
+            let (from, to) = (times[k.saturating_sub(2)], times[(k + 2).min(8)]);
+            let slope = (place(to) - place(from)) / (to - from);
+            assert!((of.v_n - slope).norm() < 1e-6, "{k}: {}", of.v_n);
+            // Too few for their scatter: what is stated.
+            assert_eq!(of.variance, Vector3::repeat(4.0));
+        }
+        // Further apart they say nothing of a velocity.
+        let far: VecDeque<GnssFix> = [0.0, 2.0, 4.0].map(|t| fix(t, place(t), 2.0)).into();
+        let seen = sightings(&far, true, 1.0);
+        assert!(seen.len() == 3 && seen.iter().all(|of| of.v_n == Vector3::zeros()));
+        assert!(sightings(&VecDeque::new(), true, 1.0).is_empty());
+    }
+
+    #[test]
+    fn positions_count_by_their_scatter_at_most_by_what_they_state() {
+        // 0.1 m up and down in turn: third differences of 0.8 m, half of Σ of whose coefficients' squares, 20.
+        let sign = |k: i32| if k % 2 == 0 { 0.1 } else { -0.1 };
+        let fixes: VecDeque<GnssFix> = (0..60)
+            .map(|k| fix(f64::from(k), Vector3::new(0.0, 0.0, sign(k)), 5.0))
+            .collect();
+        let track: Vec<(f64, Vector3)> = (0..60)
+            .map(|k| (f64::from(k), Vector3::new(0.0, 0.0, sign(k))))
+            .collect();
+        let white = white_variance(&track).unwrap();
+        assert!(white.z > 0.01);
+        for looser in [1.0, 9.0] {
+            let seen = sightings(&fixes, true, looser);
+            for of in &seen {
+                // North and east do not scatter: a fiftieth of the stated standard deviation.
+                assert!((of.variance.x / (25.0 * LEAST_SHARE * looser) - 1.0).abs() < 1e-6);
+                assert!(
+                    (of.variance.z / (white.z * looser) - 1.0).abs() < 1e-3,
+                    "{}",
+                    of.variance
+                );
+            }
+        }
+        let stated = sightings(&fixes, true, 1e6);
+        assert!(stated.iter().all(|of| of.variance == Vector3::repeat(25.0)));
+    }
+
+    #[test]
+    fn late_positions_end_at_the_end_of_the_window() {
+        let of = |time: f64| Sighting {
+            time,
+            v_n: Vector3::repeat(time),
+            place: Vector3::repeat(2.0 * time),
+            variance: Vector3::repeat(1.0),
+        };
+        let seen = [1.0, 2.0, 3.0].map(of);
+        for (late, end, count) in [
+            (0.0, 3.5, 3),
+            (0.4, 3.5, 3),
+            (0.5, 3.5, 2),
+            (0.5 - 0.5 * STAMP_ROUNDING, 3.5, 2),
+            (0.5 - 2.0 * STAMP_ROUNDING, 3.5, 3),
+            (-0.5, 2.0, 2),
+        ] {
+            let held = held_late(&seen, late, end);
+            assert_eq!(held.len(), count + 1, "{late}");
+            for (k, of) in held[..count].iter().enumerate() {
+                assert_eq!((of.time, of.place), (seen[k].time + late, seen[k].place));
+            }
+            let last = held[count];
+            assert_eq!((last.time, last.place), (end, seen[count - 1].place));
+            assert_eq!(last.variance, Vector3::repeat(1e12));
+        }
+    }
+}

@@ -1,6 +1,5 @@
 use super::*;
 use crate::tests::{Navigated, Scenario, receiver};
-use alloc::vec::Vec;
 use undrift_nav::{filter::Outcome, parameters::Parameter};
 use undrift_simulate::{GnssNoise, Trajectory};
 

@@ -185,6 +185,9 @@ mod tests {
             (1500, 700),
             (4999, 77),
             (5001, 700),
+            // The last lag is the first of a square, of nodes of 288.
+            (5000, 2160),
+            (5001, 2160),
             (8000, 4000 - 1),
             (7919, 3959),
         ] {
@@ -220,5 +223,16 @@ mod tests {
                 "{length}"
             );
         }
+    }
+
+    #[test]
+    fn no_transform_is_longer_than_the_longest_allowed() {
+        // 201 lags in one piece: 216 is the next length of few factors, and a transform is twice a block.
+        assert_eq!(Plan::with_longest(8000, 100, LONGEST).longest(), 432);
+        // 7919 lags in 64 pieces of 124, that is 128.
+        assert_eq!(Plan::with_longest(7919, 3959, 256).longest(), 256);
+        assert_eq!(part(&[1.0, 2.0, 3.0], 1, 1), [2.0]);
+        assert_eq!(part(&[1.0, 2.0, 3.0], 2, 9), [3.0]);
+        assert!(part(&[1.0, 2.0, 3.0], 7, 9).is_empty());
     }
 }

@@ -531,42 +531,4 @@ fn distinct(mut points: Vec<Point>) -> Vec<Point> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A pair of AR roots r e^(±iω) is φ = (2 r cos ω, −r²).
-    #[test]
-    fn a_search_for_a_line_begins_at_frequencies_all_over() {
-        for (samples, count) in [(999, 20), (1000, 60)] {
-            let lower = [Point::new(Vec::new(), 0.0)];
-            let mut candidates = Vec::new();
-            line_starts(samples, &lower, 2, &mut candidates);
-            assert_eq!(candidates.len(), 5 * count);
-            for (at, z) in candidates.iter().enumerate() {
-                assert_eq!(z.len(), 4);
-                let radius = |part: &[f64]| {
-                    let found = from_search(part);
-                    let r = (-found[1]).sqrt();
-                    (r, (found[0] / (2.0 * r)).acos())
-                };
-                let ((ar, omega), (ma, same)) = (radius(&z[..2]), radius(&z[2..]));
-                let expected = core::f64::consts::PI * ((at / 5) as f64 + 0.5) / count as f64;
-                assert!(
-                    (omega - expected).abs() < 1e-6 && (same - expected).abs() < 1e-6,
-                    "{at}: {omega}"
-                );
-                let (r_ar, r_ma) = [
-                    (0.9, 0.98),
-                    (0.98, 0.9),
-                    (0.94, 0.96),
-                    (0.96, 0.94),
-                    (0.7, 0.4),
-                ][at % 5];
-                assert!(
-                    (ar - r_ar).abs() < 1e-6 && (ma - r_ma).abs() < 1e-6,
-                    "{at}: {ar} {ma}"
-                );
-            }
-        }
-    }
-}
+mod tests;

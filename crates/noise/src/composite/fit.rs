@@ -418,33 +418,4 @@ fn full_rate_white(curve: &WaveletVariance, terms: &CompositeTerms) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn variants_move_each_correlation_time_and_nothing_else() {
-        let set = TermSet {
-            white: true,
-            gauss_markov: 2,
-            ..TermSet::default()
-        };
-        let centre = [0.1, 0.2, 0.3, 1.0, 2.0];
-        let found = variants(&centre, set, 1000.0);
-        let ten = 10f64.ln();
-        let moved = |at: usize, tau: f64| {
-            let mut z = centre.to_vec();
-            z[at] = tau;
-            z
-        };
-        let slow = 300f64.ln();
-        let of = |at: usize| [centre[at] - ten, centre[at] + ten, slow].map(|tau| moved(at, tau));
-        let exact = [vec![centre.to_vec()], of(3).to_vec(), of(4).to_vec()].concat();
-        assert_eq!(found.len(), 7);
-        for (z, exact) in found.iter().zip(&exact) {
-            assert!(
-                z.iter().zip(exact).all(|(a, b)| (a - b).abs() < 1e-12),
-                "{found:?}"
-            );
-        }
-    }
-}
+mod tests;

@@ -303,3 +303,161 @@ impl Profile<'_> {
         Some(best.z[at] + sign * 0.5 * (near + far))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::composite::{CompositeTerms, FitOptions, GaussMarkov};
+
+    /// Differences of 1 and 2 in turn: squares 1 and 4.
+    #[test]
+    fn the_kurtosis_is_that_of_the_differences_twice_less_three() {
+        let steps: Vec<f64> = (0..40).map(|k| f64::from(k / 2 * 3 + k % 2)).collect();
+        // Twenty of 1 and nineteen of 2.
+        let (squares, fourths) = (20.0 + 19.0 * 4.0, 20.0 + 19.0 * 16.0);
+        let exact = 2.0 * 39.0 * fourths / (squares * squares) - 3.0;
+        assert!((kurtosis(&[&steps]) - exact).abs() < 1e-12);
+        // Of a missing sample neither difference counts, and none from record to record.
+        let mut gap = steps.clone();
+        gap.insert(20, f64::NAN);
+        let (squares, fourths) = (20.0 + 18.0 * 4.0, 20.0 + 18.0 * 16.0);
+        let exact = 2.0 * 38.0 * fourths / (squares * squares) - 3.0;
+        assert!((kurtosis(&[&gap]) - exact).abs() < 1e-12);
+        assert!((kurtosis(&[&steps[..20], &steps[20..]]) - exact).abs() < 1e-12);
+    }
+
+    #[test]
+    fn white_noise_is_as_certain_as_its_source_makes_it() {
+        let record: Vec<f64> = (0..1200)
+            .map(|k| f64::from(k * 7919 % 101).powi(3))
+            .collect();
+        let set = TermSet {
+            white: true,
+            ..TermSet::default()
+        };
+        let fit = crate::composite::fit(&record, 0.5, set, &FitOptions::default()).unwrap();
+        let of = |fit: &CompositeFit| {
+            let found = white(&[&record[..700], &record[700..]], fit, 0.95);
+            assert_eq!(
+                (found.parameter, found.estimate),
+                (Parameter::White, fit.terms.white)
+            );
+            assert!((found.high / found.estimate - found.estimate / found.low).abs() < 1e-9);
+            (found.high / found.estimate).ln() / 1.959_963_985
+        };
+        let kurtosis = kurtosis(&[&record[..700], &record[700..]]).max(3.0);
+        // From the full rate: κ over twice the samples' root.
+        let full = CompositeFit {
+            white_full_rate: fit.terms.white,
+            ..fit.clone()
+        };
+        assert!((of(&full) - 0.5 * (kurtosis / 1200.0).sqrt()).abs() < 1e-8);
+        // From the curvature: √((κ − 1)/2) of it, κ − 3 a fourth of blocks of four.
+        let blocks = CompositeFit {
+            white_full_rate: 0.0,
+            relative_errors: Some(CompositeTerms {
+                white: 0.04,
+                ..CompositeTerms::default()
+            }),
+            block: 4,
+            ..fit.clone()
+        };
+        let averaged = 3.0 + (kurtosis - 3.0) / 4.0;
+        assert!((of(&blocks) - 0.04 * (0.5 * (averaged - 1.0)).sqrt()).abs() < 1e-8);
+        let unknown = CompositeFit {
+            relative_errors: None,
+            ..blocks
+        };
+        let found = white(&[&record], &unknown, 0.95);
+        assert_eq!(
+            (found.low, found.high, found.is_determined()),
+            (0.0, f64::INFINITY, false)
+        );
+    }
+
+    #[test]
+    fn the_profile_s_coordinates_are_the_logarithms_of_the_parameters() {
+        let terms = CompositeTerms {
+            white: 0.5,
+            random_walk: 0.1,
+            gauss_markov: [
+                GaussMarkov {
+                    sigma: 1.0,
+                    tau_s: 5.0,
+                },
+                GaussMarkov {
+                    sigma: 2.0,
+                    tau_s: 60.0,
+                },
+            ],
+            ..CompositeTerms::default()
+        };
+        let record: Vec<f64> = (0..400).map(|k| f64::from(k * 7919 % 101) / 30.0).collect();
+        let averages = Averages::new(&[&record], 1, 1.0).unwrap();
+        let profile = Profile {
+            averages: &averages,
+            set: terms.set(),
+            tau_range: 0.0..6.0,
+        };
+        use Parameter::{Flicker, Quantisation, RandomWalk, Sigma, Tau, White};
+        let found = profile.parameters();
+        assert_eq!(
+            found,
+            [White, RandomWalk, Sigma(0), Sigma(1), Tau(0), Tau(1)]
+        );
+        let all = TermSet {
+            quantisation: true,
+            flicker: true,
+            ..terms.set()
+        };
+        let more = Profile {
+            set: all,
+            tau_range: 0.0..6.0,
+            ..profile
+        };
+        let found = more.parameters();
+        assert_eq!(found[..4], [White, Quantisation, RandomWalk, Flicker]);
+        let set = TermSet {
+            white: true,
+            ..TermSet::default()
+        };
+        let fit = crate::composite::fit(&record, 1.0, set, &FitOptions::default()).unwrap();
+        let w = profile.coordinates(&CompositeFit { terms, ..fit });
+        let exact = [0.5, 0.1, 1.0, 2.0, 5.0, 60.0].map(f64::ln);
+        for (w, exact) in w.iter().zip(exact) {
+            assert!((w - exact).abs() < 1e-12);
+        }
+        assert!((profile.cost(&w) - averages.cost(&terms)).abs() < 1e-9);
+        // Of another σ and τ, too; none of a τ outside of the range.
+        let other = CompositeTerms {
+            gauss_markov: [
+                terms.gauss_markov[0],
+                GaussMarkov {
+                    sigma: 3.0,
+                    tau_s: 40.0,
+                },
+            ],
+            ..terms
+        };
+        let mut moved = w.clone();
+        (moved[3], moved[5]) = (3f64.ln(), 40f64.ln());
+        assert!((profile.cost(&moved) - averages.cost(&other)).abs() < 1e-9);
+        moved[4] = 6.1;
+        assert_eq!(profile.cost(&moved), f64::INFINITY);
+        moved[4] = -0.1;
+        assert_eq!(profile.cost(&moved), f64::INFINITY);
+    }
+
+    #[test]
+    fn an_interval_is_determined_at_both_ends() {
+        let of = |low, high| ParameterInterval {
+            parameter: Parameter::White,
+            estimate: 1.0,
+            low,
+            high,
+        };
+        assert!(of(0.5, 2.0).is_determined());
+        assert!(!of(0.0, 2.0).is_determined() && !of(0.5, f64::INFINITY).is_determined());
+    }
+}

@@ -253,3 +253,110 @@ impl<const N: usize> Predictor<N> {
         self.weigh();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::composite::{CompositeTerms, GaussMarkov};
+
+    /// White noise over a process, of a sample interval of 1 s.
+    fn slow_under_white(sigma: f64, tau_s: f64) -> ShapingFilter {
+        let terms = CompositeTerms {
+            white: 1.0,
+            gauss_markov: [GaussMarkov { sigma, tau_s }, GaussMarkov::default()],
+            ..CompositeTerms::default()
+        };
+        terms.to_shaping(1.0).unwrap()
+    }
+
+    /// P of a state that a sample of variance r shows: P ← φ² P r/(P + r) + q.
+    #[test]
+    fn covariance_and_gain_are_those_of_a_scalar_filter() {
+        let (phi, q) = ((-0.1f64).exp(), 4.0 * (1.0 - (-0.2f64).exp()));
+        let mut predictor = Predictor::<1>::new(&slow_under_white(2.0, 10.0));
+        let (mut p, mut x) = (4.0, 0.0);
+        for k in 0..40 {
+            let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{k}: {a} {b}");
+            near(predictor.p[0][0], p);
+            near(predictor.variance, p + 1.0);
+            near(predictor.gain[0], phi * p / (p + 1.0));
+            near(predictor.x[0], x);
+            if k % 7 == 3 {
+                predictor.skip();
+                (x, p) = (phi * x, phi * phi * p + q);
+                continue;
+            }
+            let y = f64::from(k * 37 % 11);
+            near(predictor.observe(y), y - x);
+            x = phi * (x + p / (p + 1.0) * (y - x));
+            p = phi * phi * p / (p + 1.0) + q;
+        }
+    }
+
+    #[test]
+    fn a_filter_settles_at_the_second_look_that_sees_no_change() {
+        // Of a process without other noise the state is known after a sample.
+        let filter = ShapingFilter::gauss_markov(2.0, 10.0, 1.0).unwrap();
+        let mut predictor = Predictor::<1>::new(&filter);
+        for round in 0..2 {
+            for k in 1..=128 {
+                assert!(!predictor.settled, "{round} {k}");
+                predictor.observe(1.0);
+            }
+            assert!(predictor.settled, "{round}");
+            predictor.skip();
+            assert!(!predictor.settled);
+        }
+        // A gain that goes on changing by a thousandth a look has not settled.
+        let mut predictor = Predictor::<1>::new(&slow_under_white(0.01, 1e5));
+        (0..640).for_each(|_| predictor.move_on());
+        assert!(!predictor.settled);
+    }
+
+    #[test]
+    fn gains_that_change_slowly_are_kept_from_look_to_look() {
+        let filter = slow_under_white(0.02, 3000.0);
+        let (mut exact, mut kept) = (
+            Predictor::<1>::new(&filter),
+            Predictor::<1>::settling(&filter, 1e-6),
+        );
+        let (mut held, mut last) = (0, f64::NAN);
+        for k in 1..=12_800 {
+            exact.move_on();
+            kept.move_on();
+            let apart = (kept.p[0][0] / exact.p[0][0] - 1.0).abs();
+            // Where they are kept, P is that of up to 64 samples ago, and of now at each look.
+            assert!(apart < 0.05, "{k}: {apart}");
+            if k % 64 == 0 {
+                assert!(apart < 1e-4, "{k}: {apart}");
+            }
+            held += i32::from(kept.gain[0] == last);
+            last = kept.gain[0];
+        }
+        assert!(held > 5000, "{held}");
+        assert!(kept.settled && !exact.settled);
+        // A missing sample ends it.
+        kept.skip();
+        assert!(!kept.settled && kept.kept == 0 && kept.since == 0);
+        let before = kept.gain[0];
+        kept.move_on();
+        assert!(kept.gain[0] != before);
+    }
+
+    #[test]
+    fn noise_that_a_sample_shares_with_the_state_is_freed_of_it() {
+        // An MA(1): the state is the last innovation, known to rounding while θ is inside the circle.
+        let filter = ShapingFilter::arma(&[], &[0.5], 2.0, 1.0).unwrap();
+        let mut predictor = Predictor::<1>::new(&filter);
+        // Variances of one-step predictions of an MA(1): σ² (1 − θ^(2k+2))/(1 − θ^2k).
+        for k in 1..60 {
+            let power = |n: i32| 1.0 - 0.25f64.powi(n);
+            let expected = 4.0 * power(k + 1) / power(k);
+            let miss = predictor.variance / expected - 1.0;
+            assert!(miss.abs() < 1e-12, "{k}: {miss}");
+            predictor.observe(0.3);
+        }
+        assert!(predictor.p[0][0].abs() < 1e-12);
+    }
+}

@@ -222,3 +222,97 @@ impl Candidate {
         self.score.last().map_or(f64::INFINITY, |s| s.rms)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn candidate(name: &str, rms: f64, compared: bool) -> Candidate {
+        Candidate {
+            name: name.to_owned(),
+            compared,
+            model: AxisModel {
+                white: Some(rms),
+                ..AxisModel::default()
+            },
+            states: 1,
+            parameters: 1,
+            origin: Origin::Burg,
+            ljung_box_p: None,
+            aic: 0.0,
+            score: [1.0, 10.0]
+                .map(|horizon_s| HorizonScore {
+                    horizon_s,
+                    rms: rms * horizon_s,
+                    standard_error: 0.0,
+                    predicted_rms: 0.0,
+                    origins: 1,
+                    windows: 1.0,
+                    batches: Vec::new(),
+                })
+                .to_vec(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// White noise and a line, with candidates of its own.
+    fn axis() -> Axis {
+        let mut record = vec![0.0; 2000];
+        let white = undrift_nav::shaping::ShapingFilter::white(0.1, 0.1).unwrap();
+        crate::synthesis::NoiseGenerator::new(&white, 3).fill(&mut record);
+        let options = super::super::Options {
+            n_max: 1,
+            ..super::super::Options::at(10.0)
+        };
+        let found = super::super::identify(&record, false, &options).unwrap();
+        Axis {
+            candidates: vec![
+                candidate("third", 3.0, false),
+                candidate("first", 1.0, true),
+                candidate("second", 2.0, false),
+            ],
+            chosen: 0,
+            reason: "so it is".to_owned(),
+            lines: vec![Line {
+                frequency_hz: 3.0,
+                amplitude: 0.5,
+                width_hz: 0.1,
+                ..Line::default()
+            }],
+            ..found
+        }
+    }
+
+    #[test]
+    fn candidates_rank_by_drift_and_the_runner_up_is_none_of_the_literature() {
+        let axis = axis();
+        assert_eq!(axis.ranking(), [1, 2, 0]);
+        assert_eq!(axis.recommended().name, "third");
+        let model = axis.model();
+        assert_eq!(model.white, Some(3.0));
+        let note = |key: &str| model.identification[key].clone();
+        let text = |key| note(key).as_str().unwrap().to_owned();
+        assert_eq!(
+            (text("model").as_str(), text("reason").as_str()),
+            ("third", "so it is")
+        );
+        assert_eq!(text("runner_up"), "second");
+        assert_eq!(note("horizons_s"), vec![1.0, 10.0].into());
+        assert_eq!(note("drift_scores")["second"], vec![2.0, 20.0].into());
+        let [line] = &model.lines[..] else { panic!() };
+        assert_eq!(
+            (line.frequency_hz, line.amplitude, line.width_hz),
+            (3.0, 0.5, 0.1)
+        );
+        // The best of its own methods needs no other.
+        let axis = Axis { chosen: 2, ..axis };
+        let runner_up = axis.model().identification["runner_up"].clone();
+        assert_eq!(runner_up.as_str(), Some("third"));
+        let without = Candidate {
+            score: Vec::new(),
+            ..axis.candidates[0].clone()
+        };
+        assert_eq!(without.last_rms(), f64::INFINITY);
+        assert!(without.arma().is_none() && without.composite().is_none());
+    }
+}

@@ -118,3 +118,177 @@ pub(super) fn of_composite(fit: &CompositeFit) -> Vec<String> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::{
+        normality::Quantisation,
+        screening::{Motion, Outlier, Saturation},
+        temperature::TemperatureError,
+    };
+
+    fn nothing() -> Screened {
+        Screened {
+            mean: 0.0,
+            removed: super::super::Detrend::Constant,
+            temperature: None,
+            cleaned: Vec::new(),
+            bridged: Vec::new(),
+            outliers: Vec::new(),
+            missing: 0,
+            motion: None,
+            saturation: Vec::new(),
+            hanging: Vec::new(),
+            threshold: 8.0,
+            quantisation: None,
+            before_rounding: None,
+            noise_shown: None,
+            coarse: false,
+        }
+    }
+
+    /// The only remark on a record of 2000 samples at 50 Hz.
+    fn only(of: Screened) -> String {
+        let remarks = of_record(&of, 2000, 50.0);
+        assert_eq!(remarks.len(), 1, "{remarks:?}");
+        remarks[0].clone()
+    }
+
+    #[test]
+    fn what_was_seen_of_a_record_is_said_with_its_time_and_its_share() {
+        assert!(of_record(&nothing(), 2000, 50.0).is_empty());
+        let motion = |moving| Motion {
+            ratio: 73.25,
+            moving_windows: vec![250, 900],
+            windows: 39,
+            moving,
+        };
+        let said = only(Screened {
+            motion: Some(motion(true)),
+            ..nothing()
+        });
+        assert!(
+            said.contains("not static: from 5.0 s on") && said.contains("73.2 times"),
+            "{said}"
+        );
+        let still = Screened {
+            motion: Some(motion(false)),
+            ..nothing()
+        };
+        assert!(of_record(&still, 2000, 50.0).is_empty());
+        let saturation = vec![Saturation {
+            value: 4.5,
+            samples: 30,
+        }];
+        let said = only(Screened {
+            saturation,
+            ..nothing()
+        });
+        assert!(
+            said.contains("30 samples (1.50 %) are exactly 4.5,"),
+            "{said}"
+        );
+        let stretch = |index, samples| Hanging { index, samples };
+        let hanging = vec![stretch(125, 1100), stretch(1500, 300)];
+        let said = only(Screened {
+            hanging,
+            ..nothing()
+        });
+        assert!(
+            said.contains("1100 equal samples from 2.50 s on, 2 such"),
+            "{said}"
+        );
+        let said = only(Screened {
+            missing: 15,
+            ..nothing()
+        });
+        assert_eq!(said, "15 samples (0.75 %) are missing");
+        let outlier = |index| Outlier {
+            index,
+            value: 1.0,
+            sigmas: 9.0,
+        };
+        let outliers = vec![outlier(75), outlier(80)];
+        let said = only(Screened {
+            outliers,
+            threshold: 12.0,
+            ..nothing()
+        });
+        assert_eq!(
+            said,
+            "rejected 2 samples more than 12 robust standard deviations off, the first at 1.50 s"
+        );
+        let temperature = Some(Err(TemperatureError::Missing));
+        let said = only(Screened {
+            temperature,
+            ..nothing()
+        });
+        assert_eq!(
+            said,
+            "the temperature is not used: more than a tenth of the temperatures is missing"
+        );
+    }
+
+    #[test]
+    fn rounding_is_said_where_the_noise_before_it_is_known_or_hidden() {
+        let quantisation = Some(Quantisation {
+            step: 0.6,
+            step_over_deviation: 2.0,
+            levels: 5,
+        });
+        let of = Screened {
+            quantisation,
+            ..nothing()
+        };
+        assert!(of_record(&of, 2000, 50.0).is_empty());
+        let said = only(Screened {
+            before_rounding: Some(0.2),
+            ..of
+        });
+        assert!(
+            said.contains("are 3.0 times the noise before rounding"),
+            "{said}"
+        );
+        let said = only(Screened {
+            noise_shown: Some(0.25),
+            ..nothing()
+        });
+        assert!(said.contains("it may be 4.0 times what is found"), "{said}");
+        let enough = Screened {
+            noise_shown: Some(MOSTLY_SHOWN),
+            ..nothing()
+        };
+        assert!(of_record(&enough, 2000, 50.0).is_empty());
+    }
+
+    #[test]
+    fn a_root_that_is_held_at_one_is_no_finding() {
+        let root = Warning::UnitRoot { distance: 1e-3 };
+        let free = ArmaFit {
+            warnings: vec![root, Warning::FlatLikelihood],
+            ..ArmaFit::default()
+        };
+        assert_eq!(
+            of_arma(&free),
+            [root.to_string(), Warning::FlatLikelihood.to_string()]
+        );
+        let held = ArmaFit {
+            has_unit_root: true,
+            ..free
+        };
+        assert_eq!(
+            of_arma(&held),
+            [Warning::FlatLikelihood.to_string(), HELD.to_owned()]
+        );
+        let mean = ArmaFit {
+            ar: vec![0.99],
+            ma: vec![0.999_9],
+            n: 1000,
+            ..ArmaFit::default()
+        };
+        assert!(mean.is_removed_mean());
+        assert_eq!(of_arma(&mean), [MEAN]);
+    }
+}

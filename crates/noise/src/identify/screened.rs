@@ -199,3 +199,164 @@ fn less(record: &[f64], temperature_c: &[f64], effect: &Temperature) -> Vec<f64>
     let samples = record.iter().zip(temperature_c);
     samples.map(|(x, t)| x - effect.bias(*t)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// White noise of unit variance, seed 3, about 5.
+    fn white(samples: usize) -> Vec<f64> {
+        let mut record = vec![0.0; samples];
+        let white = undrift_nav::shaping::ShapingFilter::white(1.0, 1.0).unwrap();
+        crate::synthesis::NoiseGenerator::new(&white, 3).fill(&mut record);
+        record.iter().map(|x| x + 5.0).collect()
+    }
+
+    fn screen(record: &[f64], trend: Trend) -> Screened {
+        let options = Options {
+            trend,
+            ..Options::at(49.6)
+        };
+        screened(record, &options).unwrap()
+    }
+
+    #[test]
+    fn what_is_missing_is_bridged_and_no_outlier() {
+        let mut record = white(4000);
+        record[1000] = 60.0;
+        record[2000..2010].fill(f64::NAN);
+        // An outlier beside a gap: the line across is off, too.
+        record[2010] = -50.0;
+        let found = screen(&record, Trend::Constant);
+        let places: Vec<usize> = found.outliers.iter().map(|one| one.index).collect();
+        assert_eq!((places, found.missing), (vec![1000, 2010], 10));
+        for (k, value) in found.cleaned.iter().enumerate() {
+            let is_out = k == 1000 || (2000..=2010).contains(&k);
+            assert_eq!(value.is_nan(), is_out, "{k}");
+            assert!(is_out || (value - (record[k] - found.mean)).abs() < 1e-12);
+        }
+        let between = 0.5 * (found.cleaned[999] + found.cleaned[1001]);
+        assert!((found.bridged[1000] - between).abs() < 1e-12);
+        assert!((found.mean - 5.0).abs() < 0.1, "{}", found.mean);
+        // Windows of a second, 50 samples.
+        assert_eq!(found.motion.unwrap().windows, 79);
+        assert!(
+            found.removed == Detrend::Constant && found.quantisation.is_none() && !found.coarse
+        );
+    }
+
+    #[test]
+    fn a_slope_is_told_by_the_hour_with_its_share_of_the_variance() {
+        let record: Vec<f64> = white(4000)
+            .iter()
+            .zip(0..)
+            .map(|(x, k)| x + 1e-3 * f64::from(k))
+            .collect();
+        let found = screen(&record, Trend::Linear);
+        let Detrend::Linear {
+            slope_per_hour,
+            explained,
+        } = found.removed
+        else {
+            panic!("{:?}", found.removed)
+        };
+        // A standard error of √(12/4000³) a sample, 1.4 %.
+        assert!(
+            (slope_per_hour / (1e-3 * 49.6 * 3600.0) - 1.0).abs() < 0.06,
+            "{slope_per_hour}"
+        );
+        // A ramp of 4 has a variance of 16/12.
+        let share = (16.0 / 12.0) / (1.0 + 16.0 / 12.0);
+        assert!((explained - share).abs() < 0.05, "{explained}");
+        let rest = found.cleaned.iter().sum::<f64>() / 4000.0;
+        assert!(rest.abs() < 1e-9);
+    }
+
+    /// Mostly 0, every so many samples 1.
+    fn coarse(samples: usize, each: usize, most: usize) -> Vec<f64> {
+        let mut record = vec![0.0; samples];
+        let places = (7..samples).step_by(each).take(most);
+        places.for_each(|k| record[k] = 1.0);
+        record
+    }
+
+    #[test]
+    fn noise_below_the_steps_needs_thirty_samples_off_the_mode() {
+        let found = screen(&coarse(4000, 25, 1000), Trend::Constant);
+        assert!(found.coarse && found.before_rounding.is_none());
+        // 160 of 4000 are off, 0.04 of steps² by differences: of what a σ of ½ over the quantile of 0.0204 may be.
+        let quantile = 2.045_4;
+        let shown = (0.04 / (0.5 / quantile / std::f64::consts::PI.sqrt())).sqrt();
+        assert!(
+            (found.noise_shown.unwrap() / shown - 1.0).abs() < 0.01,
+            "{:?}",
+            found.noise_shown
+        );
+        let off = |most: usize| screened(&coarse(4000, 25, most), &Options::at(50.0)).map(|_| ());
+        assert!(matches!(
+            off(29),
+            Err(IdentifyError::Coarse {
+                off: 29,
+                samples: 4000,
+                step: 1.0,
+                ..
+            })
+        ));
+        assert!(off(30).is_ok());
+        // Of twice as long a record thirty show less than a fifth of what may be.
+        let long = screened(&coarse(8000, 25, 30), &Options::at(50.0));
+        assert!(matches!(long, Err(IdentifyError::Coarse { off: 30, .. })));
+    }
+
+    #[test]
+    fn amid_a_step_a_quarter_of_equal_samples_is_no_fault() {
+        let with = |zeros: usize| {
+            let mut record = coarse(8000, 25, 1000);
+            record[1000..1000 + zeros].fill(0.0);
+            screen(&record, Trend::Constant).hanging
+        };
+        assert!(with(1500).is_empty());
+        assert_eq!(with(2100).len(), 1);
+        // Of noise that shows a thousand are.
+        let mut record = white(8000);
+        record[1000..2000].fill(5.0);
+        let [one] = screen(&record, Trend::Constant).hanging[..] else {
+            panic!()
+        };
+        assert_eq!((one.index, one.samples), (1000, 1000));
+        record[1999] = 4.0;
+        assert!(screen(&record, Trend::Constant).hanging.is_empty());
+    }
+
+    #[test]
+    fn a_record_less_the_effect_of_its_temperature() {
+        let effect = Temperature {
+            reference_c: 20.0,
+            slope: 2.0,
+            quadratic: 0.5,
+            ..Temperature::default()
+        };
+        assert_eq!(less(&[10.0, 20.0], &[21.0, 18.0], &effect), [7.5, 22.0]);
+        // An outlier does not move it.
+        let temperature: Vec<f64> = (0..4000)
+            .map(|k| 20.0 + (f64::from(k) / 300.0).sin())
+            .collect();
+        let mut record: Vec<f64> = white(4000)
+            .iter()
+            .zip(&temperature)
+            .map(|(x, t)| x + 2.0 * t)
+            .collect();
+        let clean = estimated(&record, &temperature, OutlierRule::default(), 0.02).unwrap();
+        assert!(
+            (clean.effect.slope - 2.0).abs() < 0.1 && clean.determined,
+            "{clean:?}"
+        );
+        record[1200] += 1e4;
+        let dirty = estimated(&record, &temperature, OutlierRule::default(), 0.02).unwrap();
+        assert!(
+            (dirty.effect.slope - clean.effect.slope).abs() < 0.01,
+            "{dirty:?}"
+        );
+        assert!((dirty.explained - clean.explained).abs() < 0.01);
+    }
+}

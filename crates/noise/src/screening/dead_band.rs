@@ -97,4 +97,51 @@ mod tests {
         assert_eq!(dead_band(&hanging), None);
         assert_eq!(dead_band(&[]), None);
     }
+
+    /// So many samples at zero, and others from `from` on, `apart` from each other, on both sides.
+    fn banded(inside: usize, others: usize, from: f64, apart: f64) -> Vec<f64> {
+        let other = |k: usize| {
+            (from + apart * (k / 2) as f64) * if k.is_multiple_of(2) { 1.0 } else { -1.0 }
+        };
+        let mut x = vec![0.0; inside];
+        x.extend((0..others).map(other));
+        x
+    }
+
+    #[test]
+    fn a_band_is_wide_against_the_steps_and_the_size_of_the_others() {
+        let found = dead_band(&banded(40, 60, 1.0, 0.1)).unwrap();
+        assert_eq!((found.value, found.width, found.share), (0.0, 1.0, 0.4));
+        // A tenth of the samples inside, and fifty others.
+        assert!(dead_band(&banded(10, 90, 1.0, 0.1)).is_some());
+        assert!(dead_band(&banded(9, 91, 1.0, 0.1)).is_none());
+        assert!(dead_band(&banded(40, 50, 1.0, 0.1)).is_some());
+        assert!(dead_band(&banded(40, 49, 1.0, 0.1)).is_none());
+        // Three steps.
+        assert!(dead_band(&banded(40, 60, 1.0, 0.33)).is_some());
+        assert!(dead_band(&banded(40, 60, 1.0, 0.34)).is_none());
+        // A tenth of the others' root mean square: width 1, thirty of 0.1 (k + k₀).
+        let square = |last: f64| {
+            (0..30)
+                .map(|k| (1.0 + last * f64::from(k) / 29.0).powi(2))
+                .sum::<f64>()
+                / 30.0
+        };
+        let far = (0..100)
+            .map(|k| 10.0 + 0.1 * f64::from(k))
+            .find(|last| square(*last) > 100.0)
+            .unwrap();
+        assert!(far > 15.0 && far < 20.0);
+        let grown = |last: f64| {
+            let mut x = banded(40, 0, 1.0, 0.0);
+            // A fine grid among them, that the steps are taken from.
+            x.extend(
+                (0..30).flat_map(|k| [1.0, -1.0].map(|s| s * (1.0 + last * f64::from(k) / 29.0))),
+            );
+            x.extend([1.05, -1.05]);
+            x
+        };
+        assert!(dead_band(&grown(far - 0.5)).is_some());
+        assert!(dead_band(&grown(far + 0.8)).is_none());
+    }
 }

@@ -140,3 +140,107 @@ pub fn outliers(x: &[f64], rule: OutlierRule) -> Result<Outliers, RecordError> {
         threshold,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rule(window: usize, sigmas: f64, step: f64) -> OutlierRule {
+        OutlierRule {
+            window,
+            sigmas,
+            step,
+        }
+    }
+
+    /// One window over all: median, median deviation and what is beyond, by hand.
+    #[test]
+    fn a_sample_is_measured_in_deviations_from_the_median() {
+        // About 11: deviations 0, 1, 1, 2, 2, 3, 3, 4 and 39, whose median is 2.
+        let x = [10.0, 9.0, 11.0, 8.0, 12.0, 7.0, 13.0, 14.0, 50.0];
+        let deviation = 2.0 * MAD_TO_SIGMA;
+        // Squares are capped at five of these: 44 and (10 · 1.4826)² over nine samples.
+        let squares = (44.0 + (5.0 * deviation).powi(2)) / 9.0;
+        let sigma = f64::max(deviation, squares.sqrt());
+        assert!(sigma > deviation);
+        let limit = 39.0 / sigma;
+        // With a step of 4 the samples are on a coarse grid, of whose tail nothing is told.
+        let found = outliers(&x, rule(9, limit - 1e-6, 4.0)).unwrap();
+        let [one] = found.outliers[..] else {
+            panic!("{found:?}")
+        };
+        assert_eq!((one.index, one.value), (8, 50.0));
+        assert!((one.sigmas - limit).abs() < 1e-9, "{}", one.sigmas);
+        assert_eq!(found.threshold, limit - 1e-6);
+        assert!(found.cleaned[8].is_nan() && found.cleaned[..8] == x[..8]);
+        assert!(
+            outliers(&x, rule(9, limit + 1e-6, 4.0))
+                .unwrap()
+                .outliers
+                .is_empty()
+        );
+        // A window longer than the record is the record; below, the sign is negative.
+        let below = x.map(|v| 20.0 - v);
+        let found = outliers(&below, rule(1000, limit - 1e-6, 4.0)).unwrap();
+        assert!((found.outliers[0].sigmas + limit).abs() < 1e-9);
+    }
+
+    #[test]
+    fn no_deviation_is_smaller_than_a_step_or_than_half_of_the_usual_one() {
+        let x = [10.0, 9.0, 11.0, 8.0, 12.0, 7.0, 13.0, 14.0, 50.0];
+        // A step of 8 in place of 5.4 of the noise.
+        let found = outliers(&x, rule(9, 4.8, 8.0)).unwrap();
+        assert!((found.outliers[0].sigmas - 39.0 / 8.0).abs() < 1e-12);
+        assert!(outliers(&x, rule(9, 4.9, 8.0)).unwrap().outliers.is_empty());
+        // Windows of ten about every five samples; the last quarter hardly moves, and half of the usual deviation counts there.
+        let mut x: Vec<f64> = (0..400).map(|k| f64::from(k * 37 % 11)).collect();
+        for (k, v) in x[300..].iter_mut().enumerate() {
+            *v = 0.001 * (k % 3) as f64;
+        }
+        x[350] = 3000.0;
+        let found = outliers(&x, rule(10, 8.0, 0.0)).unwrap();
+        let one = found.outliers.iter().find(|one| one.index == 350).unwrap();
+        // Of whole numbers 0 to 10 the median deviation is 3; half of it, and 3000 is capped at five of that in ten squares.
+        let floor = 1.5 * MAD_TO_SIGMA;
+        let sigma = (25.0 * floor * floor / 10.0).sqrt();
+        assert!(
+            (one.sigmas / (3000.0 / sigma) - 1.0).abs() < 0.01,
+            "{one:?}"
+        );
+    }
+
+    #[test]
+    fn where_most_samples_are_equal_the_mean_absolute_deviation_counts() {
+        // One in ten is 1: the mean deviation is 0.1, of a normal distribution √(π/2) of that.
+        let mut x: Vec<f64> = (0..1000)
+            .map(|k| f64::from(u8::from(k % 10 == 0)))
+            .collect();
+        x[505] = 9.0;
+        let found = outliers(&x, rule(100, 8.0, 0.0)).unwrap();
+        let [one] = found.outliers[..] else {
+            panic!("{found:?}")
+        };
+        let floor = 0.109 * (std::f64::consts::PI / 2.0).sqrt();
+        // Ten ones and 9, capped at five of these, in a hundred squares.
+        let capped = (5.0 * floor).min(9.0).powi(2);
+        let ones = (5.0 * floor).min(1.0).powi(2);
+        let sigma = f64::max(floor, ((10.0 * ones + capped) / 100.0).sqrt());
+        assert!((one.sigmas / (9.0 / sigma) - 1.0).abs() < 1e-9, "{one:?}");
+    }
+
+    #[test]
+    fn each_half_window_is_held_against_the_window_around_it() {
+        // The level rises by a million at sample 60; of windows of 20 about ten samples each none has more of the other side.
+        let level = |k: i32| if k < 60 { 0.0 } else { 1e6 };
+        let x: Vec<f64> = (0..120)
+            .map(|k| level(k) + f64::from(k * 37 % 11))
+            .collect();
+        let found = outliers(&x, rule(20, 30.0, 0.0)).unwrap();
+        assert!(found.outliers.is_empty(), "{:?}", found.outliers);
+        let one = rule(5, 8.0, 0.0);
+        assert!(outliers(&x[..5], one).is_ok() && outliers(&x[..4], one).is_err());
+        assert!(
+            outliers(&x, rule(4, 8.0, 0.0)).is_err() && outliers(&x, rule(5, 0.0, 0.0)).is_err()
+        );
+    }
+}

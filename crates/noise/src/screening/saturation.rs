@@ -80,4 +80,31 @@ mod tests {
             assert_eq!(saturation(nothing), []);
         }
     }
+
+    #[test]
+    fn a_stop_holds_ten_samples_and_thrice_those_of_the_level_next_to_it() {
+        let of = |counts: [usize; 4]| {
+            let levels = counts.iter().enumerate();
+            let x: Vec<f64> = levels
+                .flat_map(|(level, n)| vec![level as f64; *n])
+                .collect();
+            [
+                x.clone(),
+                x.iter().map(|v| -v).collect(),
+                x.into_iter().rev().collect(),
+            ]
+            .map(|x| saturation(&x))
+        };
+        let stop = |value: f64, samples| vec![Saturation { value, samples }];
+        // The top, the bottom, and in another order.
+        assert_eq!(
+            of([20, 30, 3, 10]),
+            [stop(3.0, 10), stop(-3.0, 10), stop(3.0, 10)]
+        );
+        assert_eq!(of([20, 30, 3, 9]), [vec![], vec![], vec![]]);
+        assert_eq!(of([20, 30, 4, 12])[0], stop(3.0, 12));
+        assert_eq!(of([20, 30, 4, 11])[0], []);
+        // Three levels are too few.
+        assert_eq!(of([0, 30, 3, 10])[0], []);
+    }
 }

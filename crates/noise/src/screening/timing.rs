@@ -186,4 +186,76 @@ mod tests {
         assert_eq!(found.gaps.len(), 19);
         assert_eq!(found.gaps[0].missing, 50);
     }
+
+    /// Twenty bursts of five stamps 1 ms apart, every 100 ms, one period of them longer.
+    fn bursts(longer: f64) -> Vec<f64> {
+        let burst = |k: usize| 0.1 * k as f64 + if k >= 12 { longer } else { 0.0 };
+        let of = |k: usize| (0..5).map(move |i| burst(k) + 0.001 * f64::from(i));
+        (0..20).flat_map(of).collect()
+    }
+
+    #[test]
+    fn a_lost_burst_is_a_gap_of_its_samples() {
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} {b}");
+        let whole = timing(&bursts(0.0)).unwrap();
+        near(whole.rate_hz, 50.0);
+        near(whole.interval_s, 0.02);
+        assert!(whole.gaps.is_empty() && whole.not_increasing.is_empty() && !whole.even);
+        // Four intervals of 1 ms and one of 96 ms in a burst, against 20 ms; the last burst has four.
+        let (within, between) = (0.019f64.powi(2), 0.076f64.powi(2));
+        near(
+            whole.jitter_rms_s,
+            ((80.0 * within + 19.0 * between) / 99.0).sqrt(),
+        );
+        near(whole.jitter_max_s, 0.076);
+        let lost = timing(&bursts(0.2)).unwrap();
+        near(lost.rate_hz, 50.0);
+        let [gap] = lost.gaps[..] else {
+            panic!("{:?}", lost.gaps)
+        };
+        assert_eq!((gap.index, gap.missing), (59, 10));
+        near(gap.length_s, 0.3);
+        near(gap.start_s, 1.104);
+        // The interval at the gap is no jitter.
+        near(
+            lost.jitter_rms_s,
+            ((80.0 * within + 18.0 * between) / 98.0).sqrt(),
+        );
+        near(lost.jitter_max_s, 0.076);
+        // A period of half as much again is none, of more it is.
+        assert!(timing(&bursts(0.0499)).unwrap().gaps.is_empty());
+        assert_eq!(timing(&bursts(0.051)).unwrap().gaps[0].missing, 5);
+    }
+
+    #[test]
+    fn bursts_are_ten_at_least_alike_and_fill_less_than_half_of_the_time() {
+        let of = |stamps: &[f64]| {
+            let intervals: Vec<f64> = stamps.windows(2).map(|w| w[1] - w[0]).collect();
+            in_bursts(stamps, &intervals).is_some()
+        };
+        let all = bursts(0.0);
+        // The first burst is before the first break: eleven have ten.
+        assert!(of(&all[..55]) && !of(&all[..50]));
+        let spread = |apart: f64, period: f64| {
+            let burst = |k: usize| (0..9).map(move |i| period * k as f64 + apart * f64::from(i));
+            (0..20).flat_map(burst).collect::<Vec<f64>>()
+        };
+        // Eight intervals fill half of sixteen.
+        assert!(of(&spread(1.0, 16.1)) && !of(&spread(1.0, 15.9)));
+        // Four intervals are between bursts, less is not.
+        assert!(of(&spread(0.2, 8.0)));
+        // A step back is none.
+        let mut back = all.clone();
+        back[31] -= 0.002;
+        assert!(!of(&back));
+        // Four fifths of the bursts have as many samples.
+        let uneven = |odd: usize| {
+            let burst = |k: usize| {
+                let n = if k % 19 < odd { 2 } else { 5 };
+                (0..n).map(move |i| 0.1 * k as f64 + 0.001 * f64::from(i))
+            };
+            (0..20).flat_map(burst).collect::<Vec<f64>>()
+        };
+        assert!(of(&uneven(4)) && !of(&uneven(5)));
+    }
 }

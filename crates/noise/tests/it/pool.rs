@@ -249,3 +249,57 @@ fn a_record_that_cannot_be_used_is_named() {
     assert!(matches!(error.error, IdentifyError::Record(_)));
     assert!(identify_pool(&[], false, LEVEL).is_err());
 }
+
+#[test]
+fn each_record_has_its_own_samples_outliers_and_remarks() {
+    let options = Options {
+        n_max: 1,
+        ..Options::at(RATE)
+    };
+    let white = ShapingFilter::white(WHITE, 1.0 / RATE).unwrap();
+    let mut records: Vec<Vec<f64>> = [2000, 2500, 2200]
+        .into_iter()
+        .zip(1..)
+        .map(|(n, seed)| draw(&white, n, seed))
+        .collect();
+    for (record, constant) in records.iter_mut().zip([1.0, 2.0, 3.0]) {
+        record.iter_mut().for_each(|x| *x += constant);
+    }
+    // Within a second of each other, a second apart, and later.
+    for at in [100, 105, 115, 500] {
+        records[0][at] += 1.0;
+    }
+    records[1][300] += 1.0;
+    let sampled: Vec<Sampled<'_>> = slices(&records)
+        .into_iter()
+        .map(|samples| Sampled { samples, options })
+        .collect();
+    let (axis, found) = identify_pool(&sampled, false, LEVEL).unwrap();
+    let counts = found
+        .records
+        .iter()
+        .map(|one| (one.samples, one.outliers, one.outlier_events));
+    assert_eq!(
+        counts.collect::<Vec<_>>(),
+        [(2000, 4, 3), (2500, 1, 1), (2200, 0, 0)]
+    );
+    for (share, constant) in found.records.iter().zip([1.0, 2.0, 3.0]) {
+        // 0.0063 of noise a sample.
+        assert!((share.mean - constant).abs() < 1e-3 && (share.level - constant).abs() < 1e-3);
+    }
+    assert!((found.common - 2.0).abs() < 1e-3 && (found.between.mean - 2.0).abs() < 1e-3);
+    let said = |of: &[String]| of.iter().filter(|one| one.starts_with("rejected")).count();
+    let remarks: Vec<usize> = found
+        .records
+        .iter()
+        .map(|one| said(&one.warnings))
+        .collect();
+    // Those of the longest are the axis's.
+    assert_eq!((remarks, said(&axis.warnings)), (vec![1, 0, 0], 1));
+    assert!(
+        axis.warnings
+            .iter()
+            .any(|one| one.starts_with("rejected 1 sample"))
+    );
+    assert_eq!(axis.samples, 6700);
+}

@@ -234,3 +234,189 @@ fn steps_of(windows: &Windows, part: &Range<usize>, found: &[Vec<Disturbance>]) 
     clearest.sort_by_key(|step| step.at.start);
     clearest
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::record::Record;
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, StandardNormal};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    fn found(shape: Shape, size: f64, fall: f64) -> Disturbance {
+        Disturbance {
+            shape,
+            coefficients: [size, 0.0],
+            fall,
+        }
+    }
+
+    /// Two axes in 4000 windows of 20 samples at 10 Hz: white noise, seed 1, to which `add` adds at a time in windows.
+    fn windows(add: impl Fn(usize, f64) -> f64) -> Windows {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(1);
+        let mut of = |axis: usize| -> Vec<f64> {
+            let mut noise = || -> f64 { StandardNormal.sample(&mut random) };
+            (0..80_000)
+                .map(|k| 0.03 * noise() + add(axis, f64::from(k) / 20.0))
+                .collect()
+        };
+        let record = Record {
+            axes: vec!["gyro_x", "accel_y"],
+            samples: vec![of(0), of(1)],
+            ..Record::default()
+        };
+        Windows::of(&record, 10.0)
+    }
+
+    #[test]
+    fn of_steps_near_each_other_the_clearest_is_one() {
+        let windows = windows(|_, _| 0.0);
+        assert_eq!((windows.width, windows.count), (20, 4000));
+        let at = |from, to, size, fall| found(Shape::Step { from, to }, size, fall);
+        let other = found(Shape::WarmUp(30.0), 9.0, 500.0);
+        let of = [
+            vec![at(40, 44, 1.0, 50.0), other, at(10, 14, 2.0, 40.0)],
+            vec![at(42, 46, 3.0, 60.0), at(14, 18, 4.0, 35.0)],
+        ];
+        let steps = steps_of(&windows, &(100..200), &of);
+        // 42..46 hides 40..44 of another axis; 14..18 begins where 10..14 ends.
+        let exact = |axis, size, at| Step { axis, size, at };
+        assert_eq!(
+            steps,
+            [
+                exact("gyro_x", 2.0, 110..114),
+                exact("accel_y", 4.0, 114..118),
+                exact("accel_y", 3.0, 142..146),
+            ]
+        );
+    }
+
+    #[test]
+    fn a_warm_up_is_all_its_parts_and_has_the_time_of_the_clearest() {
+        let of = [
+            found(Shape::WarmUp(30.0), 2.0, 90.0),
+            found(Shape::Cycle(50.0), 7.0, 400.0),
+            found(Shape::WarmUp(200.0), -1.0, 60.0),
+        ];
+        let warm_up = WarmUp::of(&of).unwrap();
+        assert_eq!((warm_up.tau, warm_up.parts.len()), (30.0, 2));
+        let exact = 2.0 * (-2f64).exp() - 2.0 - (-0.3f64).exp() + 1.0;
+        assert!((warm_up.drift(60) - exact).abs() < 1e-12);
+        assert!(WarmUp::of(&of[1..2]).is_none());
+    }
+
+    #[test]
+    fn a_disturbance_is_subtracted_from_its_axis_at_the_time_of_each_sample() {
+        let one = Subtracted {
+            axis: 1,
+            width: 4,
+            of: found(Shape::WarmUp(3.0), 2.0, 90.0),
+        };
+        let mut samples = vec![vec![1.0; 8]; 3];
+        one.subtract_from(&mut samples);
+        assert!(samples[0] == [1.0; 8] && samples[2] == [1.0; 8]);
+        for (k, sample) in samples[1].iter().enumerate() {
+            // Windows of four samples, from the middle of a sample.
+            let exact = 1.0 - 2.0 * (-(k as f64 + 0.5) / 4.0 / 3.0).exp();
+            assert!((sample - exact).abs() < 1e-12, "{k}");
+        }
+    }
+
+    #[test]
+    fn a_small_step_leaves_the_longer_side_and_a_rounded_one_is_none() {
+        let step = |axis: usize, t: f64| if axis == 1 && t >= 1000.0 { 0.05 } else { 0.0 };
+        let windows = windows(step);
+        let part = 200..3800;
+        let found = without_slow(&windows, &part, &vec![false; 3600], 10.0);
+        assert_eq!((found.kept.end, found.subtracted.len()), (3800, 0));
+        assert!(
+            (1000..=1024).contains(&found.kept.start),
+            "{:?}",
+            found.kept
+        );
+        let [one] = &found.left_out[..] else {
+            panic!("{:?}", found.left_out)
+        };
+        assert_eq!(
+            (one.why, one.axis.as_deref()),
+            (Omission::Step, Some("accel_y"))
+        );
+        // Two seconds a window.
+        assert_eq!(
+            (one.start_s.0, one.end_s.0),
+            (400.0, 2.0 * found.kept.start as f64)
+        );
+        assert!((one.step.0 / 0.05 - 1.0).abs() < 0.05, "{one:?}");
+        // Where the windows around it are disturbed otherwise it shows all the same.
+        let mut disturbed = vec![false; 3600];
+        disturbed[790..810].fill(true);
+        let found = without_slow(&windows, &part, &disturbed, 10.0);
+        assert!(
+            (1000..=1048).contains(&found.kept.start),
+            "{:?}",
+            found.kept
+        );
+    }
+
+    #[test]
+    fn a_warm_up_is_cut_off_and_a_cycle_subtracted() {
+        let warm = windows(|axis, t| {
+            if axis == 0 {
+                -2.0 * (-t / 60.0).exp()
+            } else {
+                0.0
+            }
+        });
+        let part = 0..4000;
+        let disturbed = vec![false; 4000];
+        let found = without_slow(&warm, &part, &disturbed, 10.0);
+        // Beneath the noise of averages after some eight of its times.
+        assert!(
+            [125, 250, 500, 1000].contains(&found.kept.start),
+            "{:?}",
+            found.kept
+        );
+        assert_eq!(found.kept.end, 4000);
+        let one = &found.left_out[0];
+        assert_eq!(
+            (one.why, one.axis.as_deref()),
+            (Omission::WarmUp, Some("gyro_x"))
+        );
+        assert_eq!(
+            (one.start_s.0, one.end_s.0),
+            (0.0, 2.0 * found.kept.start as f64)
+        );
+        // It rises by 2 in that time, with a time constant of 120 s.
+        let cut = found.kept.start as f64;
+        let drift = 2.0 * (1.0 - (-cut / 60.0).exp());
+        assert!((one.step.0 / drift - 1.0).abs() < 0.1, "{one:?}");
+        assert!((one.time_s.0 / 120.0 - 1.0).abs() < 0.2, "{one:?}");
+        // Its tail is subtracted, in as many parts as it is found in.
+        let tails = || found.subtracted.iter();
+        assert!(tails().all(|tail| (tail.axis, tail.width) == (0, 20)));
+        let sum: f64 = tails().map(|tail| tail.of.value(0.0)).sum();
+        let exact = -2.0 * (-cut / 60.0).exp();
+        assert!(sum < 0.0 && (sum - exact).abs() < 1e-3, "{sum} {exact}");
+
+        let wave = windows(|axis, t| {
+            if axis == 1 {
+                0.1 * (t / 100.0).sin()
+            } else {
+                0.0
+            }
+        });
+        let found = without_slow(&wave, &part, &disturbed, 10.0);
+        assert_eq!((found.kept.clone(), found.left_out.len()), (part, 1));
+        let one = &found.left_out[0];
+        assert_eq!(
+            (one.why, one.axis.as_deref()),
+            (Omission::Cycle, Some("accel_y"))
+        );
+        assert!((one.step.0 / 0.1 - 1.0).abs() < 0.1, "{one:?}");
+        let period = 2.0 * 100.0 * std::f64::consts::TAU;
+        assert!((one.time_s.0 / period - 1.0).abs() < 0.05, "{one:?}");
+        assert_eq!((one.start_s.0, one.end_s.0), (0.0, 8000.0));
+        assert_eq!((found.subtracted.len(), found.subtracted[0].axis), (1, 1));
+    }
+}

@@ -428,3 +428,6 @@ impl Columns {
         lines
     }
 }
+
+#[cfg(test)]
+mod tests;

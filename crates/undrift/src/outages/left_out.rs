@@ -185,4 +185,60 @@ mod tests {
         // Shorter than from fix to fix, and none in it.
         assert_eq!(needs.lacks(&cut(65.0, 10.0)), Some(WhyLeftOut::NoReference));
     }
+
+    #[test]
+    fn what_outages_need_is_taken_from_the_logs() {
+        use undrift_nav::{Matrix3, Vector3, earth::Geodetic};
+        let sample = |time: f64| ImuSample {
+            time,
+            dt: 0.5,
+            dtheta: Vector3::zeros(),
+            dvel: Vector3::zeros(),
+        };
+        // A second apart is no gap yet.
+        let imu = [0.0, 0.5, 1.5, 2.6, 3.0, 4.5].map(sample);
+        let place = Geodetic::from_degrees(45.0, 7.0, 0.0);
+        let fix = |time: f64| GnssFix::at(time, place, [1.0; 3]);
+        let velocity = |time: f64| GnssFix {
+            position: None,
+            velocity: Some((Vector3::zeros(), Matrix3::identity())),
+            ..fix(time)
+        };
+        let nothing = GnssFix {
+            position: None,
+            ..fix(9.0)
+        };
+        let aiding = [fix(0.0), velocity(2.0), fix(3.0), fix(7.0), nothing].map(Measurement::Gnss);
+        let rejected = Rejected::default();
+        let needs = Needs::new(&imu, &aiding, &[], &rejected, Some(2.0));
+        assert_eq!(needs.samples, [(0.0, 1.5), (2.6, 3.0), (4.5, 4.5)]);
+        assert_eq!(
+            (needs.fixes.at, needs.fixes.interval),
+            (vec![0.0, 2.0, 3.0, 7.0], 2.0)
+        );
+        assert_eq!(
+            (needs.references.at, needs.references.interval),
+            (vec![0.0, 3.0, 7.0], 3.5)
+        );
+        assert_eq!(needs.started, Some(2.0));
+    }
+
+    #[test]
+    fn the_last_time_until_another_is_known_to_the_rounding_of_stamps() {
+        let times = Times::new(vec![1.0, 2.0, 4.0]);
+        for (time, last) in [
+            (0.5, None),
+            (1.0, Some(1.0)),
+            (1.0 - 0.5 * STAMP_ROUNDING, Some(1.0)),
+            (1.0 - 2.0 * STAMP_ROUNDING, None),
+            (3.9, Some(2.0)),
+            (9.0, Some(4.0)),
+        ] {
+            assert_eq!(times.until(time), last, "{time}");
+        }
+        // Two and a half intervals of 1.5 s, or a tenth of the outage.
+        assert_eq!(times.patience(&cut(5.0, 10.0)), 3.75);
+        assert_eq!(times.patience(&cut(5.0, 60.0)), 6.0);
+        assert_eq!(Times::new(vec![1.0]).interval, 0.0);
+    }
 }

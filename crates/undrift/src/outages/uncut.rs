@@ -157,4 +157,47 @@ mod tests {
         assert_eq!(left(&both, 1.0), (false, true));
         assert_eq!(left(&both, 3.0), (true, true));
     }
+
+    fn at(time: f64) -> GnssFix {
+        GnssFix::at(time, Geodetic::from_degrees(45.0, 7.0, 0.0), [1.0; 3])
+    }
+
+    #[test]
+    fn a_fix_is_known_by_its_stamp_to_the_rounding_of_stamps() {
+        let mut rejected = Rejected::default();
+        for time in [1.0, 5.0, 9.0] {
+            rejected.note(time, [update(Outcome::Rejected), None]);
+        }
+        for (off, is_it) in [
+            (0.0, true),
+            (0.9, true),
+            (-0.9, true),
+            (1.1, false),
+            (-1.1, false),
+        ] {
+            let found = rejected.has(0, 5.0 + off * STAMP_ROUNDING);
+            assert_eq!(found, is_it, "{off}");
+        }
+        assert!(!rejected.has(1, 5.0) && !rejected.has(0, 10.0) && rejected.has(0, 9.0));
+    }
+
+    #[test]
+    fn withheld_positions_are_counted_with_those_that_are_rejected() {
+        let mut rejected = Rejected::default();
+        rejected.note(3.0, [update(Outcome::Rejected), None]);
+        rejected.note(7.0, [update(Outcome::Rejected), None]);
+        let mut aiding: Vec<Measurement> = (0..10)
+            .map(|k| Measurement::Gnss(at(f64::from(k))))
+            .collect();
+        // One without a position is none.
+        aiding[4] = Measurement::Gnss(GnssFix {
+            position: None,
+            ..at(4.0)
+        });
+        let of =
+            |from: f64, to: f64| withheld(&aiding, &rejected, |time| time >= from && time <= to);
+        assert_eq!(of(0.0, 9.0), [9, 2]);
+        assert_eq!(of(2.0, 5.0), [3, 1]);
+        assert_eq!(of(4.0, 4.0), [0, 0]);
+    }
 }

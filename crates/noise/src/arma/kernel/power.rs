@@ -190,3 +190,104 @@ fn value<const FUSED: bool, const L: usize>(
     }
     [re, im]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use realfft::num_complex::Complex64;
+
+    const PHI: [f64; 3] = [1.1, -0.6, 0.2];
+    const THETA: [f64; 2] = [0.5, -0.3];
+
+    /// |1 − Σ c wⁱ|² at w = e^(−iω).
+    fn exact(c: &[f64], omega: f64) -> f64 {
+        let powers = (1i32..).map(|i| Complex64::from_polar(1.0, -omega * f64::from(i)));
+        let sum: Complex64 = powers.zip(c).map(|(w, c)| w * *c).sum();
+        (Complex64::new(1.0, 0.0) - sum).norm_sqr()
+    }
+
+    /// Of a number that fills no row: frequencies and powers.
+    fn ordinates() -> Vec<(f64, f64)> {
+        let of = |k: i32| (0.05 + 0.08 * f64::from(k), f64::from(1 + k % 5));
+        (0..37).map(of).collect()
+    }
+
+    fn exact_sum(phi: &[f64], theta: &[f64]) -> f64 {
+        let of = |(omega, power): (f64, f64)| power * exact(phi, omega) / exact(theta, omega);
+        ordinates().into_iter().map(of).sum()
+    }
+
+    fn sums() -> PowerSum {
+        let mut sums = PowerSum::default();
+        for (omega, power) in ordinates() {
+            sums.push(omega, power);
+        }
+        sums
+    }
+
+    /// Derivatives of a function of φ and θ by central differences.
+    fn slopes(of: &dyn Fn(&[f64], &[f64]) -> f64) -> Vec<f64> {
+        let step = 1e-6;
+        let moved = |i: usize, by: f64| {
+            let (mut phi, mut theta) = (PHI, THETA);
+            match i {
+                0..3 => phi[i] += by,
+                _ => theta[i - 3] += by,
+            }
+            of(&phi, &theta)
+        };
+        let slope = |i| (moved(i, step) - moved(i, -step)) / (2.0 * step);
+        (0..5).map(slope).collect()
+    }
+
+    #[test]
+    fn powers_are_summed_over_the_polynomials_on_the_unit_circle() {
+        let sums = sums();
+        let expected = exact_sum(&PHI, &THETA);
+        let (sum, gain) = sums.over(&PHI, &THETA, 0.7);
+        assert!((sum / expected - 1.0).abs() < 1e-13, "{sum} {expected}");
+        assert!((gain * exact(&PHI, 0.7) / exact(&THETA, 0.7) - 1.0).abs() < 1e-13);
+        // As it is compiled for either kind of processor.
+        let task = || Sum {
+            phi: &PHI,
+            theta: &THETA,
+            rows: &sums.rows,
+        };
+        for row in [task().run::<false>(), task().run::<true>()] {
+            assert!((total(row) / expected - 1.0).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn gradients_are_the_slopes_of_what_they_are_of() {
+        let sums = sums();
+        let exact = slopes(&exact_sum);
+        let (by_phi, by_theta) = sums.gradient(&PHI, &THETA);
+        let mut rows = [[[0.0; LANES]; 5]; 2];
+        let [plain, fused] = &mut rows;
+        let task = |by| Gradient {
+            phi: &PHI,
+            theta: &THETA,
+            rows: &sums.rows,
+            by,
+        };
+        task(plain).run::<false>();
+        task(fused).run::<true>();
+        let of_rows = rows.map(|by| by.map(total).to_vec());
+        for found in of_rows.into_iter().chain([[by_phi, by_theta].concat()]) {
+            for (found, exact) in found.iter().zip(&exact) {
+                // Rounding of a sum of some hundred over the step.
+                assert!(
+                    (found - exact).abs() < 1e-6 * (1.0 + exact.abs()),
+                    "{found} {exact}"
+                );
+            }
+        }
+        let exact = slopes(&|phi, theta| PowerSum::gain(phi, theta, 0.7).ln());
+        let (by_phi, by_theta) = PowerSum::gain_gradient(&PHI, &THETA, 0.7);
+        for (found, exact) in [by_phi, by_theta].concat().iter().zip(exact) {
+            assert!((found - exact).abs() < 1e-8, "{found} {exact}");
+        }
+    }
+}

@@ -205,3 +205,142 @@ fn averages_of_a_walk_are_whitened() {
     let variance = 0.1 / (1.0 - (-0.2f64).exp());
     assert!((noise.weights[0].0.powi(-2) - (variance + 1.0 - 0.1 / 6.0)).abs() < 1e-12);
 }
+
+#[test]
+fn a_shape_of_averages_is_that_of_the_values() {
+    // The level changes amid the values that the averages before and after the step hold.
+    let step = Shape::Step { from: 7, to: 7 };
+    assert_eq!(step.of_values(5), Shape::Step { from: 30, to: 40 });
+    assert_eq!(Shape::WarmUp(3.0).of_values(5), Shape::WarmUp(15.0));
+    assert_eq!(Shape::Cycle(8.0).of_values(5), Shape::Cycle(40.0));
+    assert_eq!(step.enough(), 32.0);
+    assert_eq!(Shape::WarmUp(3.0).enough(), 25.0);
+    assert_eq!(Shape::Cycle(3.0).enough(), 25.0);
+    assert_eq!(step.nearby(0.1), [step]);
+    let near = |found: f64, exact: f64| assert!((found / exact - 1.0).abs() < 1e-12, "{found}");
+    let (warm_ups, cycles) = (
+        Shape::WarmUp(3.0).nearby(0.1),
+        Shape::Cycle(3.0).nearby(0.1),
+    );
+    assert_eq!((warm_ups.len(), cycles.len()), (11, 11));
+    for (k, pair) in (-5..=5).zip(warm_ups.into_iter().zip(cycles)) {
+        let (Shape::WarmUp(tau), Shape::Cycle(period)) = pair else {
+            panic!("{pair:?}")
+        };
+        near(tau, 3.0 * 2f64.powf(0.1 * f64::from(k)));
+        near(period, 3.0 * 2f64.powf(0.025 * f64::from(k)));
+    }
+}
+
+#[test]
+fn a_disturbance_has_its_size_and_its_value_at_any_time() {
+    let of = |shape, coefficients| Disturbance {
+        shape,
+        coefficients,
+        fall: 0.0,
+    };
+    let cycle = of(Shape::Cycle(8.0), [3.0, -4.0]);
+    assert_eq!(cycle.size(), 5.0);
+    for (time, exact) in [(0.0, -4.0), (2.0, 3.0), (4.0, 4.0), (6.0, -3.0)] {
+        assert!((cycle.value(time) - exact).abs() < 1e-12, "{time}");
+    }
+    let warm_up = of(Shape::WarmUp(2.0), [-3.0, 0.0]);
+    assert_eq!(warm_up.size(), -3.0);
+    assert!((warm_up.value(2.0) + 3.0 * (-1f64).exp()).abs() < 1e-12);
+    let columns = Shape::Cycle(8.0).columns(3);
+    assert_eq!(columns.len(), 2);
+    for (k, (sine, cosine)) in columns[0].iter().zip(&columns[1]).enumerate() {
+        let turn = TAU * (k as f64 + 0.5) / 8.0;
+        assert!((sine - turn.sin()).abs() < 1e-12 && (cosine - turn.cos()).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn an_average_needs_more_than_half_of_its_values() {
+    let nan = f64::NAN;
+    let found = averages(&[1.0, 2.0, nan, 6.0, nan, nan, 5.0, 7.0, 4.0], 4);
+    assert_eq!(found.len(), 2);
+    assert!(found[0] == 3.0 && found[1].is_nan());
+    let found = averages(&[nan, 2.0, 4.0, nan, nan, 9.0, 1.0], 3);
+    assert!(found[0] == 3.0 && found[1].is_nan() && found.len() == 2);
+}
+
+/// White noise alone: the costs and coefficients are those of plain least squares.
+#[test]
+fn under_white_noise_a_shape_explains_what_least_squares_do() {
+    let count = 80;
+    let series: Vec<f64> = (0..count)
+        .map(|k| (k * 37 % 19) as f64 + if k < 30 { 0.0 } else { 20.0 })
+        .collect();
+    let search = Search {
+        averages: &series,
+        present: count as f64,
+        noises: vec![Noise::new(0.0, f64::INFINITY, &vec![true; count])],
+    };
+    let level = [vec![1.0; count]];
+    let of = |from: usize, to: usize| {
+        let part = &series[from..to];
+        let mean = part.iter().sum::<f64>() / part.len() as f64;
+        (mean, part.iter().map(|x| (x - mean).powi(2)).sum::<f64>())
+    };
+    let ((_, all), (before, a), (after, b)) = (of(0, count), of(0, 30), of(30, count));
+    let whitened = search.whitened(&search.noises[0], &level);
+    assert!((whitened.squares / all - 1.0).abs() < 1e-12);
+    let (at, explained) = likeliest_step(&search.noises[0], &whitened);
+    assert_eq!(at, 30);
+    assert!(
+        (explained / (all - a - b) - 1.0).abs() < 1e-9,
+        "{explained}"
+    );
+    let cost = search.cost(&search.noises[0], all, all - a - b);
+    assert!((cost - 80.0 * ((a + b) / 80.0).ln()).abs() < 1e-9);
+    // The fall of −2 ln likelihood, and the height of the step beside the level.
+    let (shape, fall) = search.best(&level, &[Shape::WarmUp(9.0)], true).unwrap();
+    assert_eq!(shape, Shape::Step { from: 30, to: 30 });
+    assert!((fall - 80.0 * (all / (a + b)).ln()).abs() < 1e-9, "{fall}");
+    let columns = [level[0].clone(), shape.columns(count)[0].clone()];
+    let found = search.coefficients(&columns);
+    assert!((found[0] - before).abs() < 1e-9 && (found[1] - (after - before)).abs() < 1e-9);
+    // What is known explains it all: no shape is enough.
+    assert_eq!(search.best(&columns, &[Shape::WarmUp(9.0)], true), None);
+    // A column of what is known already is no column.
+    assert!(normalised(level[0].clone(), &[whitened.basis[0].clone()]).is_none());
+    let free = normalised(columns[1].clone(), &whitened.basis).unwrap();
+    assert!((dot(&free, &free) - 1.0).abs() < 1e-12 && dot(&free, &level[0]).abs() < 1e-9);
+}
+
+#[test]
+fn a_step_is_not_looked_for_where_it_is_an_outlier() {
+    let count = 80;
+    let step_at = |place: usize| {
+        let series: Vec<f64> = (0..count)
+            .map(|k| (k * 37 % 19) as f64 + if k < place { 0.0 } else { 2000.0 })
+            .collect();
+        let search = Search {
+            averages: &series,
+            present: count as f64,
+            noises: vec![Noise::new(0.0, f64::INFINITY, &vec![true; count])],
+        };
+        let of = search.whitened(&search.noises[0], &[vec![1.0; count]]);
+        likeliest_step(&search.noises[0], &of).0
+    };
+    assert_eq!((step_at(1), step_at(2), step_at(3)), (2, 2, 3));
+    assert_eq!((step_at(78), step_at(79)), (78, 78));
+}
+
+#[test]
+fn averages_of_long_records_have_their_steps_at_the_values() {
+    // 720 values in pairs.
+    let step = |k: usize| if k < 300 { 0.0 } else { 50.0 };
+    let series: Vec<f64> = (0..720)
+        .map(|k| step(k) + (k * 7919 % 101) as f64 / 50.0)
+        .collect();
+    let [one] = disturbances(&series, &[])[..] else {
+        panic!()
+    };
+    assert_eq!(one.shape, Shape::Step { from: 298, to: 302 });
+    assert!(
+        (one.size() - 50.0).abs() < 0.5 && one.fall > 100.0,
+        "{one:?}"
+    );
+}

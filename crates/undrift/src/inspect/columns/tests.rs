@@ -1,0 +1,259 @@
+//! What columns are by their numbers, and the keys that follow.
+
+use super::*;
+
+fn preview(names: &[&str], rows: Vec<Vec<f64>>) -> Preview {
+    let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+    Preview {
+        header: names.clone(),
+        names,
+        rows,
+    }
+}
+
+/// Keys and values of the only part of a table.
+fn lines(names: &[&str], rows: Vec<Vec<f64>>) -> (&'static str, Vec<(&'static str, String)>) {
+    let parts = parts_of(preview(names, rows), &mut Vec::new());
+    assert_eq!(parts.len(), 1, "{names:?}");
+    let lines = parts[0].lines.iter();
+    let lines = lines.map(|line| (line.key, line.value.replace('"', "")));
+    (parts[0].table, lines.collect())
+}
+
+fn value(lines: &[(&'static str, String)], key: &str) -> Option<String> {
+    let mut found = lines.iter().filter(|line| line.0 == key);
+    let value = found.next().map(|line| line.1.clone());
+    assert!(found.next().is_none(), "{key} twice");
+    value
+}
+
+#[test]
+fn rows_have_as_many_fields_as_most_have() {
+    let row = |n: usize| vec![1.0; n];
+    assert_eq!(usual_width(&[row(3), row(5), row(5), row(2)]), 5);
+    assert_eq!(usual_width(&[]), 0);
+    assert_eq!(
+        (
+            all(&[Some(4), Some(2), Some(7)]),
+            all(&[Some(4), None, Some(7)])
+        ),
+        (Some([4, 2, 7]), None)
+    );
+    let rows = [vec![1.0, 2.0, 3.0, 4.0], vec![5.0, f64::NAN, 6.0, 7.0]];
+    assert_eq!(
+        three_of(&rows, [3, 0, 2]),
+        [[4.0, 1.0, 3.0], [7.0, 5.0, 6.0]]
+    );
+    assert_eq!(three_of(&rows, [0, 1, 2]), [[1.0, 2.0, 3.0]]);
+    assert!(three_of(&rows, [0, 1, 9]).is_empty());
+}
+
+#[test]
+fn a_magnitude_is_steady_that_varies_by_less_than_a_third() {
+    // Of ten sizes the second is at ten percent, the last at ninety, the sixth in the middle.
+    let of = |most: f64| -> Vec<[f64; 3]> {
+        (0..10)
+            .map(|k| {
+                if k < 9 {
+                    [0.0, 3.0, 4.0]
+                } else {
+                    [0.0, 0.0, most]
+                }
+            })
+            .collect()
+    };
+    assert!(steady(&of(6.6)) && !steady(&of(6.7)));
+    assert!(!steady(&of(5.0)[..2]) && steady(&of(5.0)[..3]));
+    let samples: Vec<[f64; 3]> = (0..60)
+        .map(|k| [f64::from(k), 1.0, -f64::from(k % 2)])
+        .collect();
+    let found = means(&samples);
+    assert_eq!(found.len(), 2);
+    assert_eq!(found[0], [12.0, 1.0, -12.0 / 25.0]);
+    assert_eq!(found[1], [37.0, 1.0, -13.0 / 25.0]);
+}
+
+#[test]
+fn sensors_are_apart_where_a_fifth_of_the_rows_have_one_alone() {
+    let nan = f64::NAN;
+    let (both, gyro, accel) = (
+        vec![1.0; 6],
+        vec![1.0, 1.0, 1.0, nan, nan, nan],
+        vec![nan, nan, nan, 1.0, 1.0, 1.0],
+    );
+    let of = |counts: [usize; 3]| {
+        let rows = [&both, &gyro, &accel].into_iter().zip(counts);
+        let rows: Vec<Vec<f64>> = rows.flat_map(|(row, n)| vec![row.clone(); n]).collect();
+        apart(&rows, [0, 1, 2], [3, 4, 5])
+    };
+    assert!(of([8, 1, 1]) && of([8, 2, 0]) && of([8, 0, 2]) && of([0, 5, 5]));
+    assert!(!of([9, 1, 0]) && !of([9, 0, 1]) && !of([10, 0, 0]));
+    // All of one and none of the other.
+    assert!(!of([0, 5, 0]) && !of([0, 0, 5]));
+}
+
+#[test]
+fn a_time_grows_and_is_no_counter() {
+    let rows = |step: f64| -> Vec<Vec<f64>> {
+        (0..20)
+            .map(|k| vec![f64::from(k), 5.0, step * f64::from(k), -f64::from(k)])
+            .collect()
+    };
+    let of = |names: &[&str], step| time_by_numbers(&preview(names, rows(step)));
+    assert_eq!(of(&["n", "q", "clk", "z"], 0.1), Some(2));
+    assert_eq!(of(&["n", "q", "clk", "z"], 1.0), None);
+    // One that is known is something else.
+    assert_eq!(of(&["n", "q", "alt", "z"], 0.1), None);
+    assert_eq!(
+        time_by_numbers(&preview(&["t"], vec![vec![0.0], vec![0.5]])),
+        None
+    );
+}
+
+#[test]
+fn columns_without_names_are_found_by_their_numbers() {
+    let imu = |time: usize, accel: usize, gyro: usize| {
+        let row = |k: i32| {
+            let mut row = vec![0.0; 7];
+            row[time] = 0.01 * f64::from(k);
+            for axis in 0..3 {
+                row[gyro + axis] = 0.001 * f64::from(k * 37 % 7 - 3);
+                row[accel + axis] = [0.1, -0.2, 9.8][axis];
+            }
+            row
+        };
+        by_numbers(&preview(&[], (0..100).map(row).collect()))
+    };
+    for (time, accel, gyro) in [(0, 4, 1), (0, 1, 4), (6, 3, 0), (6, 0, 3)] {
+        let found = imu(time, accel, gyro);
+        assert_eq!(found.time, Some(time));
+        assert_eq!(
+            all(&found.accel),
+            Some([accel, accel + 1, accel + 2]),
+            "{accel}"
+        );
+        assert_eq!(all(&found.gyro), Some([gyro, gyro + 1, gyro + 2]), "{gyro}");
+    }
+    let gnss = |lat: f64, lon: f64| {
+        let row = |k: i32| vec![f64::from(k) * 0.5, lat + 1e-5 * f64::from(k), lon, 300.0];
+        by_numbers(&preview(&[], (0..50).map(row).collect())).place
+    };
+    assert_eq!(all(&gnss(47.1, 8.5)), Some([1, 2, 3]));
+    assert_eq!(all(&gnss(-33.1, 151.5)), Some([1, 2, 3]));
+    // Beyond the range, about zero, or whole.
+    for (lat, lon) in [(91.1, 8.5), (47.1, 181.5), (0.5, 8.5), (47.1, 8.0)] {
+        assert!(all(&gnss(lat, lon)) != Some([1, 2, 3]), "{lat} {lon}");
+    }
+}
+
+#[test]
+fn a_receiver_that_counts_has_places_heights_and_deviations_in_thousandths() {
+    let names = ["time", "lat", "lon", "height", "hacc", "vacc"];
+    let row = |k: i32| {
+        let k = f64::from(k);
+        vec![
+            k,
+            471_000_000.0 + 900.0 * k,
+            85_000_000.0,
+            412_000.0,
+            1500.0,
+            2500.0,
+        ]
+    };
+    let (table, found) = lines(&names, (0..30).map(row).collect());
+    assert_eq!(table, "gnss");
+    assert_eq!(
+        value(&found, "position").as_deref(),
+        Some("[lat, lon, height]")
+    );
+    assert_eq!(
+        value(&found, "position_unit").as_deref(),
+        Some("LSB/1e7 deg")
+    );
+    assert_eq!(value(&found, "height_unit").as_deref(), Some("mm"));
+    assert_eq!(
+        value(&found, "position_std_columns").as_deref(),
+        Some("[hacc, hacc, vacc]")
+    );
+    assert_eq!(
+        value(&found, "position_std_factor").as_deref(),
+        Some("0.001")
+    );
+    assert_eq!(value(&found, "velocity"), None);
+    // Degrees as they are, and angles small enough for radians.
+    let of = |lat: f64, lon: f64| {
+        let row = |k: i32| vec![f64::from(k), lat + 1e-5 * f64::from(k), lon, 412.3];
+        let (_, found) = lines(&names[..4], (0..30).map(row).collect());
+        assert_eq!(value(&found, "height_unit"), None);
+        assert_eq!(value(&found, "position_std").as_deref(), Some("3, 3, 6 m"));
+        value(&found, "position_unit")
+    };
+    assert_eq!(of(47.1, 8.5), None);
+    assert_eq!(of(0.8, 0.1).as_deref(), Some("rad"));
+    assert_eq!(of(0.8, 3.15), None);
+    assert_eq!(of(1.58, 0.1), None);
+}
+
+#[test]
+fn a_speed_is_in_the_unit_in_which_it_fits_the_positions() {
+    let names = ["time", "lat", "lon", "height", "speed", "course"];
+    // 20 m/s to the north: 1.8e-4 degrees a second.
+    let of = |speed: f64, scale: f64| {
+        let row = |k: i32| {
+            let t = f64::from(k);
+            vec![
+                scale * t,
+                47.1 + 20.0 / 111_177.0 * t,
+                8.5,
+                412.3,
+                speed + 0.001 * t,
+                0.0,
+            ]
+        };
+        let (_, found) = lines(&names, (0..60).map(row).collect());
+        assert_eq!(value(&found, "speed").as_deref(), Some("speed"));
+        assert_eq!(value(&found, "course").as_deref(), Some("course"));
+        assert_eq!(
+            value(&found, "velocity_std").as_deref(),
+            Some("0.2, 0.2, 20 m/s")
+        );
+        value(&found, "velocity_unit")
+    };
+    assert_eq!(of(20.0, 1.0), None);
+    assert_eq!(of(72.0, 1.0).as_deref(), Some("km/h"));
+    assert_eq!(of(38.9, 1.0).as_deref(), Some("kn"));
+    assert_eq!(of(2000.0, 1.0).as_deref(), Some("cm/s"));
+    assert_eq!(of(20_000.0, 1.0).as_deref(), Some("mm/s"));
+    // Of stamps in milliseconds too.
+    assert_eq!(of(72.0, 1000.0).as_deref(), Some("km/h"));
+    // In none.
+    assert_eq!(of(7.0, 1.0), None);
+}
+
+#[test]
+fn velocities_up_and_stated_deviations_have_their_keys() {
+    let names = ["time", "lat", "lon", "alt", "vn", "ve", "vu", "sacc"];
+    let row = |k: i32| {
+        vec![
+            f64::from(k),
+            47.1 + 1e-5 * f64::from(k),
+            8.5,
+            412.3,
+            1.1,
+            2.2,
+            0.1,
+            0.3,
+        ]
+    };
+    let (_, found) = lines(&names, (0..30).map(row).collect());
+    assert_eq!(value(&found, "velocity").as_deref(), Some("[vn, ve, vu]"));
+    assert_eq!(
+        value(&found, "velocity_axes").as_deref(),
+        Some("north,east,up")
+    );
+    assert_eq!(
+        value(&found, "velocity_std_columns").as_deref(),
+        Some("[sacc, sacc, sacc]")
+    );
+    assert_eq!(value(&found, "velocity_std_factor"), None);
+}
