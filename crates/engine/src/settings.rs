@@ -107,11 +107,11 @@ pub struct Settings {
 }
 
 /// A lever arm that is known to so small a part of the fixes' standard deviation is not worth estimating.
-const LITTLE: f64 = 0.2;
+const LITTLE: f64 = 0.1;
 
 impl Settings {
     /// The parameters that a filter estimates from fixes of this covariance \[m²\] on: without the lever arm where it is known to a
-    /// fifth of their standard deviation.
+    /// tenth of their standard deviation.
     pub(crate) fn worthwhile(&self, position: &Matrix3) -> Parameters {
         let least = position[(0, 0)].min(position[(1, 1)]).sqrt();
         match self.parameters.prior(Parameter::LeverArm) {
@@ -170,7 +170,7 @@ mod tests {
     use undrift_nav::parameters::Prior;
 
     #[test]
-    fn a_lever_arm_known_to_a_fifth_of_the_fixes_is_not_estimated() {
+    fn a_lever_arm_known_to_a_tenth_of_the_fixes_is_not_estimated() {
         let with = |arm: f64| {
             let mut settings = Settings::new(sensors());
             settings.parameters = Parameters::none()
@@ -180,8 +180,8 @@ mod tests {
             let position = Matrix3::from_diagonal(&Vector3::new(0.09, 0.04, 1e-4));
             settings.worthwhile(&position)
         };
-        assert_eq!(with(0.041).states(), 4);
-        assert_eq!(with(0.039).states(), 1);
-        assert!(with(0.039).prior(Parameter::TimeOffset).is_some());
+        assert_eq!(with(0.021).states(), 4);
+        assert_eq!(with(0.019).states(), 1);
+        assert!(with(0.019).prior(Parameter::TimeOffset).is_some());
     }
 }
