@@ -40,6 +40,7 @@ pub fn navigate<'py>(
     output: Vec<PathBuf>,
     format: Option<&str>,
     every: Option<f64>,
+    clock: Option<&str>,
     solution: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, String, Verdict, Bound<'py, PyDict>)> {
@@ -54,6 +55,7 @@ pub fn navigate<'py>(
     let wanted = Wanted {
         files: SolutionFile::create_all(&output, format, &options).map_err(error)?,
         hindsight: Hindsight::asked(look_ahead, smooth),
+        clock: clock.map(str::parse).transpose().map_err(error)?.unwrap_or_default(),
         recording: true,
         rows: solution,
         ..Wanted::default()

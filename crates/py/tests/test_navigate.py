@@ -354,3 +354,16 @@ def test_plain_arrays_and_the_verdict(simulation: undrift.Simulation) -> None:
     upright = {**samples, "accel": -imu.accel}
     wrong = undrift.navigate(upright, fixes, "adis16405", strict=False, **keys)
     assert wrong.verdict in ("usable with care", "not usable") and wrong.warnings
+
+
+def test_a_solution_has_the_times_of_the_clock_that_is_asked_for(simulation: undrift.Simulation) -> None:
+    imu = undrift.navigate(simulation, clock="imu")
+    gnss = undrift.navigate(simulation, clock="gnss")
+    assert not np.array_equal(imu.time_s, gnss.time_s)
+    # The clocks are the same: found to a few hundredths of a second.
+    common = min(len(imu.time_s), len(gnss.time_s))
+    assert np.abs(imu.time_s[-common:] - gnss.time_s[-common:]).max() < 0.3
+    # Of a moving car the doubt about the offset is not in a position on the receiver's clock.
+    assert np.median(gnss.north_std_m) < np.median(imu.north_std_m)
+    with pytest.raises(undrift.UndriftError, match="no clock"):
+        undrift.navigate(simulation, clock="pc")

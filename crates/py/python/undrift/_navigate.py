@@ -113,6 +113,7 @@ def navigate(
     output: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = (),
     format: str | None = None,
     every: float | None = None,
+    clock: str | None = None,
     solution: bool = True,
     strict: bool | None = None,
     progress: Progress = False,
@@ -153,6 +154,9 @@ def navigate(
         Format of the files, if not that of their extension.
     every : float, optional
         Least time between rows of the files [s].
+    clock : str, optional
+        Whose times the solution has: ``"imu"``, as the samples are stamped, or ``"gnss"``, as the fixes are. By default those
+        of the samples, and where the two differ the standard deviations contain it.
     solution : bool
         Whether the arrays are kept.
     strict : bool, optional
@@ -185,7 +189,16 @@ def navigate(
     files = [output] if isinstance(output, (str, os.PathLike)) else list(output)
     with reporter(progress, "navigate") as report:
         text, brief, (verdict, line), arrays = _undrift.navigate(
-            made._drive, bias_model, smooth, look_ahead, files, format, every, solution, report
+            made._drive,
+            bias_model,
+            smooth,
+            look_ahead,
+            files,
+            format,
+            every,
+            clock,
+            solution,
+            report,
         )
     # Without the series for plots, which take longer to parse than many a drive takes to navigate.
     told = json.loads(brief)

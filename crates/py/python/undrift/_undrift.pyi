@@ -157,6 +157,7 @@ def navigate(
     output: Sequence[Path],
     format: str | None,
     every: float | None,
+    clock: str | None,
     solution: bool,
     progress: Report | None,
 ) -> tuple[str, str, Verdict, Fields]: ...
