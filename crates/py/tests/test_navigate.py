@@ -359,11 +359,11 @@ def test_plain_arrays_and_the_verdict(simulation: undrift.Simulation) -> None:
 def test_a_solution_has_the_times_of_the_clock_that_is_asked_for(simulation: undrift.Simulation) -> None:
     imu = undrift.navigate(simulation, clock="imu")
     gnss = undrift.navigate(simulation, clock="gnss")
-    assert not np.array_equal(imu.time_s, gnss.time_s)
+    assert not np.array_equal(imu.time, gnss.time)
     # The clocks are the same: found to a few hundredths of a second.
-    common = min(len(imu.time_s), len(gnss.time_s))
-    assert np.abs(imu.time_s[-common:] - gnss.time_s[-common:]).max() < 0.3
+    common = min(len(imu.time), len(gnss.time))
+    assert np.abs(imu.time[-common:] - gnss.time[-common:]).max() < 0.3
     # Of a moving car the doubt about the offset is not in a position on the receiver's clock.
-    assert np.median(gnss.north_std_m) < np.median(imu.north_std_m)
+    assert np.median(gnss.position_std[:, 0]) < np.median(imu.position_std[:, 0])
     with pytest.raises(undrift.UndriftError, match="no clock"):
         undrift.navigate(simulation, clock="pc")
