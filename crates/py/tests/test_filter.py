@@ -57,7 +57,7 @@ def test_stepped_by_hand_it_is_navigate(sim: undrift.Simulation) -> None:
     text = drive.toml.replace('lever_arm = "0.3, 0.1, -1.2 m"', 'lever_arm = "0 m"')
     assert text != drive.toml
     # The filter here estimates none of what a drive does unless it is switched off.
-    text += '\n[states]\nscale_factor = "off"\ntime_offset = "off"\n'
+    text += '\n[states]\nlever_arm = "off"\nscale_factor = "off"\ntime_offset = "off"\n'
     logs = sim._logs(False)
     drive._drive = undrift._undrift.Drive.from_toml(
         text, "<drive>", [(f"<{name}>", log[0]) for name, log in logs.items()]
