@@ -1,6 +1,6 @@
 //! How much findings weigh, and what they conclude together.
 
-use super::{Finding, Severity};
+use super::{Finding, Log, Severity};
 use crate::tune;
 use statrs::distribution::{Binomial, DiscreteCDF};
 use std::ops::RangeInclusive;
@@ -39,6 +39,8 @@ impl Finding {
             Self::WrongAxes { .. } | Self::WrongTurnAxis { .. } => Severity::Unusable,
             Self::WrongVelocity { mend: Some(_) } => Severity::Unusable,
             Self::Constant { vertical: true, .. } => Severity::Unusable,
+            // Most of what the sensors measured is missing.
+            Self::SharedStamps { log: Log::Imu, .. } => Severity::Unusable,
             Self::Late { delay } if delay.abs() > TWO_CLOCKS => Severity::Unusable,
             Self::WrongGravity { ratio } | Self::WrongTurnRate { ratio }
                 if !RIGHT_UNIT.contains(ratio) =>
