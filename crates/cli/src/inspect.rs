@@ -109,6 +109,16 @@ pub fn complete(inspections: &[Inspection], drive: Option<&Path>) -> Result<()> 
                 ..
             }) => bail!("the {what} cannot be read: {problem}"),
             Some(_) => {}
+            None if table == "gnss"
+                && let Some(log) = inspections
+                    .iter()
+                    .find(|log| log.found.contains(&inspect::Note::NoHeight)) =>
+            {
+                bail!(
+                    "no height column in {}: add a column named height_m, with the height of the place if nothing else is known",
+                    output::shown(&log.file)
+                )
+            }
             None => bail!(
                 "no {what} in {}{}: specify their log too, as in `undrift inspect {} LOG -o drive.toml`, or write [{table}] by hand",
                 names.join(" and "),

@@ -10,6 +10,7 @@
 //! running median of the intervals. Where the increments of one row after another would have to be
 //! scaled, the rate is another than was thought, and the file is refused.
 
+mod bursts;
 mod format;
 mod thermal;
 
@@ -31,6 +32,7 @@ use crate::opened::Memory;
 use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
 use crate::skipped::{SkipKind, Skipped};
 use crate::table::TableOptions;
+use bursts::Bursts;
 use thermal::ThermalWatch;
 
 /// Values beyond this come from no sensor, in SI, rates or increments: they would overflow on the way.
@@ -57,6 +59,8 @@ pub struct Imu {
     thermal: Option<ThermalWatch>,
     /// Rows of gyros and accelerometers that are apart.
     apart: Option<JoinedRows>,
+    /// Rows that share a stamp.
+    bursts: Option<Bursts>,
     /// The last sample in memory, and its rates.
     held: Option<ImuSample>,
     rates: [f64; 6],
@@ -135,6 +139,7 @@ impl Kind for Imu {
             rates: [0.0; 6],
             held: None,
             apart: format.apart.then(JoinedRows::new),
+            bursts: format.spread_shared_stamps.then(Bursts::default),
             thermal: format
                 .thermal
                 .as_ref()
@@ -171,6 +176,11 @@ impl Kind for Imu {
             accel,
             temperature_c,
         };
+        if let Some(bursts) = &mut self.bursts {
+            bursts.row(row.line, stamp, values, skipped);
+            let (stamp, values) = bursts.next()?;
+            return self.plausible(stamp, values, row.line, skipped);
+        }
         self.plausible(stamp, values, row.line, skipped)
     }
 
@@ -179,6 +189,12 @@ impl Kind for Imu {
         line: u64,
         skipped: &mut Skipped,
     ) -> Result<Option<(f64, Values)>, ReadError> {
+        // An implausible row is counted, and the next one is asked for.
+        while let Some((stamp, values)) = self.bursts.as_mut().and_then(Bursts::last) {
+            if let Some(found) = self.plausible(stamp, values, line, skipped) {
+                return Ok(Some(found));
+            }
+        }
         match self.apart.as_mut().and_then(JoinedRows::error) {
             Some(error) => Err(error),
             None => Ok(self.joined(line, skipped)),

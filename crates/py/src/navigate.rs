@@ -55,7 +55,11 @@ pub fn navigate<'py>(
     let wanted = Wanted {
         files: SolutionFile::create_all(&output, format, &options).map_err(error)?,
         hindsight: Hindsight::asked(look_ahead, smooth),
-        clock: clock.map(str::parse).transpose().map_err(error)?.unwrap_or_default(),
+        clock: clock
+            .map(str::parse)
+            .transpose()
+            .map_err(error)?
+            .unwrap_or_default(),
         recording: true,
         rows: solution,
         ..Wanted::default()

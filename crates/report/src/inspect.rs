@@ -81,6 +81,7 @@ fn known(known: &Known) -> String {
         }
         Known::TooFew => "UNKNOWN: too few samples",
         Known::Integers => "guessed: latitude and longitude are integers of 1e-7 deg, as of a receiver that counts mm",
+        Known::Thousandths => "guessed: whole numbers, too large to be m or m/s: mm or mm/s",
         Known::SmallPlaces => "guessed: no latitude exceeds pi/2 and no longitude exceeds pi",
         Known::SmallAngles => "guessed: no angle exceeds 2 pi",
         Known::NoColumns => "guessed: no such columns; set the receiver's accuracy",
@@ -99,6 +100,19 @@ fn known(known: &Known) -> String {
         }
         Known::Apart => {
             "gyroscopes and accelerometers are apart: forces are interpolated to the times of the rates"
+        }
+        Known::Exchanged => {
+            "from their values: the columns named as gyroscopes measure gravity, so gyroscopes and accelerometers are exchanged"
+        }
+        Known::Counts => "guessed: raw counts of a range of 250 deg/s, as the accelerometers have",
+        Known::Reversed => {
+            "guessed: the gyros turn against the GNSS course unless specific force has the opposite sign"
+        }
+        Known::SharedStamps { share } => {
+            return format!(
+                "{:.0} % of the rows share the time stamp of the row before: they are spread evenly up to the next stamp",
+                100.0 * share
+            );
         }
         Known::Telephone(size) => {
             return format!(
@@ -146,8 +160,11 @@ fn note(note: &Note) -> String {
             size,
             median,
         } => format!(
-            "the column names specify accelerations in {named}, but their median magnitude is {median:.4}, as in {size}"
+            "the column names specify accelerations in {named}, but their median magnitude is {median:.4}, as in {size}, which is used"
         ),
+        Note::NoHeight => {
+            "latitude and longitude, but no height column: add a column named height_m, with the height of the place if nothing else is known".into()
+        }
         Note::NoWheels => {
             "the IMU has no fixed direction of motion: not a wheeled vehicle, or the IMU is not fixed to it; assumes x forward".into()
         }

@@ -69,7 +69,7 @@ impl Meaning {
 }
 
 /// Endings of names that are units.
-const SUFFIXES: [(&str, &str); 41] = [
+const SUFFIXES: [(&str, &str); 47] = [
     ("_dege7", "LSB/1e7 deg"),
     ("_deg_1e7", "LSB/1e7 deg"),
     ("_1e7", "LSB/1e7 deg"),
@@ -80,6 +80,12 @@ const SUFFIXES: [(&str, &str); 41] = [
     ("_km_h", "km/h"),
     ("_kmh", "km/h"),
     ("_kph", "km/h"),
+    ("_mph", "mph"),
+    ("_fps", "ft/s"),
+    ("_ft_s", "ft/s"),
+    ("_feet", "ft"),
+    ("_ft", "ft"),
+    ("_kts", "kn"),
     ("_knots", "kn"),
     ("_kn", "kn"),
     ("_mm", "mm"),

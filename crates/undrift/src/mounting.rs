@@ -3,7 +3,7 @@
 
 mod force;
 
-pub use force::{by_force, turn_ratio};
+pub use force::{by_force, is_force_reversed, turn_ratio};
 pub use undrift_engine::mounting::{
     FLOOR_TURNING, LONGEST_PASS, Mounting, MountingError, MountingEstimator,
 };

@@ -48,6 +48,9 @@ pub struct ImuFormat {
     /// Gyros and accelerometers have values in rows of their own, and blanks in the others': a sample is a row of the gyros,
     /// with the force interpolated to its time.
     pub apart: bool,
+    /// Rows of a table that share a stamp, while their values differ, are spread evenly over the time to the next stamp; else all
+    /// but the first are left out.
+    pub spread_shared_stamps: bool,
     /// Factor from the gyro columns to rad/s, or to rad for increments; 1 for a log in order.
     pub gyro_scale: f64,
     /// Factor from the accelerometer columns to m/s², or to m/s for increments; 1 for a log in order.
@@ -109,6 +112,7 @@ impl ImuFormat {
             date: None,
             time_scale: 1.0,
             apart: false,
+            spread_shared_stamps: false,
             gyro_scale: 1.0,
             accel_scale: 1.0,
             increments: false,

@@ -20,7 +20,9 @@ pub(super) fn of(log: Log, finding: &Finding) -> String {
                 format!("time stamps are {} s apart", short(*interval))
             };
             let rate = match log {
-                Log::Imu => ", or set imu.rate instead of imu.time",
+                Log::Imu => {
+                    ", or set imu.shared_stamps = \"spread\", or imu.rate instead of imu.time"
+                }
                 _ => "",
             };
             format!(

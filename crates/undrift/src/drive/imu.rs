@@ -191,6 +191,14 @@ fn read_columns(section: &Section) -> Result<ImuFormat, ConfigError> {
     format.date = section.column("date")?;
     let blanks = section.word("blanks", &[("skip", false), ("interpolate", true)])?;
     format.apart = blanks.unwrap_or(false);
+    let shared = section.word("shared_stamps", &[("skip", false), ("spread", true)])?;
+    format.spread_shared_stamps = shared.unwrap_or(false);
+    if format.apart && format.spread_shared_stamps {
+        return Err(section.error(
+            "shared_stamps",
+            "cannot be \"spread\" beside blanks = \"interpolate\": omit one",
+        ));
+    }
     Ok(format)
 }
 

@@ -1,6 +1,6 @@
 //! How much findings weigh, and what they conclude together.
 
-use super::{Finding, Severity};
+use super::{Finding, Log, Severity};
 use crate::{
     replay::{Contradiction, Part},
     tune,
@@ -55,6 +55,8 @@ impl Finding {
             Self::WrongAxes { .. } | Self::WrongTurnAxis { .. } => Severity::Unusable,
             Self::WrongVelocity { mend: Some(_) } => Severity::Unusable,
             Self::Constant { vertical: true, .. } => Severity::Unusable,
+            // Most of what the sensors measured is missing.
+            Self::SharedStamps { log: Log::Imu, .. } => Severity::Unusable,
             Self::Late { delay } if delay.abs() > TWO_CLOCKS => Severity::Unusable,
             Self::WrongGravity { ratio } | Self::WrongTurnRate { ratio }
                 if !RIGHT_UNIT.contains(ratio) =>
@@ -73,6 +75,8 @@ impl Finding {
                 Severity::Warning
             }
             Self::OutagesLeftOut { outages, of, .. } if 2 * outages > *of => Severity::Warning,
+            // A lever arm is in the position as it is.
+            Self::FarParameter { parameter, .. } if parameter == "LeverArm" => Severity::Warning,
             Self::FarParameter { sigmas, .. } if *sigmas > VERY_FAR => Severity::Warning,
             Self::Rejected(fixes) if is_jump(fixes) => Severity::Warning,
             Self::NoisyFixes { factor } if *factor > WRONG_UNIT => Severity::Warning,
@@ -203,7 +207,7 @@ pub fn is_doubtful<'a>(findings: impl IntoIterator<Item = &'a Finding>) -> bool 
 mod tests {
     use super::*;
 
-    use crate::replay::{FixMend, Log};
+    use crate::replay::FixMend;
     use Severity::{Note, Unusable, Warning};
 
     fn late(delay: f64) -> Finding {

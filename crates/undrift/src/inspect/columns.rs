@@ -80,6 +80,10 @@ pub(super) fn parts_of(mut table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
         });
     }
     let names = &columns.table.names;
+    let [lat, lon, height] = columns.found.place;
+    if lat.and(lon).is_some() && height.is_none() && columns.place_of().is_none() {
+        notes.push(Note::NoHeight);
+    }
     if parts.is_empty() {
         notes.push(match names.len() {
             0 => Note::UnknownColumns,
@@ -274,6 +278,16 @@ pub(crate) fn apart(rows: &[Vec<f64>], gyro: [usize; 3], accel: [usize; 3]) -> b
     some(alone[0]) && some(alone[1]) && 5 * (alone[0] + alone[1]) >= rows.len()
 }
 
+/// Share of the rows that have the stamp of the row before and other values.
+fn shared_stamps(rows: &[Vec<f64>], time: usize, gyro: [usize; 3], accel: [usize; 3]) -> f64 {
+    let differ = |pair: &[Vec<f64>]| {
+        let is_other = |place: &usize| pair[0].get(*place) != pair[1].get(*place);
+        pair[0].get(time) == pair[1].get(time) && gyro.iter().chain(&accel).any(is_other)
+    };
+    let shared = rows.windows(2).filter(|pair| differ(pair)).count();
+    shared as f64 / rows.len().max(1) as f64
+}
+
 pub(super) struct Columns {
     pub(super) table: Preview,
     /// Of the columns, by their names.
@@ -350,7 +364,24 @@ impl Columns {
         (lines, step)
     }
 
+    /// Whether the columns of the gyros measure gravity, and those of the accelerometers do not.
+    fn are_exchanged(&self, gyro: [usize; 3], accel: [usize; 3]) -> bool {
+        let is_gravity = |places: [usize; 3]| {
+            let samples = three_of(&self.table.rows, places);
+            matches!(units::force(&samples, None), Force::Rates(_)) && steady(&means(&samples))
+        };
+        let never = |places: [usize; 3]| !steady(&means(&three_of(&self.table.rows, places)));
+        is_gravity(gyro) && never(accel)
+    }
+
+    /// The lines of an IMU: columns, units by their names, or by gravity where that contradicts.
     fn imu(&self, gyro: [usize; 3], accel: [usize; 3], notes: &mut Vec<Note>) -> Vec<Line> {
+        let exchanged = self.are_exchanged(gyro, accel);
+        let (gyro, accel) = match exchanged {
+            true => (accel, gyro),
+            false => (gyro, accel),
+        };
+        let named = |places: [usize; 3]| self.unit(places[0]).filter(|_| !exchanged);
         let (mut lines, interval) = self.time(IMU_STEP);
         if lines.is_empty() {
             lines.push(Line::text("rate", "100 Hz", Known::NoTimes));
@@ -359,7 +390,7 @@ impl Columns {
         let turns = three_of(&self.table.rows, gyro);
         let force = units::force(&forces, interval);
         let ((gyro_unit, gyro_why), (accel_unit, accel_why), increments) = match &force {
-            Force::Increments((unit, why)) if self.unit(accel[0]).is_none() => {
+            Force::Increments((unit, why)) if named(accel).is_none() => {
                 let interval = interval.unwrap_or(1.0);
                 let rates: Vec<[f64; 3]> = turns.iter().map(|t| t.map(|x| x / interval)).collect();
                 let (rate, gyro_why) = units::rate(&rates);
@@ -371,27 +402,32 @@ impl Columns {
                 )
             }
             _ => {
-                let gyro = match self.unit(gyro[0]) {
+                let counts = units::counts(&forces);
+                let gyro = match named(gyro) {
                     Some(unit) => (unit, NAMES),
+                    None if counts.is_some() && !matches!(force, Force::Rates(_)) => {
+                        (units::COUNTS_OF_RATE[0].to_owned(), Known::Counts)
+                    }
                     None => {
                         let (unit, why) = units::rate(&turns);
                         (unit.to_owned(), why)
                     }
                 };
-                let accel = match (self.unit(accel[0]), &force) {
+                let accel = match (named(accel), &force) {
                     (Some(unit), Force::Rates((size, Known::Gravity(median)))) if unit != *size => {
                         notes.push(Note::UnitBySize {
                             named: unit.clone(),
                             size,
                             median: *median,
                         });
-                        (unit, NAMES)
+                        ((*size).to_owned(), Known::Gravity(*median))
                     }
                     (Some(unit), _) => (unit, NAMES),
                     (None, Force::Rates((unit, why))) => ((*unit).to_owned(), why.clone()),
-                    (None, Force::Unknown(why) | Force::Increments((_, why))) => {
-                        ("m/s^2".to_owned(), why.clone())
-                    }
+                    (None, Force::Unknown(why) | Force::Increments((_, why))) => match counts {
+                        Some((unit, why)) => (unit.to_owned(), why),
+                        None => ("m/s^2".to_owned(), why.clone()),
+                    },
                 };
                 (gyro, accel, false)
             }
@@ -399,11 +435,26 @@ impl Columns {
         if increments {
             lines.push(Line::text("data", "increments", Known::Increments));
         }
-        lines.push(self.three("gyro", gyro));
+        let blanks = apart(&self.table.rows, gyro, accel);
+        if let (Some(time), false) = (self.found.time, blanks) {
+            let share = shared_stamps(&self.table.rows, time, gyro, accel);
+            if share > 0.5 {
+                let known = Known::SharedStamps { share };
+                lines.push(Line::text("shared_stamps", "spread", known));
+            }
+        }
+        let columns = |key, places| {
+            let mut line = self.three(key, places);
+            if exchanged {
+                line.known = Known::Exchanged;
+            }
+            line
+        };
+        lines.push(columns("gyro", gyro));
         lines.push(Line::text("gyro_unit", &gyro_unit, gyro_why));
-        lines.push(self.three("accel", accel));
+        lines.push(columns("accel", accel));
         lines.push(Line::text("accel_unit", &accel_unit, accel_why));
-        if apart(&self.table.rows, gyro, accel) {
+        if blanks {
             lines.push(Line::text("blanks", "interpolate", Known::Apart));
         }
         lines

@@ -55,6 +55,8 @@ pub enum Known {
     TooFew,
     /// Guessed: latitudes and longitudes are integers of 1e-7 degrees, as receivers count them.
     Integers,
+    /// Guessed: standard deviations are whole numbers, too large for m or m/s: mm or mm/s.
+    Thousandths,
     /// Guessed: no latitude is beyond π/2 and no longitude beyond π.
     SmallPlaces,
     /// Guessed: no angle is beyond 2π.
@@ -71,6 +73,17 @@ pub enum Known {
     Measures(Vec<String>),
     /// Gyroscopes and accelerometers are streams of their own, which are joined.
     Apart,
+    /// Most rows have the stamp of the row before, and other values.
+    SharedStamps {
+        /// Share of the rows.
+        share: f64,
+    },
+    /// By their numbers against their names: the gyroscopes' columns measure gravity.
+    Exchanged,
+    /// Guessed: the accelerometers' numbers are counts, of the most usual range.
+    Counts,
+    /// Guessed by the turns of the course: with gravity as it is, the gyros turn against it.
+    Reversed,
     /// Guessed by the magnitude \[m/s²\] of the specific force, of a telephone whose accelerometers have the opposite sign.
     Telephone(f64),
     /// The z axis points down; x forward and y right are assumed.
@@ -130,6 +143,8 @@ pub enum Note {
         /// Their names.
         streams: Vec<String>,
     },
+    /// Latitudes and longitudes without a column of heights.
+    NoHeight,
     /// Neither inertial samples nor positions.
     Nothing,
     /// The IMU moves along no one direction of its own: it is on no wheeled vehicle, or not fixed to it.

@@ -1,10 +1,15 @@
 //! How the IMU sits in its vehicle, by how it moves against the fixes.
 
-use super::{Content, Inspection, Known, Line, Note, Part, clocks, quoted, sensor::GUESS};
+use super::{
+    Content, Inspection, Known, Line, Note, Part, clocks, quoted, sensor::GUESS,
+    units::COUNTS_OF_RATE,
+};
 use crate::{
     drive::{AXLE_STD, Drive, Logs, OTHER_CLOCK},
     engine::derived::with_velocities,
-    mounting::{EstimateError, FLOOR_TURNING, MountingError, by_force, turn_ratio},
+    mounting::{
+        EstimateError, FLOOR_TURNING, MountingError, by_force, is_force_reversed, turn_ratio,
+    },
     navigate::{NavigateError, Wanted, navigate, resolve_mounting},
     vehicle::Profile,
 };
@@ -14,6 +19,7 @@ use undrift_nav::{
     attitude::{from_rotation_vector, from_rpy, to_rpy},
     parameters::{Parameter, Prior},
     sample::{GnssFix, ImuSample},
+    units::{Quantity, unit_factor},
 };
 use undrift_noise::BiasModel;
 
@@ -62,6 +68,11 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
     }
     if let Ok(drive_so_far) = &found
         && other_unit(&mut inspections[imu.0].parts[imu.1], drive_so_far)
+    {
+        found = drive(inspections);
+    }
+    if let Ok(drive_so_far) = &found
+        && other_sign(&mut inspections[imu.0].parts[imu.1], drive_so_far)
     {
         found = drive(inspections);
     }
@@ -211,12 +222,32 @@ fn other_clock(gnss: &mut Part, drive: &Drive) -> Option<Option<Note>> {
     Some(None)
 }
 
+/// Counts of the most usual range per deg/s.
+const COUNTED: f64 = 131.0;
+
+/// Reverses the specific force where only so it fits the turns and the motion.
+fn other_sign(imu: &mut Part, drive: &Drive) -> bool {
+    let unit = imu.lines.iter_mut().find(|line| line.key == "accel_unit");
+    let Some((line, (samples, fixes))) = unit.zip(records(drive)) else {
+        return false;
+    };
+    let unit = line.value.trim_matches('"').to_owned();
+    if unit.starts_with('-') || !is_force_reversed(&samples, &fixes) {
+        return false;
+    }
+    *line = Line::text("accel_unit", &format!("-{unit}"), Known::Reversed);
+    true
+}
+
 /// Takes the other unit of the gyros where theirs was guessed by their scatter and they turn 57 times as fast or as
 /// slowly as the course.
 fn other_unit(imu: &mut Part, drive: &Drive) -> bool {
     let guessed = imu.lines.iter_mut().find(|line| {
-        let scatter = matches!(line.known, Known::LargeScatter(_) | Known::SmallScatter(_));
-        line.key == "gyro_unit" && scatter
+        let guess = matches!(
+            line.known,
+            Known::LargeScatter(_) | Known::SmallScatter(_) | Known::Counts | Known::Name { .. }
+        );
+        line.key == "gyro_unit" && guess
     });
     let Some((line, (samples, fixes))) = guessed.zip(records(drive)) else {
         return false;
@@ -225,6 +256,29 @@ fn other_unit(imu: &mut Part, drive: &Drive) -> bool {
     let Some(ratio) = turn_ratio(&samples, &fixes) else {
         return false;
     };
+    if line.known == Known::Counts {
+        // Of the usual ranges, which differ by factors of two.
+        let wanted = ratio * COUNTED;
+        let scale = |unit: &&&str| {
+            unit_factor(unit, Quantity::AngularRate).map_or(f64::INFINITY, |factor| {
+                (degree / factor / wanted).ln().abs()
+            })
+        };
+        let nearest = COUNTS_OF_RATE
+            .iter()
+            .min_by(|a, b| scale(a).total_cmp(&scale(b)));
+        let Some(unit) = nearest.filter(|unit| **unit != COUNTS_OF_RATE[0]) else {
+            return false;
+        };
+        *line = Line::text("gyro_unit", unit, Known::Turns(ratio));
+        return true;
+    }
+    // A name is taken at its word unless the other unit fits.
+    let named = matches!(line.known, Known::Name { .. });
+    let fits = |turns: f64| (0.7..1.4).contains(&turns);
+    if named && !fits(ratio * degree) && !fits(ratio / degree) {
+        return false;
+    }
     // Nearer to the other unit than to this one.
     let other = match line.value.as_str() {
         "\"rad/s\"" if ratio * degree.sqrt() > 1.0 => "deg/s",

@@ -20,6 +20,8 @@ const POSITION_STD: &str = "3, 3, 6 m";
 const VELOCITY_STD: &str = "0.2, 0.2, 0.4 m/s";
 /// The same where the vertical velocity is not known.
 const LEVEL_VELOCITY_STD: &str = "0.2, 0.2, 20 m/s";
+/// Whole numbers from here on, as standard deviations of fixes, are mm or mm/s.
+const LARGE_STD: f64 = 50.0;
 /// Most that a speed in the right unit differs from that of the positions.
 const ALIKE: std::ops::Range<f64> = 0.7..1.4;
 
@@ -72,6 +74,15 @@ impl Columns {
         whole && beyond && within
     }
 
+    /// Whether velocities beside places that are counted are integers too: mm/s.
+    fn are_thousandths(&self, place: [usize; 3], velocity: [usize; 3]) -> bool {
+        let velocities = three_of(&self.table.rows, velocity);
+        let mut numbers = velocities.iter().flatten();
+        self.are_integers(place)
+            && !velocities.is_empty()
+            && numbers.all(|number| number.fract() == 0.0)
+    }
+
     /// The lines of a velocity along axes.
     pub(super) fn velocity(&self) -> Vec<Line> {
         let Some(velocity) = all(&self.found.velocity) else {
@@ -118,11 +129,15 @@ impl Columns {
             }
             _ => {
                 let unit = self.found.velocity[0].and_then(|place| self.unit(place));
-                let unit = unit.filter(|unit| unit != "m/s");
-                (
-                    velocity,
-                    unit.map(|unit| Line::text("velocity_unit", &unit, NAMES)),
-                )
+                let counts = all(&self.found.velocity)
+                    .filter(|velocity| unit.is_none() && self.are_thousandths(place, *velocity));
+                let unit = match (unit, counts) {
+                    (None, Some(_)) => Some(Line::text("velocity_unit", "mm/s", Known::Integers)),
+                    (unit, _) => unit
+                        .filter(|unit| unit != "m/s")
+                        .map(|unit| Line::text("velocity_unit", &unit, NAMES)),
+                };
+                (velocity, unit)
             }
         };
         if velocity.is_empty() {
@@ -164,11 +179,20 @@ impl Columns {
             .iter()
             .flatten()
             .all(|number| number.fract() == 0.0);
+        // Of metres they would say that there is no fix.
+        let mut sizes: Vec<f64> = three_of(&self.table.rows, std)
+            .iter()
+            .map(|std| std[0])
+            .collect();
+        let large = !sizes.is_empty() && upper_median(&mut sizes) >= LARGE_STD;
         match named {
             Some(1.0) => {}
             Some(scale) => lines.push(Line::new(factor, scale.to_string(), NAMES)),
             None if counts && whole => {
                 lines.push(Line::new(factor, "0.001".into(), Known::Integers));
+            }
+            None if large && whole => {
+                lines.push(Line::new(factor, "0.001".into(), Known::Thousandths));
             }
             None => {}
         }

@@ -38,6 +38,34 @@ pub(super) fn force(samples: &[[f64; 3]], interval: Option<f64>) -> Force {
     }
 }
 
+/// The units of raw counts of an accelerometer of 16 bits, by its range of ±2, 4, 8 or 16 g.
+const COUNTS_OF_G: [(&str, f64); 4] = [
+    ("LSB/16384 g", 16384.0),
+    ("LSB/8192 g", 8192.0),
+    ("LSB/4096 g", 4096.0),
+    ("LSB/2048 g", 2048.0),
+];
+/// The same of a gyro, by its range of ±250, 500, 1000 or 2000 deg/s.
+pub(super) const COUNTS_OF_RATE: [&str; 4] = [
+    "LSB/131 deg/s",
+    "LSB/65.5 deg/s",
+    "LSB/32.8 deg/s",
+    "LSB/16.4 deg/s",
+];
+
+/// The unit of accelerometer samples that are whole numbers, by their median magnitude.
+pub(super) fn counts(samples: &[[f64; 3]]) -> Option<Guess> {
+    let whole = samples.iter().flatten().all(|x| x.fract() == 0.0);
+    let mut sizes: Vec<f64> = samples.iter().map(size).filter(|s| s.is_finite()).collect();
+    if !whole || sizes.is_empty() {
+        return None;
+    }
+    let median = upper_median(&mut sizes);
+    let near = |(_, gravity): &&(&str, f64)| (0.8..1.25).contains(&(median / gravity));
+    let (unit, _) = COUNTS_OF_G.iter().find(near)?;
+    Some((unit, Known::Gravity(median)))
+}
+
 fn size(v: &[f64; 3]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
@@ -98,6 +126,21 @@ mod tests {
         assert_eq!(unit(-0.0489, Some(0.005)), "m/s");
         assert_eq!(unit(16384.0, Some(0.01)), "");
         assert!(matches!(force(&[], None), Force::Unknown(_)));
+    }
+
+    #[test]
+    fn whole_numbers_are_counts_of_the_usual_ranges() {
+        let unit = |z: f64| counts(&[[3.0, -4.0, z]; 9]).map(|(unit, _)| unit);
+        for (range, lsb) in [(2.0, 16384.0), (4.0, 8192.0), (8.0, 4096.0), (16.0, 2048.0)] {
+            assert_eq!(32768.0 / range, lsb);
+            assert_eq!(
+                unit((1.02 * lsb).round()),
+                Some(format!("LSB/{lsb} g")).as_deref()
+            );
+        }
+        assert_eq!(unit(1000.5), None);
+        assert_eq!(unit(300.0), None);
+        assert_eq!(counts(&[]), None);
     }
 
     #[test]

@@ -96,6 +96,23 @@ fn spans(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<(Vector3, Vec<Span>)> {
 
 /// How many times as fast the gyros turn as the course of the fixes; `None` where that does not show.
 pub fn turn_ratio(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<f64> {
+    let (correlation, ratio) = turns(imu, fixes)?;
+    (correlation > ALIKE).then_some(ratio)
+}
+
+/// Whether the specific force has the opposite sign: with gravity where it points, the gyros turn against the course, and
+/// reversed the forces are those of the motion.
+pub fn is_force_reversed(imu: &[ImuSample], fixes: &[GnssFix]) -> bool {
+    let against = turns(imu, fixes).is_some_and(|(correlation, _)| correlation < -ALIKE);
+    let reversed = |sample: &ImuSample| ImuSample {
+        dvel: -sample.dvel,
+        ..*sample
+    };
+    against && by_force(&imu.iter().map(reversed).collect::<Vec<_>>(), fixes).is_some()
+}
+
+/// Correlation of the turns of gyros and course, and how many times as large those of the gyros are.
+fn turns(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<(f64, f64)> {
     let (down, spans) = spans(imu, fixes)?;
     let turns = |span: &Span| [span.turned / span.length, span.rate.dot(&down)];
     let count = spans.len() as f64;
@@ -110,7 +127,8 @@ pub fn turn_ratio(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<f64> {
     }
     // Upside down in the file or not, as far as gravity tells, they turn alike.
     let correlation = both / (course * gyros).sqrt();
-    (correlation > ALIKE).then(|| (gyros / course).sqrt())
+    let ratio = (gyros / course).sqrt();
+    (correlation.is_finite() && ratio.is_finite()).then_some((correlation, ratio))
 }
 
 /// Roll, pitch and yaw of the sensor in the vehicle, and the standard deviation of the yaw \[rad\]; from samples in
