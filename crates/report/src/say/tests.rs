@@ -170,7 +170,7 @@ fn every_finding_has_its_sentence() {
                 rows: 990,
                 interval: 1.0,
             },
-            "IMU log: time stamps are whole seconds and 990 rows repeat one: export times with more decimals, or set imu.rate instead of imu.time",
+            "IMU log: time stamps are whole seconds and 990 rows repeat one: export times with more decimals, or set imu.shared_stamps = \"spread\", or imu.rate instead of imu.time",
         ),
         (
             Finding::SharedStamps {
@@ -428,6 +428,11 @@ fn a_ratio_of_gravity_or_turns_hints_at_the_unit() {
         (
             0.0899,
             "0.0899",
+            "(gravity seems to be removed, as from a \"linear acceleration\": log the accelerometers with gravity)",
+        ),
+        (
+            0.0199,
+            "0.0199",
             "check imu.accel, imu.accel_unit and imu.data",
         ),
         (8.5, "8.50", "(the numbers look like m/s^2)"),

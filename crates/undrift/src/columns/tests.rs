@@ -163,6 +163,13 @@ fn every_ending_and_spelling_is_the_unit_that_it_says() {
         ("_km_h", Velocity, 1.0 / 3.6),
         ("_kmh", Velocity, 1.0 / 3.6),
         ("_kph", Velocity, 1.0 / 3.6),
+        // The statute mile of 5280 feet, the international foot of 0.3048 m.
+        ("_mph", Velocity, 5280.0 * 0.3048 / 3600.0),
+        ("_fps", Velocity, 0.3048),
+        ("_ft_s", Velocity, 0.3048),
+        ("_feet", Length, 0.3048),
+        ("_ft", Length, 0.3048),
+        ("_kts", Velocity, 1852.0 / 3600.0),
         ("_knots", Velocity, 1852.0 / 3600.0),
         ("_kn", Velocity, 1852.0 / 3600.0),
         ("_mm", Length, 1e-3),

@@ -134,7 +134,7 @@ mod tests {
         for (range, lsb) in [(2.0, 16384.0), (4.0, 8192.0), (8.0, 4096.0), (16.0, 2048.0)] {
             assert_eq!(32768.0 / range, lsb);
             assert_eq!(
-                unit((1.02 * lsb).round()),
+                unit(f64::round(1.02 * lsb)),
                 Some(format!("LSB/{lsb} g")).as_deref()
             );
         }
