@@ -74,7 +74,8 @@ impl Timing {
         receiver: Option<&ReceiverClock>,
         omega_n: &Vector3,
     ) -> Option<(NavState, [f64; NAV])> {
-        if let Some((time, v_n)) = self.before.replace((nav.time, nav.v_n))
+        if receiver.is_some()
+            && let Some((time, v_n)) = self.before.replace((nav.time, nav.v_n))
             && nav.time > time
         {
             let span = nav.time - time;
