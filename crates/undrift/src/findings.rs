@@ -183,7 +183,7 @@ pub enum Finding {
     },
     /// Innovations are larger than predicted, and so few samples miss what the vehicle does between them.
     SlowSamples {
-        /// Samples a second [Hz].
+        /// Samples a second \[Hz\].
         rate: f64,
         /// Times the predicted size.
         factor: f64,

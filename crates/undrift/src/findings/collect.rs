@@ -19,7 +19,7 @@ use undrift_noise::screening::Timing;
 pub const WITHOUT_GNSS: f64 = 5.0;
 /// Change of the fixes' standard deviations above which it is reported.
 const WORTH_REPORTING: f64 = 0.05;
-/// Below so many samples a second the motion between them is missed [Hz].
+/// Below so many samples a second the motion between them is missed \[Hz\].
 const LEAST_RATE: f64 = 25.0;
 /// Share of the fixes from which what they show is no chance.
 const SOMETIMES: f64 = 0.05;
@@ -412,7 +412,7 @@ pub fn of_accuracy(part: Part, factor: f64, summary: &Summary, known: bool) -> F
     }
 }
 
-/// The same of a log with so many samples a second [Hz].
+/// The same of a log with so many samples a second \[Hz\].
 pub fn of_rate(found: Finding, rate: f64) -> Finding {
     match found {
         Finding::OptimisticModel { factor, .. } if rate < LEAST_RATE => {
