@@ -346,8 +346,7 @@ fn sized(states: usize, start: Start) -> Result<Box<dyn Estimator>, FilterError>
         // Four columns go at a time: one that is left costs nearly as much.
         ..=16 => of_size::<16>(start),
         17..=21 => of_size::<21>(start),
-        22..=24 => of_size::<24>(start),
-        25..=28 => of_size::<28>(start),
+        22..=28 => of_size::<28>(start),
         29..=33 => of_size::<33>(start),
         34..=45 => of_size::<45>(start),
         _ => of_size::<73>(start),

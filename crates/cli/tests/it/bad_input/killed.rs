@@ -168,7 +168,7 @@ fn signals_leave_nothing_behind() {
     let case = Log::good().write("signals");
     for (signal, number) in [("INT", 2), ("TERM", 15), ("HUP", 1)] {
         case.put("nav.csv", OLD.as_bytes());
-        let met = (0..KILLS).any(|_| {
+        let met = (0..10 * KILLS).any(|_| {
             let mut child = Command::new(env!("CARGO_BIN_EXE_undrift"))
                 .args(["navigate", "drive.toml", "-o", "nav.csv"])
                 .current_dir(case.path(""))
