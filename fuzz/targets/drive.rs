@@ -17,8 +17,13 @@ libfuzzer_sys::fuzz_target!(|text: &str| {
 
 fn check(drive: &Drive) {
     let imu = &drive.imu.1;
-    for positive in [imu.time_scale, imu.gyro_scale, imu.accel_scale] {
-        assert!(positive.is_finite() && positive > 0.0, "{imu:?}");
+    assert!(
+        imu.time_scale.is_finite() && imu.time_scale > 0.0,
+        "{imu:?}"
+    );
+    let scales = imu.gyro_scale.iter().chain(&imu.accel_scale);
+    for scale in scales {
+        assert!(scale.is_finite() && *scale != 0.0, "{imu:?}");
     }
     assert!(
         imu.rate_hz

@@ -341,9 +341,9 @@ impl Imu {
         skipped: &mut Skipped,
     ) -> Option<(f64, Values)> {
         let format = &self.format;
-        let amax = |v: &Vector3| v.x.abs().max(v.y.abs()).max(v.z.abs());
-        let largest = (amax(&values.gyro) * format.gyro_scale.abs())
-            .max(amax(&values.accel) * format.accel_scale.abs());
+        let amax = |v: &Vector3, scale: &Vector3| v.component_mul(scale).amax();
+        let largest =
+            amax(&values.gyro, &format.gyro_scale).max(amax(&values.accel, &format.accel_scale));
         if largest > MAX_VALUE {
             skipped.add(SkipKind::OutOfRange, line, largest);
             return None;
@@ -391,14 +391,14 @@ impl Imu {
             Some(sample) => (&sample.dtheta, &sample.dvel),
             None => (&row.values.gyro, &row.values.accel),
         };
-        let body = |value: &Vector3, scale: f64, offset: &Vector3| {
-            format.rotation * value * (scale * length) - offset * dt
+        let body = |value: &Vector3, scale: &Vector3, offset: &Vector3| {
+            format.rotation * value.component_mul(&(scale * length)) - offset * dt
         };
         ImuSample {
             time: row.time,
             dt,
-            dtheta: body(gyro, format.gyro_scale, &format.gyro_offset),
-            dvel: body(accel, format.accel_scale, &format.accel_offset),
+            dtheta: body(gyro, &format.gyro_scale, &format.gyro_offset),
+            dvel: body(accel, &format.accel_scale, &format.accel_offset),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What files are, in words, and a starter `DRIVE.toml` for them.
 
-use crate::date;
+use crate::{date, say};
 use std::path::Path;
 use undrift::{
     inspect::{
@@ -108,6 +108,9 @@ fn known(known: &Known) -> String {
         Known::Reversed => {
             "guessed: the gyros turn against the GNSS course unless specific force has the opposite sign"
         }
+        Known::ReversedAxes => {
+            "from the motion: only with this sign of each axis do gyroscopes, accelerometers and fixes fit together"
+        }
         Known::SharedStamps { share } => {
             return format!(
                 "{:.0} % of the rows share the time stamp of the row before: they are spread evenly up to the next stamp",
@@ -171,6 +174,7 @@ fn note(note: &Note) -> String {
         Note::Apart { offset_s } => format!(
             "the logs do not overlap; if both begin at the same moment, set time_offset = \"{offset_s:.2} s\" in [gnss]"
         ),
+        Note::NoGravity { ratio } => say::wrong_gravity(*ratio),
         Note::NoMounting(why) => format!("axes guessed from gravity alone: {why}"),
         Note::Empty { table, streams } => {
             let what = match table.as_str() {

@@ -51,10 +51,11 @@ pub struct ImuFormat {
     /// Rows of a table that share a stamp, while their values differ, are spread evenly over the time to the next stamp; else all
     /// but the first are left out.
     pub spread_shared_stamps: bool,
-    /// Factor from the gyro columns to rad/s, or to rad for increments; 1 for a log in order.
-    pub gyro_scale: f64,
-    /// Factor from the accelerometer columns to m/s², or to m/s for increments; 1 for a log in order.
-    pub accel_scale: f64,
+    /// Factors from the gyros' x, y, z to rad/s, or to rad for increments; 1 for a log in order, negative for an axis that is
+    /// reversed.
+    pub gyro_scale: Vector3,
+    /// The same of the accelerometers to m/s², or to m/s for increments.
+    pub accel_scale: Vector3,
     /// The columns are increments over the interval rather than rates.
     pub increments: bool,
     /// Sampling rate \[Hz\]: makes the times where there is no time column, the interval of the first
@@ -113,8 +114,8 @@ impl ImuFormat {
             time_scale: 1.0,
             apart: false,
             spread_shared_stamps: false,
-            gyro_scale: 1.0,
-            accel_scale: 1.0,
+            gyro_scale: Vector3::repeat(1.0),
+            accel_scale: Vector3::repeat(1.0),
             increments: false,
             rate_hz: None,
             time_offset: 0.0,

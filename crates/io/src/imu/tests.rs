@@ -53,8 +53,8 @@ fn scale_rotation_and_offset() {
     let mounted = ImuFormat {
         time_scale: 1e-3,
         time_offset: 100.0,
-        gyro_scale: 2.0,
-        accel_scale: 10.0,
+        gyro_scale: Vector3::repeat(2.0),
+        accel_scale: Vector3::repeat(10.0),
         rotation: Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0),
         gyro_offset: Vector3::new(0.5, 0.0, 0.0),
         accel_offset: Vector3::new(0.0, 0.0, 1.0),

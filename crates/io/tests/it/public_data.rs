@@ -172,8 +172,8 @@ fn navego() {
 #[test]
 fn rtk_drive() {
     let format = ImuFormat {
-        gyro_scale: degrees(),
-        accel_scale: STANDARD_GRAVITY,
+        gyro_scale: Vector3::repeat(degrees()),
+        accel_scale: Vector3::repeat(STANDARD_GRAVITY),
         rate_hz: Some(100.0),
         ..ImuFormat::new(
             Some(name("gps_sow_s")),
@@ -297,8 +297,8 @@ fn ublox_drives() {
 #[test]
 fn static_record_without_times() {
     let format = ImuFormat {
-        gyro_scale: degrees(),
-        accel_scale: STANDARD_GRAVITY,
+        gyro_scale: Vector3::repeat(degrees()),
+        accel_scale: Vector3::repeat(STANDARD_GRAVITY),
         rate_hz: Some(100.0),
         ..ImuFormat::new(
             None,

@@ -76,7 +76,7 @@ pub(super) fn temperature(
     text
 }
 
-pub(super) fn wrong_gravity(ratio: f64) -> String {
+pub(crate) fn wrong_gravity(ratio: f64) -> String {
     format!(
         "the accelerometers measure {} times gravity on average: check {}",
         // A sensor without noise.
@@ -89,7 +89,7 @@ pub(super) fn wrong_gravity(ratio: f64) -> String {
             0.09..0.115 => "imu.accel_unit (the numbers look like g)",
             8.5..11.5 => "imu.accel_unit (the numbers look like m/s^2)",
             90.0..115.0 => "imu.accel_unit (the numbers look like mg or cm/s^2)",
-            0.02..0.09 => {
+            1e-6..0.09 => {
                 "imu.accel (gravity seems to be removed, as from a \"linear acceleration\": log the accelerometers with gravity)"
             }
             _ => "imu.accel, imu.accel_unit and imu.data",
@@ -124,7 +124,7 @@ pub(super) fn wrong_turn_rate(ratio: f64) -> String {
         short(ratio),
         match ratio {
             -1.7..-0.6 =>
-                "the sign of the specific force (reversed: imu.accel_unit = \"-m/s^2\" or \"-g\") and the signs of imu.gyro and imu.axes",
+                "the sign of the specific force (reversed: imu.accel_unit = \"-m/s^2\" or \"-g\") and of the gyros (one axis reversed: imu.gyro_unit = \"deg/s, deg/s, -deg/s\"), and imu.axes; `undrift inspect` on the logs tries them",
             0.01..0.03 => "imu.gyro_unit (the numbers look like deg/s)",
             34.0..97.0 => "imu.gyro_unit (the numbers look like rad/s)",
             0.0006..0.0017 => "imu.gyro_unit (the numbers are a thousand times too large)",
@@ -240,8 +240,14 @@ pub(super) fn far_parameter(parameter: &str, value: f64, sigmas: f64) -> String 
     let Constant {
         name, unit, factor, ..
     } = constant(parameter);
+    let what = match parameter {
+        "GyroScale" => {
+            "check the units and signs of imu.gyro, imu.axes and imu.mounting, or run `undrift inspect` on the logs anew"
+        }
+        _ => "check the setting that it corrects",
+    };
     format!(
-        "{name}: the estimate of {} {unit} is {sigmas:.0} prior standard deviations from zero; check the setting that it corrects",
+        "{name}: the estimate of {} {unit} is {sigmas:.0} prior standard deviations from zero; {what}",
         short(value * factor)
     )
 }
@@ -297,5 +303,7 @@ pub(super) fn wrong_axes(forward: Option<i8>, right: Option<i8>, axes: Option<&s
             );
         }
     };
-    format!("{wrong} ({seen}): check the order and signs of imu.accel")
+    format!(
+        "{wrong} ({seen}): check the order and signs of imu.accel (one axis reversed: imu.accel_unit = \"g, -g, g\"; `undrift inspect` on the logs tries them)"
+    )
 }

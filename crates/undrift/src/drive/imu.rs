@@ -39,7 +39,9 @@ pub fn load_imu(path: &Path) -> Result<ImuLog, DriveError> {
     };
     let section = top.section("imu")?;
     let ((path, format), _) = read_imu(&section, &mut logs)?;
-    let unit = |key| Ok::<_, ConfigError>(section.text(key)?.map(str::to_owned));
+    // Of x: a record has one unit, and its sign does not matter.
+    let of_x = |text: &str| text.split(',').next().unwrap_or(text).trim().to_owned();
+    let unit = |key| Ok::<_, ConfigError>(section.text(key)?.map(of_x));
     let units = unit("gyro_unit")?.zip(unit("accel_unit")?);
     Ok(ImuLog {
         logs,
@@ -146,8 +148,8 @@ fn read_vibration(section: &Section) -> Result<Option<[f64; AXES]>, ConfigError>
 /// The format with the units that its numbers are in, where these are stated instead of SI.
 fn with_units(section: &Section, mut format: ImuFormat) -> Result<ImuFormat, ConfigError> {
     let (gyro, accel) = quantities(&format);
-    format.gyro_scale = section.unit("gyro_unit", gyro, 1.0)?;
-    format.accel_scale = section.unit("accel_unit", accel, 1.0)?;
+    format.gyro_scale = section.units("gyro_unit", gyro)?;
+    format.accel_scale = section.units("accel_unit", accel)?;
     Ok(format)
 }
 
@@ -256,13 +258,18 @@ mod tests {
                 "format = \"{format}\"\ngyro_unit = \"deg/s\"\naccel_unit = \"-g\"\n"
             ));
             let of = of.unwrap();
-            assert_eq!(of.gyro_scale, 1f64.to_radians(), "{format}");
-            assert_eq!(of.accel_scale, -9.806_65, "{format}");
+            assert_eq!(
+                of.gyro_scale,
+                Vector3::repeat(1f64.to_radians()),
+                "{format}"
+            );
+            assert_eq!(of.accel_scale, Vector3::repeat(-9.806_65), "{format}");
             let si = read(&format!("format = \"{format}\"\n")).unwrap();
-            assert_eq!((si.gyro_scale, si.accel_scale), (1.0, 1.0), "{format}");
+            let one = Vector3::repeat(1.0);
+            assert_eq!((si.gyro_scale, si.accel_scale), (one, one), "{format}");
         }
         let euroc = read("format = \"euroc\"\naccel_unit = \"g\"\n").unwrap();
-        assert_eq!(euroc.accel_scale, 9.806_65);
+        assert_eq!(euroc.accel_scale, Vector3::repeat(9.806_65));
         let wrong = read("format = \"ubx\"\naccel_unit = \"deg/s\"\n").unwrap_err();
         assert!(
             wrong.starts_with("drive.toml line 4, imu.accel_unit: "),
@@ -274,7 +281,17 @@ mod tests {
     fn only_what_a_sensor_measures_may_be_reversed() {
         let columns = "time = 1\ngyro = [2, 3, 4]\naccel = [5, 6, 7]\ngyro_unit = \"rad/s\"\n";
         let of = read(&format!("{columns}accel_unit = \"- m/s^2\"\n")).unwrap();
-        assert_eq!((of.gyro_scale, of.accel_scale), (1.0, -1.0));
+        let one = Vector3::repeat(1.0);
+        assert_eq!((of.gyro_scale, of.accel_scale), (one, -one));
+        let each = columns.replace("rad/s", "rad/s, -rad/s, mrad/s");
+        let of = read(&format!("{each}accel_unit = \"g\"\n")).unwrap();
+        assert_eq!(of.gyro_scale, Vector3::new(1.0, -1.0, 1e-3));
+        let two = columns.replace("rad/s", "rad/s, -rad/s");
+        let wrong = read(&format!("{two}accel_unit = \"g\"\n")).unwrap_err();
+        assert_eq!(
+            wrong,
+            "drive.toml line 6, imu.gyro_unit: \"rad/s, -rad/s\" is neither one unit nor three of x, y, z with commas between them"
+        );
         assert!(
             read(&format!(
                 "{columns}accel_unit = \"g\"\ntime_unit = \"-s\"\n"

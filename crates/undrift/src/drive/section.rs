@@ -597,37 +597,61 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The factor to SI of a unit without number, `default` where the key is absent. Of what an inertial sensor measures
-    /// a minus before the unit, `-g`, reverses the sign.
+    /// The factor to SI of a unit without number, `default` where the key is absent; of a velocity or an angle a
+    /// minus before the unit reverses the sign.
     ///
     /// # Errors
     /// If the value is no string, or its text no unit of `quantity`.
     pub fn unit(&self, key: &'a str, quantity: Quantity, default: f64) -> Result<f64, ConfigError> {
         #[cfg(test)]
         self.note(key, Takes::Unit(quantity));
-        match self.string(key)? {
-            None => Ok(default),
-            Some(text) => {
-                use Quantity::{Acceleration, Angle, AngularRate, Velocity};
-                let signed = matches!(quantity, Acceleration | Angle | AngularRate | Velocity);
-                let minus = text.trim_start().strip_prefix(['-', '\u{2212}']);
-                let (unit, sign) = match minus.filter(|_| signed) {
-                    Some(unit) => (unit.trim_start(), -1.0),
-                    None => (text, 1.0),
-                };
-                let factor = units::unit_factor(unit, quantity).map_err(|e| {
-                    let message = match per_second(unit, quantity) {
-                        Some(meant) => format!(
-                            "\"{unit}\" is not {}; did you mean \"{meant}\"?",
-                            quantity.name()
-                        ),
-                        None => format!("\"{unit}\": {e}"),
-                    };
-                    self.error(key, message)
-                })?;
-                Ok(sign * factor)
-            }
+        let text = self.string(key)?;
+        text.map_or(Ok(default), |text| self.factor_of(key, text, quantity))
+    }
+
+    /// The factors to SI of the units of what an inertial sensor measures about x, y and z: one unit, or one of each,
+    /// `"deg/s, deg/s, -deg/s"`; a minus before a unit reverses the sign. 1 where the key is absent.
+    ///
+    /// # Errors
+    /// As [`Section::unit`]; for another number of units.
+    pub fn units(&self, key: &'a str, quantity: Quantity) -> Result<Vector3, ConfigError> {
+        #[cfg(test)]
+        self.note(key, Takes::Unit(quantity));
+        let Some(text) = self.string(key)? else {
+            return Ok(Vector3::repeat(1.0));
+        };
+        let factor = |unit: &str| self.factor_of(key, unit.trim(), quantity);
+        match *text.split(',').collect::<Vec<_>>() {
+            [all] => Ok(Vector3::repeat(factor(all)?)),
+            [x, y, z] => Ok(Vector3::new(factor(x)?, factor(y)?, factor(z)?)),
+            _ => Err(self.error(
+                key,
+                format!(
+                    "\"{text}\" is neither one unit nor three of x, y, z with commas between them"
+                ),
+            )),
         }
+    }
+
+    fn factor_of(&self, key: &'a str, text: &str, quantity: Quantity) -> Result<f64, ConfigError> {
+        use Quantity::{Acceleration, Angle, AngularRate, Velocity};
+        let signed = matches!(quantity, Acceleration | Angle | AngularRate | Velocity);
+        let minus = text.trim_start().strip_prefix(['-', '\u{2212}']);
+        let (unit, sign) = match minus.filter(|_| signed) {
+            Some(unit) => (unit.trim_start(), -1.0),
+            None => (text, 1.0),
+        };
+        let factor = units::unit_factor(unit, quantity).map_err(|e| {
+            let message = match per_second(unit, quantity) {
+                Some(meant) => format!(
+                    "\"{unit}\" is not {}; did you mean \"{meant}\"?",
+                    quantity.name()
+                ),
+                None => format!("\"{unit}\": {e}"),
+            };
+            self.error(key, message)
+        })?;
+        Ok(sign * factor)
     }
 
     /// Three numbers with one unit, `"0.1, -0.3, 0 m"`; one number means it for all three.

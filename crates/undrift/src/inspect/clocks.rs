@@ -41,7 +41,8 @@ const MOST_HOURS: f64 = 24.0;
 pub(super) fn offset(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<(f64, Known)> {
     let clocks = Clocks::of(imu, fixes)?;
     let now = clocks.correlation(0.0).unwrap_or(0.0);
-    if now > ALIKE[0] {
+    // Against each other, it is a sign that is wrong.
+    if now.abs() > ALIKE[0] {
         return None;
     }
     let [coarse, fine] = STEPS;

@@ -84,6 +84,8 @@ pub enum Known {
     Counts,
     /// Guessed by the turns of the course: with gravity as it is, the gyros turn against it.
     Reversed,
+    /// By the motion: only with these axes reversed do gyros, accelerometers and fixes fit together.
+    ReversedAxes,
     /// Guessed by the magnitude \[m/s²\] of the specific force, of a telephone whose accelerometers have the opposite sign.
     Telephone(f64),
     /// The z axis points down; x forward and y right are assumed.
@@ -153,6 +155,11 @@ pub enum Note {
     Apart {
         /// What is to be added to the times of the fixes if both begin at the same moment \[s\].
         offset_s: f64,
+    },
+    /// The accelerometers measure no gravity.
+    NoGravity {
+        /// Times gravity that they measure on average.
+        ratio: f64,
     },
     /// How the IMU sits could not be estimated from the motion, and why.
     NoMounting(String),

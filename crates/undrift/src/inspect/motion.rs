@@ -8,15 +8,18 @@ use crate::{
     drive::{AXLE_STD, Drive, Logs, OTHER_CLOCK},
     engine::derived::with_velocities,
     mounting::{
-        EstimateError, FLOOR_TURNING, MountingError, by_force, is_force_reversed, turn_ratio,
+        EstimateError, FLOOR_TURNING, LONGEST_PASS, Mounting, MountingError, by_force,
+        is_force_reversed, turn_ratio,
     },
     navigate::{NavigateError, Wanted, navigate, resolve_mounting},
+    replay::Aid,
     vehicle::Profile,
 };
 use std::path::Path;
 use undrift_nav::{
     Vector3,
     attitude::{from_rotation_vector, from_rpy, to_rpy},
+    earth::STANDARD_GRAVITY,
     parameters::{Parameter, Prior},
     sample::{GnssFix, ImuSample},
     units::{Quantity, unit_factor},
@@ -59,6 +62,10 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         let text = format!("model = \"{GUESS}\"\n{}{}", section(imu), section(gnss));
         Drive::with_logs(&text, "", Path::new(""), logs.clone())
     };
+    if let Some(ratio) = removed_gravity(&inspections[imu.0].parts[imu.1]) {
+        inspections[imu.0].found.push(Note::NoGravity { ratio });
+        return Motion::default();
+    }
     let mut found = drive(inspections);
     if let Ok(drive_so_far) = &found
         && let Some(note) = other_clock(&mut inspections[gnss.0].parts[gnss.1], drive_so_far)
@@ -94,6 +101,10 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         }
     };
     let found = resolve_mounting(&drive).map(|(_, mounting)| mounting);
+    let by_force = || records(&drive).and_then(|(imu, fixes)| by_force(&imu, &fixes));
+    let searched = found.is_ok() || by_force().is_none();
+    let reversed = searched.then(|| reversed_axes(&mut file.parts[imu.1], &drive));
+    let found = reversed.flatten().map(|of| Ok(Some(of))).unwrap_or(found);
     match found {
         Ok(None) => Motion::default(),
         Ok(Some(mounting)) => {
@@ -117,7 +128,7 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
             Motion { wheels, heading }
         }
         Err(error) => {
-            let by_force = records(&drive).and_then(|(imu, fixes)| by_force(&imu, &fixes));
+            let by_force = by_force();
             if let Some((rpy, std)) = by_force {
                 let (rpy, std) = refined(drive, &rpy, std).unwrap_or((rpy, std));
                 let value = angles(&rpy, 1);
@@ -222,6 +233,19 @@ fn other_clock(gnss: &mut Part, drive: &Drive) -> Option<Option<Note>> {
     Some(None)
 }
 
+/// Accelerometers that measure less than this times gravity on average have it removed.
+const REMOVED: f64 = 0.5;
+
+/// Times gravity that the mean specific force is, of accelerometers that measure too little at each instant.
+fn removed_gravity(imu: &Part) -> Option<f64> {
+    let measured = imu.measured.as_ref()?;
+    let Some(Content::Force(mean)) = measured.content else {
+        return None;
+    };
+    let removed = measured.size_of_force? < REMOVED * STANDARD_GRAVITY;
+    removed.then_some(Vector3::from(mean).norm() / STANDARD_GRAVITY)
+}
+
 /// Counts of the most usual range per deg/s.
 const COUNTED: f64 = 131.0;
 
@@ -237,6 +261,90 @@ fn other_sign(imu: &mut Part, drive: &Drive) -> bool {
     }
     *line = Line::text("accel_unit", &format!("-{unit}"), Known::Reversed);
     true
+}
+
+/// Signs of the axes of gyros and accelerometers that people get wrong, and that no rotation of the sensor makes right: one axis
+/// of either, all gyros, and one of both, as of left-handed axes, where all that differ by a rotation are one.
+const REVERSED: [[[f64; 3]; 2]; 8] = {
+    const AS_THEY_ARE: [f64; 3] = [1.0, 1.0, 1.0];
+    const X: [f64; 3] = [-1.0, 1.0, 1.0];
+    const Y: [f64; 3] = [1.0, -1.0, 1.0];
+    const Z: [f64; 3] = [1.0, 1.0, -1.0];
+    [
+        [X, AS_THEY_ARE],
+        [Y, AS_THEY_ARE],
+        [Z, AS_THEY_ARE],
+        [AS_THEY_ARE, X],
+        [AS_THEY_ARE, Y],
+        [AS_THEY_ARE, Z],
+        [[-1.0; 3], AS_THEY_ARE],
+        [Y, Y],
+    ]
+};
+
+/// NIS per degree of freedom of the velocities, or of positions alone, up to which samples and fixes fit together, and how many
+/// times as large it is with any other axis reversed.
+const FITTING: (f64, f64) = (2.0, 1.3);
+/// Share of rejected fixes up to which they do.
+const REJECTED: f64 = 0.02;
+
+/// How the IMU of a drive sits, and the NIS per degree of freedom of the solution with that in the first [`LONGEST_PASS`] of the
+/// log; `None` where there is none, or units, axes, signs or times contradict it.
+fn fit(drive: &Drive) -> Option<(Mounting, f64)> {
+    let (mut drive, mounting) = resolve_mounting(drive).ok()?;
+    let first = drive.open_imu().ok()?.next()?.ok()?.time;
+    let span = drive.imu.1.span.unwrap_or((first, f64::INFINITY));
+    drive.imu.1.span = Some((span.0, span.1.min(first + LONGEST_PASS)));
+    let summary = navigate(&drive, BiasModel::Arma, Wanted::default())
+        .ok()?
+        .summary;
+    let aids = [Aid::Velocity, Aid::Position].map(|aid| &summary.innovations[aid]);
+    let sums = aids.into_iter().find(|sums| sums.updates > 0)?;
+    let all = sums.updates + sums.rejected;
+    let fits = summary.implausible.is_empty() && sums.rejected as f64 <= REJECTED * all as f64;
+    Some((mounting?, sums.per_dof().filter(|_| fits)?))
+}
+
+/// Reverses axes of a log that does not fit together as it is where it does so with them reversed, and with no others.
+fn reversed_axes(imu: &mut Part, drive: &Drive) -> Option<Mounting> {
+    if fit(drive).is_some_and(|(_, nis)| nis < FITTING.0) {
+        return None;
+    }
+    let with = |[gyro, accel]: &[[f64; 3]; 2]| {
+        let mut drive = drive.clone();
+        let format = &mut drive.imu.1;
+        let (gyro, accel) = (Vector3::from(*gyro), Vector3::from(*accel));
+        format.gyro_scale.component_mul_assign(&gyro);
+        format.accel_scale.component_mul_assign(&accel);
+        fit(&drive)
+    };
+    let fits = REVERSED
+        .iter()
+        .filter_map(|signs| Some((signs, with(signs)?)));
+    let mut fits = Vec::from_iter(fits);
+    fits.sort_by(|(_, (_, a)), (_, (_, b))| a.total_cmp(b));
+    let (signs, (found, nis)) = *fits.first()?;
+    let next = fits.get(1).map_or(f64::INFINITY, |(_, (_, nis))| *nis);
+    if nis > FITTING.0 || next < FITTING.1 * nis {
+        return None;
+    }
+    let keys = [("gyro_unit", "rad/s"), ("accel_unit", "m/s^2")];
+    for ((key, si), signs) in keys.into_iter().zip(signs) {
+        if !signs.contains(&-1.0) {
+            continue;
+        }
+        let stated = imu.lines.iter().position(|line| line.key == key);
+        let stated = stated.map(|at| imu.lines.remove(at).value);
+        let unit = stated.as_ref().map_or(si, |value| value.trim_matches('"'));
+        let reversed = match unit.strip_prefix('-') {
+            Some(unit) => unit.to_owned(),
+            None => format!("-{unit}"),
+        };
+        let units = signs.map(|sign| if sign < 0.0 { &*reversed } else { unit });
+        let line = Line::text(key, &units.join(", "), Known::ReversedAxes);
+        imu.lines.push(line);
+    }
+    Some(found)
 }
 
 /// Takes the other unit of the gyros where theirs was guessed by their scatter and they turn 57 times as fast or as
@@ -289,4 +397,102 @@ fn other_unit(imu: &mut Part, drive: &Drive) -> bool {
     };
     *line = Line::text("gyro_unit", other, Known::Turns(ratio));
     true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::inspect_held;
+    use super::*;
+    use crate::simulate::{GnssNoise, Trajectory, simulate};
+    use std::fmt::Write as _;
+    use undrift_io::Memory;
+    use undrift_nav::sample::Position;
+
+    /// The lines and notes of the IMU of a drive, in rad/s and g, z up, with `alter` on each of its samples.
+    fn inspected(
+        alter: impl Fn(&mut Vector3, &mut Vector3),
+    ) -> (Vec<(&'static str, String)>, Vec<Note>) {
+        let noise = GnssNoise::default();
+        let log = simulate(&Trajectory::car(180.0, 3), 50.0, None, &noise, 3).unwrap();
+        let mut imu = "time_s,gx,gy,gz,ax,ay,az\n".to_owned();
+        for (k, sample) in log.imu.iter().enumerate() {
+            let up = Vector3::new(1.0, -1.0, -1.0) / sample.dt;
+            // As much white noise as tells rad/s from deg/s.
+            let white = 0.002 * f64::from(k as u32 % 2 * 2) - 0.002;
+            let mut gyro = sample.dtheta.component_mul(&up).add_scalar(white);
+            let mut accel = sample.dvel.component_mul(&up) / STANDARD_GRAVITY;
+            alter(&mut gyro, &mut accel);
+            let ([p, q, r], [x, y, z]) = (gyro.into(), <[f64; 3]>::from(accel));
+            let _ = writeln!(imu, "{:.3},{p},{q},{r},{x},{y},{z}", sample.time);
+        }
+        let mut gnss = "time_s,lat_deg,lon_deg,height_m,vn_mps,ve_mps,vd_mps\n".to_owned();
+        for fix in &log.gnss {
+            let (Some((Position::Geodetic(place), _)), Some((v, _))) = (fix.position, fix.velocity)
+            else {
+                panic!("{fix:?}");
+            };
+            let (lat, lon) = (place.lat.to_degrees(), place.lon.to_degrees());
+            let height = place.height;
+            let _ = writeln!(
+                gnss,
+                "{},{lat},{lon},{height},{},{},{}",
+                fix.time, v.x, v.y, v.z
+            );
+        }
+        let mut of = [("imu.csv", imu), ("gnss.csv", gnss)].map(|(name, text)| {
+            let held = Memory::Bytes(text.into_bytes().into());
+            inspect_held(Path::new(name), held).unwrap()
+        });
+        motion(&mut of);
+        let [imu, _] = of;
+        let lines = imu.parts[0].lines.iter();
+        let lines = lines.map(|line| (line.key, line.value.clone())).collect();
+        (lines, imu.found)
+    }
+
+    #[track_caller]
+    fn units(alter: impl Fn(&mut Vector3, &mut Vector3)) -> [String; 2] {
+        let (lines, found) = inspected(alter);
+        assert!(
+            lines.iter().any(|(key, _)| SITS.contains(key)) && found.is_empty(),
+            "{lines:?} {found:?}"
+        );
+        ["gyro_unit", "accel_unit"].map(|of| {
+            let line = lines.iter().find(|(key, _)| *key == of);
+            line.unwrap().1.trim_matches('"').to_owned()
+        })
+    }
+
+    #[test]
+    fn axes_with_a_wrong_sign_are_found_by_the_motion() {
+        assert_eq!(units(|_, _| ()), ["rad/s", "g"]);
+        let turned = units(|gyro, _| gyro.z = -gyro.z);
+        assert_eq!(turned, ["rad/s, rad/s, -rad/s", "g"]);
+        let forward = units(|_, accel| accel.y = -accel.y);
+        assert_eq!(forward, ["rad/s", "g, -g, g"]);
+        // Whichever of the axes of a left-handed triad is reversed is the same but for a rotation.
+        let mirrored = units(|gyro, accel| {
+            gyro.y = -gyro.y;
+            accel.y = -accel.y;
+        });
+        assert_eq!(mirrored, ["rad/s, -rad/s, rad/s", "g, -g, g"]);
+        let mirrored = units(|gyro, accel| {
+            gyro.swap_rows(0, 1);
+            accel.swap_rows(0, 1);
+        });
+        assert_eq!(mirrored, ["rad/s, -rad/s, rad/s", "g, -g, g"]);
+    }
+
+    #[test]
+    fn forces_without_gravity_show_no_mounting() {
+        let (lines, found) = inspected(|_, accel| accel.z -= 1.0);
+        assert!(
+            !lines.iter().any(|(key, _)| SITS.contains(key)),
+            "{lines:?}"
+        );
+        assert!(
+            matches!(found[..], [Note::NoGravity { ratio }] if ratio < 0.05),
+            "{found:?}"
+        );
+    }
 }
