@@ -16,6 +16,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
         place: Some(PositionColumns::Geodetic {
             columns: ["lat", "lon", "height"].map(name),
             angle_scale: 1f64.to_radians(),
+            degrees_minutes: false,
             height_scale: 1.0,
         }),
         quality: Some(name("q")),

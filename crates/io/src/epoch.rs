@@ -1,6 +1,6 @@
 //! The date of a log: what its time zero is in GPS time and UTC.
 
-use crate::time::{self, Utc, WEEK, WeekClock};
+use crate::time::{self, DAY, Utc, WEEK, WeekClock};
 
 const NANOS: f64 = 1e9;
 /// Nanoseconds of a week.
@@ -9,6 +9,11 @@ const WEEK_NS: i64 = 604_800_000_000_000;
 const UNIX_TIMES: std::ops::Range<f64> = 1e9..4e9;
 /// GPS seconds since 1980 up to 2030, which are Unix times too: up to 2020.
 const GPS_TIMES: std::ops::Range<f64> = 1e9..1.6e9;
+
+/// Day numbers of spreadsheets between 1982 and 2119.
+const DAY_NUMBERS: std::ops::Range<f64> = 30_000.0..80_000.0;
+/// That of the Unix epoch.
+const UNIX_DAY: f64 = 25_569.0;
 
 /// What tells the date of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,6 +82,13 @@ impl Epoch {
             return None;
         }
         Self::of_unix(first, first, ClockSource::Utc)
+    }
+
+    /// Of a table whose first time, in days of 86 400 s, is the day number of a spreadsheet, in no stated time zone.
+    pub(crate) fn of_days(first: f64) -> Option<Self> {
+        let unix = (first - UNIX_DAY) * DAY;
+        let known = DAY_NUMBERS.contains(&first);
+        known.then(|| Self::of_unix(unix, first * DAY, ClockSource::NoZone))?
     }
 
     /// As users state it: a date and time of day in UTC, or `week 2374` of GPS.
@@ -167,7 +179,6 @@ pub(crate) fn nanoseconds(seconds: f64) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::time::DAY;
 
     const GNSS: ClockSource = ClockSource::Gnss;
 
@@ -191,6 +202,19 @@ mod tests {
         assert_eq!(Epoch::stated("week 2374").unwrap().after(week), 0.0);
         assert_eq!(week.shifted(1.5).after(week), 1.5);
         assert_eq!(week.after(week.shifted(1.5)), -1.5);
+    }
+
+    #[test]
+    fn day_numbers_are_dates() {
+        // 8 July 2025 19:34:00 UTC: 45846 in Excel, DATEVALUE("2025-07-08").
+        let day = 45_846.0 + 70_440.0 / DAY;
+        let epoch = Epoch::of_days(day).unwrap();
+        // Doubles of 45 846 days have steps of 6e-7 s.
+        assert!((epoch.unix(day * DAY) - 1_752_003_240.0).abs() < 2e-6);
+        assert_eq!(epoch.clock, ClockSource::NoZone);
+        for number in [0.5, 20_000.0, 100_000.0, 1e6, f64::NAN] {
+            assert_eq!(Epoch::of_days(number), None, "{number}");
+        }
     }
 
     #[test]

@@ -13,6 +13,7 @@ use std::sync::Arc;
 use undrift_nav::sample::{GnssFix, Position};
 
 use crate::ReadError;
+use crate::angle::are_degrees_minutes;
 use crate::entry::{Entry, Wanted, What};
 use crate::fix::on_earth;
 pub use crate::fix::{VelocityAxes, quality_of_rtklib};
@@ -228,6 +229,9 @@ fn cause(out: &SkipEntry) -> Option<ReadError> {
     } else if (90.0..=180.0).contains(&a.abs()) && b.abs() < 90.0 {
         let problem = format!("latitude and longitude are exchanged {at}");
         (problem, "list the latitude first in gnss.position")
+    } else if are_degrees_minutes(a, b) {
+        let problem = format!("latitude and longitude are degrees and minutes, ddmm.mmmm {at}");
+        (problem, "set gnss.position_unit = \"ddmm.mmmm\"")
     } else if a.abs().max(b.abs()) > 1e8 {
         let problem = format!("latitude and longitude are in 1e-7 deg {at}");
         (problem, "divide them by 1e7")

@@ -32,6 +32,7 @@ pub fn kf_gins_gnss(columns: usize) -> GnssFormat {
         place: Some(PositionColumns::Geodetic {
             columns: three(2),
             angle_scale: 1f64.to_radians(),
+            degrees_minutes: false,
             height_scale: 1.0,
         }),
         position_std: Some(three(if with_velocity { 8 } else { 5 })),

@@ -7,6 +7,7 @@
 //! Numbers leave this crate in the units and frames of `undrift-nav`: SI and radians,
 //! north-east-down and forward-right-down; whatever a file has is scaled and rotated on reading.
 
+pub mod angle;
 pub mod epoch;
 pub mod foreign;
 pub mod format;

@@ -28,6 +28,16 @@ pub(crate) fn parse_finite(field: &[u8]) -> Option<f64> {
     parse(field).filter(|value| value.is_finite())
 }
 
+/// The same of a field whose decimal mark may be a comma.
+pub(crate) fn parse_with_comma(field: &[u8]) -> Option<f64> {
+    parse(field).or_else(|| {
+        let at = field.iter().position(|byte| *byte == b',')?;
+        let mut field = field.to_vec();
+        *field.get_mut(at)? = b'.';
+        parse(&field)
+    })
+}
+
 /// Parses the decimal number that `bytes` starts with: its value and its length in bytes. `None`
 /// if there is none, which includes `nan` and `inf`.
 #[inline]
@@ -239,5 +249,10 @@ mod tests {
         assert!(parse(b"NaN").unwrap().is_nan());
         assert_eq!(parse(b"-inf"), Some(f64::NEG_INFINITY));
         assert_eq!(parse(&[0xff, 0xfe]), None);
+        assert_eq!(parse_with_comma(b"1,5"), Some(1.5));
+        assert_eq!(parse_with_comma(b"-1.5"), Some(-1.5));
+        for text in ["1,2,3", "1.2,3", ",", ""] {
+            assert_eq!(parse_with_comma(text.as_bytes()), None, "{text}");
+        }
     }
 }

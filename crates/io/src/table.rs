@@ -39,7 +39,7 @@ use std::path::{Path, PathBuf};
 pub use columns::Columns;
 pub(crate) use header::has_named_numbers;
 pub(crate) use monitor::Monitor;
-pub use wanted::{Column, Preview, Stamp, TableOptions};
+pub use wanted::{Angles, Column, Preview, Stamp, TableOptions};
 pub(crate) use wanted::{check_time_scale, three};
 
 use counter::Counter;
@@ -49,6 +49,7 @@ use crate::epoch::Epoch;
 use crate::skipped::{SkipKind, Skipped};
 use crate::source::Source;
 use crate::table::lines::MAX_LINE;
+use crate::time::DAY;
 use wanted::{Defect, Keep, NextRow, no_rows};
 
 /// What a table is read from.
@@ -127,7 +128,7 @@ impl Table {
             stamp: options.stamp.clone(),
             counter: (options.stamp.as_ref())
                 .filter(|stamp| stamp.date.is_none())
-                .map(|stamp| (stamp.place, Counter::default())),
+                .map(|stamp| (stamp.place, Counter::of(stamp.scale))),
             epoch: None,
         })
     }
@@ -236,8 +237,11 @@ impl Table {
             OpenTable::Text(table) => table.epoch(),
             _ => None,
         };
-        let first = row.get(stamp.place)? * stamp.scale;
-        by_text.or_else(|| Epoch::of_number(first, &stamp.column))
+        let first = *row.get(stamp.place)?;
+        by_text.or_else(|| match stamp.scale == DAY {
+            true => Epoch::of_days(first),
+            false => Epoch::of_number(first * stamp.scale, &stamp.column),
+        })
     }
 
     pub(crate) fn skipped_mut(&mut self) -> &mut Skipped {

@@ -288,9 +288,10 @@ fn half_of_day(field: &[u8]) -> Option<(&[u8], f64)> {
     Some((time.trim_ascii_end(), after))
 }
 
-/// Seconds of day of an hour, a minute and a second, which may be 60.
+/// Seconds of day of an hour, a minute and a second, which may be 60 and have a decimal comma (ISO 8601).
 pub(crate) fn of_day(hour: &[u8], minute: &[u8], second: &[u8]) -> Option<f64> {
-    let (hour, minute, second) = (whole(hour)?, whole(minute)?, number::parse(second)?);
+    let second = number::parse_with_comma(second)?;
+    let (hour, minute) = (whole(hour)?, whole(minute)?);
     let plausible = hour < 24 && minute < 60 && (0.0..61.0).contains(&second);
     plausible.then(|| (hour * 3600 + minute * 60) as f64 + second)
 }
@@ -429,6 +430,15 @@ mod tests {
             "07/08/2025 07:34:00 pm",
         ] {
             assert_eq!(times(&[text]), [expected], "{text}");
+        }
+        // ISO 8601 allows the comma.
+        for text in [
+            "2025-07-08T19:34:00,75Z",
+            "8.7.2025 19:34:00,75",
+            "7/8/2025, 7:34:00,75 PM",
+        ] {
+            let found = times(&[text])[0].unwrap();
+            assert!((found - 243_258.75).abs() < ROUNDING_S, "{text}: {found}");
         }
         // A day beyond 12 settles it, for those behind it too.
         let friday = times(&["07/13/2025 00:00:00", "07/08/2025 00:00:00"]);

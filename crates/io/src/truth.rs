@@ -241,7 +241,10 @@ impl TruthFormat {
         } else {
             "truth.position"
         };
-        wanted.want(key, &self.position);
+        let place = wanted.want(key, &self.position);
+        if !self.ecef {
+            wanted.want_angles(place, self.angle_scale, false);
+        }
         wanted.want("truth.velocity", self.velocity.iter().flatten());
         wanted.want("truth.attitude", self.attitude.iter().flatten());
         wanted.want("truth.week", &self.week);

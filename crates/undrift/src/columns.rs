@@ -69,7 +69,8 @@ impl Meaning {
 }
 
 /// Endings of names that are units.
-const SUFFIXES: [(&str, &str); 47] = [
+const SUFFIXES: [(&str, &str); 48] = [
+    ("_days", "d"),
     ("_dege7", "LSB/1e7 deg"),
     ("_deg_1e7", "LSB/1e7 deg"),
     ("_1e7", "LSB/1e7 deg"),
@@ -119,7 +120,8 @@ const SUFFIXES: [(&str, &str); 47] = [
     ("_hz", "Hz"),
 ];
 
-const TIMES: [&str; 27] = [
+const TIMES: [&str; 28] = [
+    "datenum",
     RECEIVED,
     "t",
     "ts",
@@ -448,6 +450,7 @@ fn spelled(unit: &str) -> String {
         "µs" | "usec" => "us".into(),
         "msec" | "milliseconds" => "ms".into(),
         "sec" | "seconds" => "s".into(),
+        "day" | "days" => "d".into(),
         other => other.into(),
     }
 }

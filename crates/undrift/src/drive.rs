@@ -39,7 +39,7 @@ pub use imu::{ImuLog, load_imu};
 pub use logs::Logs;
 pub use scalars::{ScalarLog, Scalars};
 pub use section::Section;
-pub(crate) use section::{parse, read_text};
+pub(crate) use section::{DEGREES_MINUTES, parse, read_text};
 pub(crate) use tables::{AXLE_STD, read_initial, read_switch};
 
 use crate::{

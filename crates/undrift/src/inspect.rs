@@ -6,6 +6,7 @@ mod known;
 mod measure;
 mod motion;
 mod parts;
+mod places;
 mod receiver;
 mod sensor;
 mod topics;

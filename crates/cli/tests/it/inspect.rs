@@ -1,5 +1,7 @@
 //! `undrift inspect`: from files to a drive file that runs.
 
+mod strangers;
+
 use std::{
     fs,
     path::{Path, PathBuf},

@@ -30,8 +30,8 @@ pub enum ClockFault {
     Apart,
 }
 
-/// Prefixes of a second, by which the other log is as many times shorter.
-const UNITS: [(&str, f64); 3] = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)];
+/// Units of time, by which the other log is as many times shorter.
+const UNITS: [(&str, f64); 4] = [("ms", 1e3), ("us", 1e6), ("ns", 1e9), ("d", 1.0 / 86_400.0)];
 const HOUR: f64 = 3600.0;
 /// Spans of the same drive differ by less than this factor.
 const SAME_DRIVE: f64 = 2.0;
@@ -141,6 +141,10 @@ mod tests {
             (times(fixes(1.0), 1e3), ClockFault::Unit(Log::Gnss, "ms")),
             (times(fixes(1.0), 1e6), ClockFault::Unit(Log::Gnss, "us")),
             (times(fixes(1.7e9), 1e9), ClockFault::Unit(Log::Gnss, "ns")),
+            (
+                times(fixes(4e9), 1.0 / 86_400.0),
+                ClockFault::Unit(Log::Gnss, "d"),
+            ),
             (fixes(1.7e9), ClockFault::Unix(Log::Gnss)),
             (fixes(3601.0), ClockFault::Hours(1.0)),
             (fixes(-7200.0), ClockFault::Hours(-2.0)),

@@ -6,6 +6,7 @@ use undrift_nav::{Matrix3, Vector3};
 
 use super::options::FixOptions;
 use crate::ReadError;
+use crate::angle::of_degrees_minutes;
 use crate::fix::{VelocityAxes, diagonal, finite, on_earth, quality_of_rtklib};
 use crate::reader::TableRow;
 use crate::skipped::{SkipKind, Skipped};
@@ -51,6 +52,8 @@ pub enum PositionColumns {
         columns: [Column; 3],
         /// Factor from the columns of latitude and longitude to radians.
         angle_scale: f64,
+        /// They are degrees times 100 and minutes, ddmm.mmmm, of which the factor is that of a degree.
+        degrees_minutes: bool,
         /// Factor from the column of heights to metres.
         height_scale: f64,
     },
@@ -128,6 +131,17 @@ impl FixColumns {
             )
         });
         let (place, velocity) = (place.transpose()?, velocity.transpose()?);
+        if let (
+            Some(at),
+            Some(PositionColumns::Geodetic {
+                angle_scale,
+                degrees_minutes,
+                ..
+            }),
+        ) = (place, &format.place)
+        {
+            wanted.want_angles(at.values, *angle_scale, *degrees_minutes);
+        }
         let placed = format.place.as_ref();
         let turned = velocity.is_some() && format.velocity_axes == VelocityAxes::Ecef;
         if turned && placed.is_none_or(|place| matches!(place, PositionColumns::Baseline { .. })) {
@@ -182,12 +196,19 @@ impl FixColumns {
                     PositionColumns::Geodetic {
                         angle_scale,
                         height_scale,
+                        degrees_minutes,
                         ..
-                    } => Geodetic {
-                        lat: values.x * angle_scale,
-                        lon: values.y * angle_scale,
-                        height: values.z * height_scale,
-                    },
+                    } => {
+                        let [lat, lon] = match degrees_minutes {
+                            true => [values.x, values.y].map(of_degrees_minutes),
+                            false => [values.x, values.y],
+                        };
+                        Geodetic {
+                            lat: lat * angle_scale,
+                            lon: lon * angle_scale,
+                            height: values.z * height_scale,
+                        }
+                    }
                     _ => Geodetic::from_ecef(&values),
                 };
                 if on_earth(place).is_err() {

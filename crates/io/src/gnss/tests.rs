@@ -22,6 +22,7 @@ fn format() -> GnssFormat {
         place: Some(PositionColumns::Geodetic {
             columns: group(2),
             angle_scale: 1f64.to_radians(),
+            degrees_minutes: false,
             height_scale: 1.0,
         }),
         position_std: Some(group(8)),

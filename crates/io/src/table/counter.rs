@@ -1,5 +1,7 @@
 //! Times that are a counter of a limited number of bits, which starts again from its lowest value after its highest.
 
+use crate::time::DAY;
+
 /// Counters: the first number that is too high for one, how far it goes back there, and within how many usual steps of its
 /// ends a step back is that; `micros()` and the like, without and with sign.
 const COUNTERS: [(f64, f64, f64); 4] = [
@@ -10,6 +12,8 @@ const COUNTERS: [(f64, f64, f64); 4] = [
 ];
 /// What a program may have divided the counter by before it wrote it.
 const DIVISORS: [f64; 3] = [1.0, 1e3, 1e6];
+/// Day numbers of MATLAB are larger than this, and by so much larger than those of spreadsheets.
+const MATLAB_DAYS: (f64, f64) = (700_000.0, 693_960.0);
 /// Usual steps between two ends of a counter, at least.
 const STEPS: f64 = 200.0;
 
@@ -24,6 +28,8 @@ pub(super) struct Counter {
     ends: Option<(f64, f64, f64)>,
     /// Added to the numbers.
     added: f64,
+    /// The numbers are days: those of MATLAB are made those of spreadsheets, of which more is in a double.
+    days: bool,
 }
 
 /// What a number of the column is.
@@ -36,9 +42,21 @@ pub(super) struct Counted {
 }
 
 impl Counter {
+    /// Of a column with this factor to seconds.
+    pub(super) fn of(scale: f64) -> Self {
+        Self {
+            days: scale == DAY,
+            ..Self::default()
+        }
+    }
+
     /// The next number of the column.
     #[inline]
     pub(super) fn count(&mut self, number: f64) -> Counted {
+        let number = match MATLAB_DAYS {
+            (least, later) if self.days && number > least => number - later,
+            _ => number,
+        };
         let last = self.last.unwrap_or(number);
         // A row of the counter before, which comes late.
         if let Some((top, length, near)) = self.ends
@@ -134,6 +152,14 @@ mod tests {
             top + 3e4,
         ];
         assert_eq!(counted(numbers), expected);
+    }
+
+    #[test]
+    fn days_are_those_of_spreadsheets() {
+        // datenum(2025, 7, 8) = 739806 and DATEVALUE("2025-07-08") = 45846.
+        for (scale, expected) in [(DAY, 45_846.5), (1.0, 739_806.5)] {
+            assert_eq!(Counter::of(scale).count(739_806.5).value, expected);
+        }
     }
 
     #[test]

@@ -15,8 +15,15 @@ pub(crate) enum Delimiter {
 }
 
 impl Delimiter {
-    /// The likeliest one of a line.
+    /// The likeliest one of a line. Commas that are decimal marks in the fields between others are none.
     pub(crate) fn detect(line: &[u8]) -> Self {
+        let others = [Self::Byte(b';'), Self::Byte(b'\t'), Self::Blanks];
+        if let Some(other) = others
+            .into_iter()
+            .find(|other| has_decimal_commas(line, *other))
+        {
+            return other;
+        }
         [b',', b';', b'\t']
             .into_iter()
             .find(|byte| line.contains(byte))
@@ -184,6 +191,23 @@ impl<'a> Iterator for Fields<'a> {
     }
 }
 
+/// Fields of a line whose commas are decimal marks, at least.
+const FIELDS: usize = 3;
+
+/// Whether a line has commas, no field between these delimiters more than one, and each between digits.
+fn has_decimal_commas(line: &[u8], delimiter: Delimiter) -> bool {
+    let is_decimal = |field: &[u8]| {
+        let mut parts = field.split(|byte| *byte == b',');
+        let (whole, fraction) = (parts.next().unwrap_or_default(), parts.next());
+        let digit = |byte: Option<&u8>| byte.is_some_and(u8::is_ascii_digit);
+        let is = |fraction: &[u8]| digit(whole.last()) && digit(fraction.first());
+        parts.next().is_none() && fraction.is_none_or(is)
+    };
+    line.contains(&b',')
+        && Fields::new(line, delimiter).count() >= FIELDS
+        && Fields::new(line, delimiter).all(is_decimal)
+}
+
 /// Reads the wanted columns, which are sorted by place, of one line.
 #[inline]
 pub(crate) fn parse_row(
@@ -332,6 +356,20 @@ mod tests {
         );
         assert_eq!(Delimiter::detect(b"1;2"), Delimiter::Byte(b';'));
         assert_eq!(Delimiter::detect(b"1 2"), Delimiter::Blanks);
+        // Decimal commas, and commas between fields.
+        for (line, expected) in [
+            ("2025-07-08T19:34:18,749;40.1;-105.1", Delimiter::Byte(b';')),
+            ("1,5;2,5;3", Delimiter::Byte(b';')),
+            ("19:34:18,749\t1\t2", Delimiter::Byte(b'\t')),
+            ("19:34:18,749 1 2", Delimiter::Blanks),
+            ("2025-07-08 19:34:18,1,2,3", comma),
+            ("1,2;x,y;z", comma),
+            ("1, 2, 3", comma),
+            ("1,2 3,4", comma),
+            ("\"19:34:18,749\",1,2", comma),
+        ] {
+            assert_eq!(Delimiter::detect(line.as_bytes()), expected, "{line}");
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::fields::{self, Delimiter, Fields};
-use super::stamps;
+use super::stamps::{self, HEMISPHERES};
 use super::wanted::{Column, Keep, Preview, TableOptions, starts_a_row};
 use crate::error::{NAMES_SHOWN, the_file_has};
 use crate::number;
@@ -11,7 +11,7 @@ use crate::skipped::{SkipKind, Skipped, shown};
 use crate::source::Source;
 use crate::table::lines::{Lines, MAX_LINE, NextLine};
 use crate::time::WeekClock;
-use crate::{ReadError, nearby, visible};
+use crate::{ReadError, angle, nearby, visible};
 
 /// How to read the rows.
 pub(super) struct TextLayout {
@@ -22,6 +22,8 @@ pub(super) struct TextLayout {
     pub(super) rows: VecDeque<(u64, Vec<u8>)>,
     /// Number of names in the header, where columns are found by name.
     pub(super) names: Option<usize>,
+    /// Whether latitude and longitude have columns of hemispheres behind them, which are wanted, too.
+    pub(super) hemispheres: [bool; 2],
 }
 
 /// A line that may name the columns.
@@ -104,7 +106,7 @@ pub(super) fn find(
         own.as_ref()
             .is_none_or(|own| missing(own, options) && !missing(above, options))
     });
-    let (wanted, is_row, names) = match (above, own) {
+    let (mut wanted, is_row, names) = match (above, own) {
         (Some(above), _) => (above.places(options)?, true, None),
         (None, Some(own)) => {
             let wanted = own.places(options)?;
@@ -120,12 +122,37 @@ pub(super) fn find(
     if is_row {
         rows.push_front((number, first));
     }
+    let hemispheres = hemispheres(&mut wanted, options, delimiter, &rows);
     Ok(TextLayout {
         delimiter,
         wanted,
         rows,
         names,
+        hemispheres,
     })
+}
+
+/// Whether the columns directly behind latitude and longitude are N or S, E or W in one of the first rows: wanted then, too.
+fn hemispheres(
+    wanted: &mut Vec<(usize, usize)>,
+    options: &TableOptions,
+    delimiter: Delimiter,
+    rows: &VecDeque<(u64, Vec<u8>)>,
+) -> [bool; 2] {
+    let places = options.angles.map(|angles| angles.places());
+    let mut places = places.into_iter().flatten();
+    let behind = HEMISPHERES.map(|slot| {
+        let place = places.next()?;
+        let (column, _) = wanted.iter().find(|(_, other)| *other == place)?;
+        let is_letter = |(_, row): &(u64, Vec<u8>)| {
+            let field = Fields::new(row, delimiter).nth(column + 1);
+            field.is_some_and(|field| angle::hemisphere(field).is_some())
+        };
+        rows.iter().any(is_letter).then_some((column + 1, slot))
+    });
+    wanted.extend(behind.into_iter().flatten());
+    wanted.sort_unstable();
+    behind.map(|column| column.is_some())
 }
 
 /// The first line that is neither blank nor comment.
@@ -365,12 +392,26 @@ pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError>
         rows: Vec::new(),
     };
     let mut weeks = WeekClock::default();
+    let is_angle = |name: &String| {
+        let name = name.to_ascii_lowercase();
+        ["lat", "lon", "lng"]
+            .iter()
+            .any(|word| name.starts_with(word))
+    };
+    let angles: Vec<bool> = preview.names.iter().map(is_angle).collect();
     let mut numbers = |line: &[u8]| -> Vec<f64> {
-        let mut number = |field: &[u8]| {
-            let parsed = number::parse(field).or_else(|| stamps::any(&mut weeks, field));
+        let mut number = |(place, field): (usize, &[u8])| {
+            let degrees = || Some(angle::degrees(field)?.0);
+            let parsed = number::parse(field).or_else(|| match angles.get(place) {
+                Some(true) => degrees(),
+                _ => stamps::any(&mut weeks, field).or_else(degrees),
+            });
             parsed.unwrap_or(f64::NAN)
         };
-        Fields::new(line, delimiter).map(&mut number).collect()
+        Fields::new(line, delimiter)
+            .enumerate()
+            .map(&mut number)
+            .collect()
     };
     if !is_header {
         preview.rows.push(numbers(&first));

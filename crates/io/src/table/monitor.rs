@@ -100,10 +100,14 @@ impl Monitor {
         let is_number = |field: &[u8]| number::parse(field).is_some();
         let of_data = Fields::new(&rest, Delimiter::of(delimiter)).any(is_number);
         let mut row = match of_data {
-            // A blank would end the field.
+            // A blank or a comma would end the field.
             true => stamp
                 .iter()
-                .map(|byte| if *byte == b' ' { b'T' } else { *byte })
+                .map(|byte| match byte {
+                    b' ' => b'T',
+                    b',' => b'.',
+                    other => *other,
+                })
                 .collect(),
             false => RECEIVED.to_vec(),
         };
@@ -187,6 +191,11 @@ mod tests {
         let text = "[2024-05-06 12:34:57] 1 2\n[2024-05-06 12:34:58] 3 4\n";
         let expected = ["2024-05-06T12:34:57 1 2", "2024-05-06T12:34:58 3 4"];
         assert_eq!(rows(text).unwrap(), expected);
+        let text = "12:34:57,235 -> 1,2\n12:34:57,245 -> 3,4\n";
+        assert_eq!(
+            rows(text).unwrap(),
+            ["12:34:57.235,1,2", "12:34:57.245,3,4"]
+        );
         let text = "12:34:57.235 > 1;2\n12:34:57.245 > 3;4\n";
         assert_eq!(
             rows(text).unwrap(),

@@ -1,17 +1,21 @@
 //! Times that are text: a date with a time of day, a time of day alone, or one with the date in a column of its
 //! own,
-//! or with the GPS week there.
+//! or with the GPS week there; and angles in degrees, minutes and seconds, or with a column of hemispheres behind them.
 //!
 //! Dates are UTC and become GPS seconds of the week in which the file starts, as in the logs that have
 //! absolute times; GPS weeks with seconds of the week are GPS time. Times of day without a date are seconds of the day in which the file starts, counting on
 //! past midnight.
 
-use super::wanted::{Defect, TableOptions};
+use super::wanted::{Angles, Defect, TableOptions};
+use crate::angle;
 use crate::epoch::{ClockSource, Epoch};
 use crate::skipped::shown;
 use crate::time::{self, DAY, WeekClock};
 
-/// Makes numbers of the texts in the column of times.
+/// Places of the columns of hemispheres behind latitude and longitude, which are not in the row read.
+pub(super) const HEMISPHERES: [usize; 2] = [usize::MAX - 1, usize::MAX];
+
+/// Makes numbers of the texts in the columns of times and angles.
 #[derive(Clone, Debug)]
 pub(super) struct Stamps {
     /// Places of time and date in the row read; that of the date is behind all others.
@@ -29,6 +33,10 @@ pub(super) struct Stamps {
     /// The last time of day, and midnights since the first \[s\].
     last: f64,
     midnights: f64,
+    angles: Option<Angles>,
+    /// Whether latitude and longitude have columns of hemispheres, and what these have in this row.
+    pub(super) hemispheres: [bool; 2],
+    signs: [f64; 2],
 }
 
 impl Stamps {
@@ -46,12 +54,16 @@ impl Stamps {
             of_day: None,
             last: 0.0,
             midnights: 0.0,
+            angles: options.angles,
+            hemispheres: [false; 2],
+            signs: [f64::NAN; 2],
         })
     }
 
     /// Forgets the row before, which may have had one part alone.
     pub(super) fn start(&mut self) {
         (self.week, self.day, self.of_day) = (None, None, None);
+        self.signs = [f64::NAN; 2];
     }
 
     /// What the dates count from, once there was one.
@@ -67,8 +79,15 @@ impl Stamps {
         }
     }
 
-    /// The number that stands for a text in this place of the row read; `None` if it is no time.
+    /// The number that stands for a text in this place of the row read; `None` if it is neither time nor angle.
     pub(super) fn read(&mut self, slot: usize, text: &[u8]) -> Option<f64> {
+        if let Some(k) = HEMISPHERES.iter().position(|place| *place == slot) {
+            self.signs[k] = angle::hemisphere(text)?;
+            return Some(0.0);
+        }
+        if let Some(angles) = self.angles.filter(|angles| angles.places().contains(&slot)) {
+            return angles.number(text);
+        }
         if self.date == Some(slot) {
             self.day = Some(self.weeks.day(text, false)?);
             return Some(0.0);
@@ -101,11 +120,16 @@ impl Stamps {
         of_day + self.midnights
     }
 
-    /// Puts the time of day and the date of a row together.
+    /// Puts the time of day and the date of a row together, and angles and their hemispheres.
     ///
     /// # Errors
     /// If there is no such date.
     pub(super) fn finish(&mut self, out: &mut [f64]) -> Result<(), Defect> {
+        for (k, place) in self.angles.iter().flat_map(Angles::places).enumerate() {
+            if let (true, Some(angle)) = (self.hemispheres[k], out.get_mut(place)) {
+                *angle = angle.abs() * self.signs[k];
+            }
+        }
         let (week, day, of_day) = (self.week.take(), self.day.take(), self.of_day.take());
         let Some(place) = out.get_mut(self.time).filter(|_| self.date.is_some()) else {
             return Ok(());
@@ -137,7 +161,23 @@ fn zone(text: &[u8]) -> ClockSource {
     }
 }
 
-/// The number that a text in any column may stand for, to look at a table.
+/// The time that a text in any column may stand for, to look at a table.
 pub(super) fn any(weeks: &mut WeekClock, text: &[u8]) -> Option<f64> {
     weeks.date_time(text).or_else(|| time::time_of_day(text))
+}
+
+impl Angles {
+    /// The number, in the unit of the columns, of a text.
+    fn number(self, text: &[u8]) -> Option<f64> {
+        let (degrees, parts) = angle::degrees(text)?;
+        Some(match self.minutes && parts > 1 {
+            true => angle::degrees_minutes(degrees),
+            false => degrees,
+        })
+    }
+
+    /// Places of latitude and longitude in the row read.
+    pub(super) fn places(&self) -> std::ops::Range<usize> {
+        self.place..self.place + 2
+    }
 }

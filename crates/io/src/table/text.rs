@@ -38,13 +38,17 @@ impl TextTable {
     ) -> Result<Self, ReadError> {
         let mut lines = Lines::of_table(source);
         let layout = header::find(&mut lines, options, skipped)?;
+        let mut stamps = Stamps::of(options);
+        if let Some(stamps) = &mut stamps {
+            stamps.hemispheres = layout.hemispheres;
+        }
         Ok(Self {
             lines,
             delimiter: layout.delimiter,
             wanted: layout.wanted,
             held: layout.rows,
             names: layout.names,
-            stamps: Stamps::of(options),
+            stamps,
         })
     }
 

@@ -39,6 +39,18 @@ pub struct TableOptions {
     pub optional: Option<usize>,
     /// Which of the columns has times, that may be text.
     pub stamp: Option<Stamp>,
+    /// Which of them are latitude and longitude, that may be text or have a column N or S, E or W directly behind. Read where
+    /// there are times.
+    pub angles: Option<Angles>,
+}
+
+/// Columns of latitude and longitude, in degrees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Angles {
+    /// Place of the latitude among the wanted columns; that of the longitude is the next.
+    pub place: usize,
+    /// The numbers are degrees times 100 and minutes, ddmm.mmmm.
+    pub minutes: bool,
 }
 
 /// Which columns of a row may be without a finite number.
@@ -113,6 +125,12 @@ impl TableOptions {
             scale,
             date,
         });
+    }
+
+    /// Latitudes and longitudes from a place of the row read on may be text, where their unit is the degree.
+    pub(crate) fn want_angles(&mut self, place: usize, scale: f64, minutes: bool) {
+        let of_degrees = scale == 1f64.to_radians();
+        self.angles = of_degrees.then_some(Angles { place, minutes });
     }
 
     pub(super) fn keep(&self) -> Keep {

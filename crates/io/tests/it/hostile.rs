@@ -7,7 +7,7 @@ use undrift_io::Opened;
 use undrift_io::format::Format;
 use undrift_io::gnss::{GnssLog, GnssReader};
 use undrift_io::imu::{ImuFormat, ImuReader};
-use undrift_io::table::{Column, Stamp, TableOptions};
+use undrift_io::table::{Angles, Column, Stamp, TableOptions};
 use undrift_nav::earth::Geodetic;
 
 const CASES: usize = 3000;
@@ -103,6 +103,10 @@ fn tables_of_arbitrary_bytes() {
             delimiter: [None, Some(b','), Some(b' '), Some(b'"')][case % 4],
             keep_not_finite: case % 2 == 0,
             optional: (case % 3 == 0).then_some(case % 2),
+            angles: (case % 10 == 0).then_some(Angles {
+                place: case % 3,
+                minutes: case % 20 == 0,
+            }),
             stamp: (case % 5 == 0).then(|| Stamp {
                 column: "time".into(),
                 place: 0,

@@ -47,6 +47,7 @@ fn gnss_format(height: &str) -> GnssFormat {
         place: Some(PositionColumns::Geodetic {
             columns: names(["lat_deg", "lon_deg", height]),
             angle_scale: degrees(),
+            degrees_minutes: false,
             height_scale: 1.0,
         }),
         position_std: None,

@@ -23,6 +23,30 @@ fn units_of_time() {
         assert_eq!(time_unit(&every(step), FIX_STEP).unwrap().0, unit, "{step}");
     }
     assert_eq!(time_unit(&[1.0], IMU_STEP), None);
+    // Days of a spreadsheet at 100 Hz and 1 Hz, to the microsecond; fractions of a day.
+    let days = |step: f64, first: f64| -> Vec<f64> {
+        let day = |k: i32| first + (step * f64::from(k) / 86_400.0 * 1e9).round() / 1e9;
+        (0..50).map(day).collect()
+    };
+    for (step, longest) in [
+        (0.01, IMU_STEP),
+        (0.2, IMU_STEP),
+        (1.0, FIX_STEP),
+        (10.0, FIX_STEP),
+    ] {
+        for first in [45_992.125, 739_806.5, 0.25] {
+            let unit = time_unit(&days(step, first), longest);
+            assert_eq!(unit, Some(("d", 86_400.0)), "{step} {first}");
+        }
+    }
+    // Seconds that were scaled as nanoseconds are nothing.
+    assert_ne!(time_unit(&[0.0, 1e-11], IMU_STEP), Some(("d", 86_400.0)));
+    // Bursts of rows microseconds apart, as a program reads them from a port, are seconds.
+    let bursts = (0..50).map(|k| f64::from(k / 5) * 0.05 + f64::from(k % 5) * 1e-5);
+    assert_eq!(
+        time_unit(&bursts.collect::<Vec<_>>(), IMU_STEP),
+        Some(("s", 1.0))
+    );
 }
 
 #[test]
@@ -165,6 +189,7 @@ fn every_ending_and_spelling_is_the_unit_that_it_says() {
         ("_kph", Velocity, 1.0 / 3.6),
         // The statute mile of 5280 feet, the international foot of 0.3048 m.
         ("_mph", Velocity, 5280.0 * 0.3048 / 3600.0),
+        ("_days", Time, 86_400.0),
         ("_fps", Velocity, 0.3048),
         ("_ft_s", Velocity, 0.3048),
         ("_feet", Length, 0.3048),
@@ -198,6 +223,7 @@ fn every_ending_and_spelling_is_the_unit_that_it_says() {
         ("milliseconds", Time, 1e-3),
         ("sec", Time, 1.0),
         ("seconds", Time, 1.0),
+        ("days", Time, 86_400.0),
     ];
     for (ending, _) in SUFFIXES {
         let known = endings.iter().any(|row| row.0 == ending) || temperatures.contains(&ending);

@@ -243,7 +243,7 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
     let time = section
         .column("time")?
         .ok_or_else(|| section.error("time", "missing: the time column"))?;
-    let angle_scale = section.unit("position_unit", Quantity::Angle, 1f64.to_radians())?;
+    let (angle_scale, degrees_minutes) = section.place_unit("position_unit")?;
     let height_scale = section.unit("height_unit", Quantity::Length, 1.0)?;
     let ecef = section.columns("ecef")?;
     let place = match (section.columns("position")?, section.columns("baseline")?) {
@@ -256,6 +256,7 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
         (Some(columns), None) => Some(PositionColumns::Geodetic {
             columns,
             angle_scale,
+            degrees_minutes,
             height_scale,
         }),
         (None, Some(ned)) => Some(PositionColumns::Baseline {

@@ -27,6 +27,9 @@ pub(crate) mod page;
 #[cfg(test)]
 use page::Takes;
 
+/// The unit of latitudes and longitudes that are degrees times 100 and minutes, as NMEA has them.
+pub(crate) const DEGREES_MINUTES: &str = "ddmm.mmmm";
+
 /// One table of a file; remembers which keys were asked for, so that the others can be refused.
 pub struct Section<'a> {
     table: Option<&'a DeTable<'a>>,
@@ -595,6 +598,19 @@ impl<'a> Section<'a> {
                 .map_err(|e| self.error(key, format!("\"{text}\": {e}"))),
             Some((value, _)) => Err(self.error(key, needs_unit(value, quantity))),
         }
+    }
+
+    /// The unit of latitudes and longitudes, degrees without one: its factor to radians, and whether they are
+    /// [`DEGREES_MINUTES`].
+    ///
+    /// # Errors
+    /// As [`Section::unit`].
+    pub fn place_unit(&self, key: &'a str) -> Result<(f64, bool), ConfigError> {
+        let degree = 1f64.to_radians();
+        if self.string(key)? == Some(DEGREES_MINUTES) {
+            return Ok((degree, true));
+        }
+        Ok((self.unit(key, Quantity::Angle, degree)?, false))
     }
 
     /// The factor to SI of a unit without number, `default` where the key is absent; of a velocity or an angle a

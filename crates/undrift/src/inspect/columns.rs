@@ -3,6 +3,7 @@
 use super::{
     known::{Known, Note},
     parts::{Line, Part, quoted},
+    places,
     units::{self, Force},
 };
 use crate::columns::{
@@ -190,20 +191,29 @@ fn by_numbers(table: &Preview) -> Found {
         .iter()
         .position(|c| c.len() > 2 && c.windows(2).all(|pair| pair[1] > pair[0]));
     // Before the time or behind it.
+    places::find(&columns, &mut found);
     let free = |from: usize| {
-        let three = from..from + 3;
-        three.end <= width && found.time.is_none_or(|time| !three.contains(&time))
+        let mut three = from..from + 3;
+        three.end <= width && !three.any(|column| found.uses(column))
     };
-    let force = (0..width).filter(|k| free(*k)).find(|&k| {
-        let samples = three_of(&table.rows, [k, k + 1, k + 2]);
-        !matches!(units::force(&samples, None), Force::Unknown(_))
-            && (steady(&samples) || steady(&means(&samples)))
-    });
-    if let Some(accel) = force {
+    let beside = |accel: usize| {
         let before = accel.checked_sub(3).filter(|before| free(*before));
-        let behind = Some(accel + 3).filter(|behind| free(*behind));
-        let Some(gyro) = before.or(behind) else {
-            return found;
+        before.or(Some(accel + 3).filter(|behind| free(*behind)))
+    };
+    let is_force = |samples: &[[f64; 3]]| !matches!(units::force(samples, None), Force::Unknown(_));
+    let force = (0..width).filter(|k| free(*k)).find_map(|k| {
+        let samples = three_of(&table.rows, [k, k + 1, k + 2]);
+        let steady = steady(&samples) || steady(&means(&samples));
+        Some((k, beside(k)?)).filter(|_| is_force(&samples) && steady)
+    });
+    if let Some((accel, gyro)) = force {
+        // Rates at rest may look like gravity, which is steadier.
+        let [force, rate] = [accel, gyro].map(|k| three_of(&table.rows, [k, k + 1, k + 2]));
+        let exchanged = is_force(&rate) && unsteadiness(&rate) < unsteadiness(&force);
+        let (accel, gyro) = if exchanged {
+            (gyro, accel)
+        } else {
+            (accel, gyro)
         };
         found.accel = [0, 1, 2].map(|axis| Some(accel + axis));
         found.gyro = [0, 1, 2].map(|axis| Some(gyro + axis));
@@ -222,8 +232,9 @@ fn by_numbers(table: &Preview) -> Found {
         })
     };
     let from = found.time.map_or(0, |time| time + 1);
-    if let Some(lat) =
-        (from..width.saturating_sub(2)).find(|&k| within(k, 90.0) && within(k + 1, 180.0))
+    if found.place[0].is_none()
+        && let Some(lat) =
+            (from..width.saturating_sub(2)).find(|&k| within(k, 90.0) && within(k + 1, 180.0))
     {
         found.place = [0, 1, 2].map(|k| Some(lat + k));
     }
@@ -240,6 +251,11 @@ fn means(samples: &[[f64; 3]]) -> Vec<[f64; 3]> {
 
 /// Whether the magnitude varies by less than a third.
 fn steady(samples: &[[f64; 3]]) -> bool {
+    samples.len() > 2 && unsteadiness(samples) < 1.0 / 3.0
+}
+
+/// Between the magnitudes that one tenth and nine tenths of the samples do not exceed, over their median.
+fn unsteadiness(samples: &[[f64; 3]]) -> f64 {
     let mut sizes: Vec<f64> = samples
         .iter()
         .map(|v| v.iter().map(|x| x * x).sum::<f64>().sqrt())
@@ -251,7 +267,7 @@ fn steady(samples: &[[f64; 3]]) -> bool {
             .copied()
             .unwrap_or(f64::NAN)
     };
-    sizes.len() > 2 && (at(90) - at(10)) / at(50) < 1.0 / 3.0
+    (at(90) - at(10)) / at(50)
 }
 
 pub(super) fn three_of(rows: &[Vec<f64>], places: [usize; 3]) -> Vec<[f64; 3]> {

@@ -6,6 +6,8 @@ use super::{
     parts::Line,
 };
 use crate::columns::{FIX_STEP, ordinary_step};
+use crate::drive::DEGREES_MINUTES;
+use undrift_io::angle::{are_degrees_minutes, of_degrees_minutes};
 use undrift_nav::{
     Vector3,
     earth::Geodetic,
@@ -39,6 +41,10 @@ impl Columns {
         match self.unit(place[0]) {
             Some(unit) if unit == "deg" => {}
             Some(unit) => lines.push(Line::text("position_unit", &unit, NAMES)),
+            None if self.are_degrees_minutes(place) => {
+                let known = Known::Numbers { several: true };
+                lines.push(Line::text("position_unit", DEGREES_MINUTES, known));
+            }
             None if self.are_integers(place) => {
                 lines.push(Line::text("position_unit", INTEGERS, Known::Integers));
             }
@@ -74,6 +80,15 @@ impl Columns {
         whole && beyond && within
     }
 
+    /// Whether latitudes and longitudes are degrees times 100 and minutes.
+    fn are_degrees_minutes(&self, place: [usize; 3]) -> bool {
+        let places = three_of(&self.table.rows, place);
+        !places.is_empty()
+            && places
+                .iter()
+                .all(|[lat, lon, _]| are_degrees_minutes(*lat, *lon))
+    }
+
     /// Whether velocities beside places that are counted are integers too: mm/s.
     fn are_thousandths(&self, place: [usize; 3], velocity: [usize; 3]) -> bool {
         let velocities = three_of(&self.table.rows, velocity);
@@ -94,7 +109,11 @@ impl Columns {
         };
         let mut lines = vec![self.three("velocity", velocity)];
         if self.found.up {
-            lines.push(Line::text("velocity_axes", "north,east,up", NAMES));
+            let known = match self.found.known {
+                Known::Name { .. } => NAMES,
+                _ => Known::Numbers { several: true },
+            };
+            lines.push(Line::text("velocity_axes", "north,east,up", known));
         }
         lines
     }
@@ -226,9 +245,13 @@ impl Columns {
             None if self.are_integers(place) => unit_factor(INTEGERS, Quantity::Angle).ok()?,
             unit => unit_factor(unit.unwrap_or("deg"), Quantity::Angle).ok()?,
         };
+        let packed = self.unit(place[0]).is_none() && self.are_degrees_minutes(place);
         let fix = |row: &Vec<f64>| {
             let at = |k: usize| row.get(k).copied().filter(|number| number.is_finite());
-            let [lat, lon] = [at(place[0])?, at(place[1])?].map(|angle| angle * degrees);
+            let [lat, lon] = [at(place[0])?, at(place[1])?].map(|angle| match packed {
+                true => of_degrees_minutes(angle) * degrees,
+                false => angle * degrees,
+            });
             let height = 0.0;
             Some((
                 at(time)? * scale,

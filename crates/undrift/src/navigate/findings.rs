@@ -152,7 +152,18 @@ impl ReplayError {
         };
         let logs: Vec<_> = ended.skipped.iter().map(|(log, s)| (*log, s)).collect();
         let implausible = ended.why.implausible.iter().map(|what| (*what).into());
-        implausible.chain(findings::of_skipped(&logs)).collect()
+        let stamps = ended.why.times.as_ref().map(|(stamps, _)| stamps);
+        let of_order = stamps
+            .into_iter()
+            .flatten()
+            .zip(&logs)
+            .flat_map(|(stamps, log)| {
+                let intervals = (stamps.count as f64 - 1.0).max(1.0);
+                let interval = (stamps.last - stamps.first) / intervals;
+                findings::of_order(log.0, log.1, interval, stamps.count)
+            });
+        let skipped = findings::of_skipped(&logs);
+        of_order.chain(implausible).chain(skipped).collect()
     }
 }
 

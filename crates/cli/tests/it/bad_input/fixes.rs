@@ -69,7 +69,10 @@ fn degrees_and_minutes() {
     });
     says(
         &log.write("ddmm").refusal(),
-        &["no usable fix (key gnss.position)", COLUMNS],
+        &[
+            "latitude and longitude are degrees and minutes, ddmm.mmmm",
+            "set gnss.position_unit = \"ddmm.mmmm\"",
+        ],
     );
 }
 

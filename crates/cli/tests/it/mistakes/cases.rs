@@ -212,6 +212,11 @@ fn times() -> Vec<Mistake> {
         drive("the receiver's ms, called s", |log| {
             stamped(&mut log.gnss, |t| 1e3 * t)
         }),
+        drive("days of a spreadsheet, called s", |log| {
+            for row in log.imu.iter_mut().chain(&mut log.gnss) {
+                row.fields[0] = format!("{:.10}", 45_846.5 + row.time / 86_400.0);
+            }
+        }),
         drive("IMU since boot, GNSS in Unix time", |log| {
             stamped(&mut log.gnss, |t| 1.7e9 + t);
         }),

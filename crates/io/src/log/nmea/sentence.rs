@@ -1,6 +1,7 @@
 //! Sentences: `$`, talker and kind, fields between commas, `*` and the exclusive or of what is
 //! between.
 
+use crate::angle::of_degrees_minutes;
 use crate::number;
 use crate::skipped::shown;
 use crate::time::{self, whole};
@@ -63,11 +64,9 @@ impl Sentence<'_> {
     /// The angle [°] of two fields: `dddmm.mmm`, and a letter of which the second is negative.
     pub(super) fn angle(&self, number: usize, letters: [&[u8]; 2]) -> Option<f64> {
         let value = self.number(number).filter(|value| *value >= 0.0)?;
-        let degrees = (value / 100.0).floor();
-        let minutes = value - 100.0 * degrees;
-        let size = degrees + minutes / 60.0;
+        let size = of_degrees_minutes(value);
         match self.field(number + 1) {
-            _ if minutes >= 60.0 => None,
+            _ if value % 100.0 >= 60.0 => None,
             letter if letter == letters[0] => Some(size),
             letter if letter == letters[1] => Some(-size),
             _ => None,

@@ -257,3 +257,59 @@ fn velocities_up_and_stated_deviations_have_their_keys() {
     );
     assert_eq!(value(&found, "velocity_std_factor"), None);
 }
+
+/// Gyros at rest with a bias of about 1 deg/s before accelerometers in g.
+#[test]
+fn gyros_at_rest_whose_rates_look_like_gravity_are_no_accelerometers() {
+    let noise = |k: i32| f64::from(k * 7919 % 101 - 50) / 50.0;
+    for [gyro, accel] in [[0, 3], [3, 0]] {
+        let row = |k: i32| {
+            let mut row = vec![0.0; 6];
+            for axis in 0..3 {
+                row[gyro + axis] = [0.6, -0.6, -0.5][axis] + 0.1 * noise(k + axis as i32);
+                row[accel + axis] = [0.0, 0.003, -1.017][axis] + 0.003 * noise(k * 3 + axis as i32);
+            }
+            row
+        };
+        let (table, found) = lines(&[], (0..200).map(row).collect());
+        assert_eq!(table, "imu");
+        let columns = |from: usize| Some(format!("[{}, {}, {}]", from + 1, from + 2, from + 3));
+        assert_eq!(value(&found, "gyro"), columns(gyro));
+        assert_eq!(value(&found, "accel"), columns(accel));
+        assert_eq!(value(&found, "gyro_unit").as_deref(), Some("deg/s"));
+        assert_eq!(value(&found, "accel_unit").as_deref(), Some("g"));
+    }
+}
+
+#[test]
+fn degrees_and_minutes_are_known_by_their_size() {
+    let names = ["time", "lat", "ns", "lon", "ew", "alt"];
+    let of = |lat: f64, lon: f64| {
+        let row = |k: i32| {
+            vec![
+                f64::from(k),
+                lat + 0.01 * f64::from(k),
+                f64::NAN,
+                lon,
+                f64::NAN,
+                412.3,
+            ]
+        };
+        let (_, found) = lines(&names, (0..30).map(row).collect());
+        value(&found, "position_unit")
+    };
+    assert_eq!(of(4808.225, 1131.0).as_deref(), Some("ddmm.mmmm"));
+    assert_eq!(of(45.225, 17_931.5).as_deref(), Some("ddmm.mmmm"));
+    assert_eq!(of(48.1, 11.5), None);
+}
+
+#[test]
+fn days_of_a_spreadsheet_have_their_unit() {
+    let names = ["Time", "gx", "gy", "gz", "ax", "ay", "az"];
+    let row = |k: i32| {
+        let day = 45_846.815 + 0.01 / 86_400.0 * f64::from(k);
+        vec![day, 0.001, 0.002, 0.003, 0.1, 0.2, 9.8]
+    };
+    let (_, found) = lines(&names, (0..50).map(row).collect());
+    assert_eq!(value(&found, "time_unit").as_deref(), Some("d"));
+}
