@@ -68,10 +68,8 @@ mod tests {
         let column = |number| (String::new(), Column::Number(number));
         let options = TableOptions {
             columns: (1..=31).map(column).collect(),
-            delimiter: None,
             keep_not_finite: true,
-            optional: None,
-            stamp: None,
+            ..TableOptions::default()
         };
         let mut table = Opened::open(path).unwrap().table(&options).unwrap();
         let (mut rows, mut row) = (Vec::new(), [0.0; 31]);

@@ -25,10 +25,8 @@ fn options(names: &[&str], keep_not_finite: bool) -> TableOptions {
     let column = |name: &&str| (format!("key.{name}"), Column::Name((*name).into()));
     TableOptions {
         columns: names.iter().map(column).collect(),
-        delimiter: None,
         keep_not_finite,
-        optional: None,
-        stamp: None,
+        ..TableOptions::default()
     }
 }
 
