@@ -303,7 +303,11 @@ pub(super) fn wrong_axes(forward: Option<i8>, right: Option<i8>, axes: Option<&s
             );
         }
     };
-    format!(
-        "{wrong} ({seen}): check the order and signs of imu.accel (one axis reversed: imu.accel_unit = \"g, -g, g\"; `undrift inspect` on the logs tries them)"
-    )
+    let mend = match wrong.ends_with("exchanged") {
+        true => "",
+        false => {
+            " (one axis reversed: imu.accel_unit = \"g, -g, g\"; `undrift inspect` on the logs tries them)"
+        }
+    };
+    format!("{wrong} ({seen}): check the order and signs of imu.accel{mend}")
 }

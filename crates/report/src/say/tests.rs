@@ -182,7 +182,7 @@ fn every_finding_has_its_sentence() {
         ),
         (
             Finding::WrongTurnRate { ratio: -1.0 },
-            "the GNSS course turns at -1.00 times the rate of the gyros: check the sign of the specific force (reversed: imu.accel_unit = \"-m/s^2\" or \"-g\") and the signs of imu.gyro and imu.axes",
+            "the GNSS course turns at -1.00 times the rate of the gyros: check the sign of the specific force (reversed: imu.accel_unit = \"-m/s^2\" or \"-g\") and of the gyros (one axis reversed: imu.gyro_unit = \"deg/s, deg/s, -deg/s\"), and imu.axes; `undrift inspect` on the logs tries them",
         ),
         (
             Finding::WrongTurnAxis { axis: 0 },
@@ -210,7 +210,7 @@ fn every_finding_has_its_sentence() {
                 right: Some(-2),
                 axes: None,
             },
-            "the accelerometer's right axis seems to have the wrong sign (in turns GNSS is pushed to the right, the IMU to the left): check the order and signs of imu.accel",
+            "the accelerometer's right axis seems to have the wrong sign (in turns GNSS is pushed to the right, the IMU to the left): check the order and signs of imu.accel (one axis reversed: imu.accel_unit = \"g, -g, g\"; `undrift inspect` on the logs tries them)",
         ),
         (
             Finding::WrongVelocity {
@@ -453,7 +453,7 @@ fn a_ratio_of_gravity_or_turns_hints_at_the_unit() {
     for (ratio, hint) in [
         (
             -1.7,
-            "the sign of the specific force (reversed: imu.accel_unit = \"-m/s^2\" or \"-g\") and the signs of imu.gyro and imu.axes",
+            "the sign of the specific force (reversed: imu.accel_unit = \"-m/s^2\" or \"-g\") and of the gyros (one axis reversed: imu.gyro_unit = \"deg/s, deg/s, -deg/s\"), and imu.axes; `undrift inspect` on the logs tries them",
         ),
         (-0.6, "imu.gyro_unit and imu.axes"),
         (0.017, "imu.gyro_unit (the numbers look like deg/s)"),
@@ -536,14 +536,15 @@ fn axes_are_named_by_what_speeds_up_and_what_is_pushed() {
             Some(-1),
             "the accelerometer's forward and right axes seem exchanged (GNSS accelerates forward, the IMU to the left)",
         ),
-        (
-            Some(-1),
-            Some(2),
-            "the accelerometer's forward axis seems to have the wrong sign (GNSS accelerates forward, the IMU backward)",
-        ),
     ] {
         assert_eq!(wrong(forward, right, None), format!("{text}{columns}"));
     }
+    assert_eq!(
+        wrong(Some(-1), Some(2), None),
+        format!(
+            "the accelerometer's forward axis seems to have the wrong sign (GNSS accelerates forward, the IMU backward){columns} (one axis reversed: imu.accel_unit = \"g, -g, g\"; `undrift inspect` on the logs tries them)"
+        )
+    );
     // What no such rotation explains.
     assert_eq!(
         wrong(None, Some(1), None),
