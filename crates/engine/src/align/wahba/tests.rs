@@ -197,23 +197,3 @@ fn minima_are_the_same_where_start_and_end_are() {
     assert!(first.is_near(&of(0.09, -0.09), 0.1));
     assert!(!first.is_near(&of(0.11, 0.0), 0.1) && !first.is_near(&of(0.0, 0.11), 0.1));
 }
-
-/// Where a whole step would lead up the search goes on with smaller ones, until the slope is zero: a further step promises
-/// little against one standard deviation's, 1.
-#[test]
-fn from_every_heading_a_search_ends_at_the_minimum() {
-    let truth = from_rpy(&Vector3::new(0.1, -0.05, 0.4));
-    let segments = shaken(truth, Vector3::repeat(0.01));
-    let problem = problem(&segments);
-    let best = problem.refine(&guess(Vector3::new(0.1, -0.05, 0.4)));
-    let ends = |k: &usize| {
-        let heading = 0.4 + *k as f64 * core::f64::consts::TAU / 12.0;
-        let start = Vector3::new([0.1, 1.0][k / 12], -0.05, heading);
-        let found = problem.refine(&guess(start));
-        let at = problem.linearise::<BY_VELOCITY>(&found.guess, segments.len(), &problem.gyro.0);
-        let step = at.information.cholesky().unwrap().solve(&at.gradient);
-        at.gradient.dot(&step) < 1e-3 && (found.cost - best.cost).abs() < 1e-3
-    };
-    let ended: Vec<usize> = (0..24).filter(ends).collect();
-    assert!(ended.iter().copied().eq(0..24), "{ended:?}");
-}
