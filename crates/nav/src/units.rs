@@ -603,4 +603,24 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_root_of_a_root_and_an_absurd_power_are_refused() {
+        // They would cancel: what is refused is the quarter, or the power, on the way.
+        for text in [
+            "m √(√s) / √(√s)",
+            "m √(s^0.5) / √(s^0.5)",
+            "m (s^8)^5 / (s^8)^5",
+        ] {
+            assert!(unit_factor(text, Length).is_err(), "{text}");
+        }
+        for text in [
+            "m √(√(s^2)) / √s",
+            "m (s^8)^2 / (s^8)^2",
+            "m (s^4)^4 / s^8 / s^8",
+        ] {
+            let factor = unit_factor(text, Length).unwrap_or_else(|e| panic!("{text}: {e}"));
+            assert_eq!(factor, 1.0, "{text}");
+        }
+    }
 }

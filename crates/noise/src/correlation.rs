@@ -115,3 +115,25 @@ fn by_fft(x: &[f64], mean: f64, lags: usize) -> Vec<f64> {
     transform.add_samples(&mut sum, &mut room, &mut products);
     products
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sums of few lags are those of a loop: of whole numbers they have no rounding, as an FFT's have.
+    #[test]
+    fn few_lags_of_whole_numbers_are_exact_and_many_to_rounding() {
+        let x: Vec<f64> = (0..5000).map(|k| f64::from(k * 7919 % 101 - 50)).collect();
+        let sum = |lag: usize| x.iter().zip(&x[lag..]).map(|(a, b)| a * b).sum::<f64>();
+        for lags in [0, 5, FFT_FROM - 1, FFT_FROM, 300] {
+            let exact: Vec<f64> = (0..=lags).map(sum).collect();
+            let found = lagged_products(&x, 0.0, lags);
+            if lags < FFT_FROM {
+                assert_eq!(found, exact);
+            }
+            // Whole numbers below 5e6, of which an FFT keeps fifteen digits.
+            let off = found.iter().zip(&exact).map(|(a, b)| (a - b).abs());
+            assert!(found.len() == lags + 1 && off.fold(0.0, f64::max) < 1e-7);
+        }
+    }
+}

@@ -562,3 +562,23 @@ fn aeroplanes_climb_when_low_and_descend_when_high() {
     println!("{low} low, {high} high");
     assert!(low > 10 && high > 5);
 }
+
+#[test]
+fn cars_that_are_late_brake_no_harder_than_it_takes_to_stand_in_time() {
+    let mut late = 0;
+    for seed in (0..300u32).chain([936, 2154]) {
+        let duration = 120.0 + f64::from(seed % 400);
+        let car = Trajectory::car(duration, seed.into());
+        let knots: Vec<f64> = car.speed.knots().collect();
+        let in_time = (knots.last().unwrap() - (duration - 5.0)).abs() < 1e-9;
+        let rates = knots.windows(2).rev().take(3).map(|pair| {
+            let middle = 0.5 * (pair[0] + pair[1]);
+            -car.speed.at(middle).rate
+        });
+        let brakes = rates.fold(0.0, f64::max);
+        // Home at 1.5 m/s² or a little harder, at lights at 1.8 m/s² at most.
+        assert!(brakes < 1.8, "{seed}: {brakes}");
+        late += i32::from(in_time && brakes > 1.5 + 1e-6);
+    }
+    assert!(late > 0);
+}

@@ -261,4 +261,46 @@ mod tests {
         );
         assert_eq!(times(broken.collect()), [0.0, 1.0, -1.0, 4.0]);
     }
+
+    /// Fails at a sample, counted from 1.
+    struct Full {
+        at: usize,
+        samples: usize,
+    }
+
+    impl Observer for Full {
+        fn sample(&mut self, _: &dyn Estimator) -> Result<(), ReplayError> {
+            self.samples += 1;
+            match self.samples == self.at {
+                true => Err(std::io::Error::other("disk full").into()),
+                false => Ok(()),
+            }
+        }
+    }
+
+    #[test]
+    fn an_observer_that_fails_ends_the_replay_with_its_error() {
+        use crate::simulate::{GnssNoise, Trajectory, simulate};
+        let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
+        let shaping = model.shaping(undrift_noise::BiasModel::GaussMarkov, 0.02);
+        let settings = Settings::new(shaping.unwrap());
+        let car = Trajectory::car(150.0, 1);
+        let log = simulate(&car, 50.0, None, &GnssNoise::default(), 1).unwrap();
+        let run = |at: usize| {
+            let mut observer = Full { at, samples: 0 };
+            let mut imu = log.imu.iter().copied().map(Ok);
+            let mut fixes = log.gnss.iter().copied().map(Measurement::Gnss).map(Ok);
+            let ended = replay(&mut imu, &mut fixes, &settings, &mut observer);
+            (ended, observer.samples, imu.len())
+        };
+        let (ended, all, left) = run(usize::MAX);
+        assert!(ended.is_ok() && all > 10, "{all}: {ended:?}");
+        assert_eq!(left, 0);
+        for at in [1, all / 2, all] {
+            let (ended, samples, left) = run(at);
+            let message = ended.unwrap_err().to_string();
+            assert_eq!(message, "cannot write the result: disk full");
+            assert_eq!((samples, left), (at, all - at));
+        }
+    }
 }

@@ -418,3 +418,6 @@ pub fn tune(
     };
     Ok((tuned, loaded))
 }
+
+#[cfg(test)]
+mod tests;

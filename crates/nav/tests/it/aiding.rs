@@ -392,3 +392,32 @@ fn white_noise_of_the_gyros_reaches_the_end_of_a_lever_arm() {
     let expected = wheel.innovation.norm_squared() / (stated + 2.25 * of_rate);
     assert!((nis.unwrap().nis / expected - 1.0).abs() < 1e-12);
 }
+
+/// A wheel below the IMU whose reading is 25 % too large: the white noise of the gyros reaches it times the arm, and the
+/// reading times 1.25.
+#[test]
+fn white_noise_in_a_wheel_is_read_with_its_scale() {
+    let (dt, density) = (0.01, 2e-3);
+    let white = ShapingFilter::white(density, dt).unwrap();
+    let parameters = Parameters::none().with(Parameter::OdometerScale, Prior::constant(0.05));
+    let still = NavState {
+        time: 0.0,
+        position: Geodetic::from_degrees(48.0, 11.0, 500.0),
+        v_n: Vector3::zeros(),
+        q_nb: from_rpy(&Vector3::zeros()),
+    };
+    let std = InitialStd {
+        position: Vector3::repeat(1e-6),
+        velocity: Vector3::repeat(1e-6),
+        attitude: Vector3::repeat(1e-6),
+    };
+    let mut filter: Filter<10> = Filter::new(still, &std, [white; AXES], parameters).unwrap();
+    let at = filter.parameter_start(Parameter::OdometerScale).unwrap();
+    let lever = Vector3::new(0.0, 0.0, 2.0);
+    let extra = |filter: &Filter<10>| filter.observe_odometer(4.0, &lever).extra[(0, 0)];
+    let plain = extra(&filter);
+    // A rate of white noise over one sample.
+    assert!((plain / (4.0 * density * density / dt) - 1.0).abs() < 1e-12);
+    filter.take_out(&SVector::ith(at, 0.25));
+    assert!((extra(&filter) / plain - 1.25 * 1.25).abs() < 1e-12);
+}

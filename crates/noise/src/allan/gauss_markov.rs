@@ -264,4 +264,40 @@ mod tests {
             );
         }
     }
+
+    /// The variances of white noise of density 0.02 and a process of 0.05 themselves, at 10 Hz and 10⁵ samples.
+    fn exact(tau_c_s: f64) -> Curve {
+        let point = |octave: u32| {
+            let m = 1usize << octave;
+            let tau_s = m as f64 / 10.0;
+            let variance = 4e-4 / tau_s + gauss_markov_variance(tau_s, 0.05, tau_c_s);
+            super::super::deviation::Point {
+                m,
+                tau_s,
+                deviation: variance.sqrt(),
+                terms: 100_001 - 2 * m,
+            }
+        };
+        Curve {
+            kind: DeviationKind::Overlapping,
+            rate_hz: 10.0,
+            samples: 100_000,
+            points: (0..15).map(point).collect(),
+        }
+    }
+
+    #[test]
+    fn the_process_of_an_exact_curve_is_found_from_a_sample_to_the_record() {
+        for tau_c_s in [2.0, 20.0, 200.0] {
+            let fit = fit_gauss_markov(&exact(tau_c_s)).unwrap();
+            for (found, exact) in [(fit.tau_c_s, tau_c_s), (fit.sigma, 0.05), (fit.white, 0.02)] {
+                assert!((found / exact - 1.0).abs() < 1e-3, "{fit:?}");
+            }
+            assert!(!fit.at_limit && fit.reduced_chi2 < 1e-3, "{fit:?}");
+        }
+        // Beyond five records of 10⁴ s the search ends.
+        let fit = fit_gauss_markov(&exact(1e7)).unwrap();
+        assert!(fit.at_limit, "{fit:?}");
+        assert!(fit.tau_c_s > 3e4 && fit.tau_c_s < 5.01e4, "{fit:?}");
+    }
 }

@@ -235,4 +235,17 @@ mod tests {
         assert_eq!(part(&[1.0, 2.0, 3.0], 2, 9), [3.0]);
         assert!(part(&[1.0, 2.0, 3.0], 7, 9).is_empty());
     }
+
+    #[test]
+    fn blocks_are_as_long_as_a_transform_may_be() {
+        // Of a triangle of 4096 the squares are 2048, 1024, 512 and 256 wide.
+        let blocks = |longest| {
+            let plan = Plan::with_longest(7919, 3959, longest);
+            assert_eq!(plan.width, 4096);
+            plan.nodes.iter().map(|t| t.block).collect::<Vec<_>>()
+        };
+        assert_eq!(blocks(LONGEST), [2048, 1024, 512, 256]);
+        assert_eq!(blocks(1024), [512, 512, 512, 256]);
+        assert_eq!(blocks(256), [128; 4]);
+    }
 }

@@ -232,4 +232,22 @@ mod tests {
             assert!((ours - exact).abs() < 1e-8);
         }
     }
+
+    #[test]
+    fn a_matrix_is_singular_where_its_inverse_scaled_exceeds_a_thousand_million() {
+        // Unit diagonal and 1 − h beside it: the inverse is 1/(2h) and −1/(2h) but for h/2, in powers of two without rounding.
+        let of = |h: f64| {
+            let beside = 4.0 * (1.0 - h);
+            scaled_inverse(&DMatrix::from_row_slice(2, 2, &[1.0, beside, beside, 16.0]))
+        };
+        let h = 2f64.powi(-29);
+        let inverse = of(h).unwrap();
+        for (found, exact) in inverse.iter().zip([1.0, -0.25, -0.25, 1.0 / 16.0]) {
+            assert!((found * 2.0 * h / exact - 1.0).abs() < 1e-8, "{inverse}");
+        }
+        // 2³⁰.
+        assert_eq!(of(2f64.powi(-31)), None);
+        assert_eq!(of(0.0), None);
+        assert_eq!(of(-0.1), None);
+    }
 }

@@ -403,12 +403,19 @@ fn burg(p: usize, part: &TrainingSet) -> Option<AxisModel> {
     })
 }
 
+/// The n to which the table of orders goes on, of so many samples.
+fn last_row(samples: usize, n_max: usize) -> usize {
+    match samples <= TABLE_SAMPLES {
+        true => 2 * n_max,
+        false => n_max,
+    }
+}
+
 /// All candidates.
 pub(super) fn candidates(task: &Task) -> Tried {
-    let is_short = task.searched().len() <= TABLE_SAMPLES;
     let search = PanditWuOptions {
         n_max: task.n_max,
-        table: if is_short { 2 * task.n_max } else { task.n_max },
+        table: last_row(task.searched().len(), task.n_max),
         fit: with_effort(SEARCH_EFFORT),
         ..PanditWuOptions::default()
     };

@@ -359,4 +359,23 @@ mod tests {
         );
         assert!((dirty.explained - clean.explained).abs() < 0.01);
     }
+
+    #[test]
+    fn noise_known_before_rounding_has_no_share_that_is_hidden() {
+        let coarse = |samples: usize, sigma: f64, mean: f64| {
+            let noise = white(samples);
+            let rounded = noise.iter().map(|x| (sigma * (x - 5.0) + mean).round());
+            screen(&rounded.collect::<Vec<_>>(), Trend::Constant)
+        };
+        // Amid a step both its edges show: their shares give the deviation, to 2 % of three windows of 2000.
+        let amid = coarse(8000, 0.4, 5.0);
+        assert!(amid.coarse && amid.noise_shown.is_none());
+        let sigma = amid.before_rounding.unwrap();
+        assert!((sigma / 0.4 - 1.0).abs() < 0.04, "{sigma}");
+        // At a third of a step but one edge shows, and less noise than the mean at the edge would.
+        let aside = coarse(8000, 0.12, 5.3);
+        assert!(aside.coarse && aside.before_rounding.is_none());
+        let share = aside.noise_shown.unwrap();
+        assert!(share > LEAST_SHOWN && share < 1.0, "{share}");
+    }
 }

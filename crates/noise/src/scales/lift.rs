@@ -217,6 +217,9 @@ mod tests {
             assert_eq!(lift(phi, theta, 1.0, 5, 0.01), None);
         }
         assert_eq!(lift(0.9, 0.5, f64::INFINITY, 5, 0.01), None);
+        // Nor is there a rate of samples that take no time, or noise without variance.
+        assert_eq!(lift(0.9, 0.5, 1.0, 5, 0.0), None);
+        assert_eq!(lift(0.9, 0.5, 0.0, 5, 0.01), None);
     }
 
     #[test]

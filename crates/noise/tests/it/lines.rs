@@ -212,3 +212,16 @@ fn hostile_records_do_no_harm() {
     assert!(take_out(&mut nothing, RATE).is_empty());
     assert!(take_out(&mut [0.5; 1000], RATE).is_empty());
 }
+
+#[test]
+fn a_line_is_looked_for_in_128_samples_and_more() {
+    for (samples, found) in [(127, false), (128, true)] {
+        let mut x = white_noise(1, samples);
+        add_line(&mut x, 40.0, 30.0, 0.1);
+        let lines = take_out(&mut x, RATE);
+        assert_eq!(!lines.is_empty(), found, "{samples}");
+        if found {
+            close(lines[0].frequency_hz, 40.0, 1e-3, "frequency");
+        }
+    }
+}

@@ -471,4 +471,25 @@ mod tests {
         assert_eq!(text_width("AZ−"), 28.5);
         assert_eq!(text_width("an0"), 24.0);
     }
+
+    #[test]
+    fn to_scale_a_metre_is_a_metre_wherever_the_way_is() {
+        let of = |east: f64, north: f64| {
+            let mut panel = Panel::new("", PlotAxis::new(""), PlotAxis::new("")).to_scale();
+            let points = [(0.0, 0.0), (200.0, 100.0)].map(|(x, y)| (east + x, north + y));
+            panel.add(Series::line("", 0, points.to_vec()));
+            panel.window(100.0, 100.0)
+        };
+        for (east, north) in [(0.0, 0.0), (5000.0, 700.0), (-900.0, -1e4)] {
+            let window = of(east, north);
+            // 200 m and 4 % in 100 pixels of both axes, about the middle.
+            for (range, middle) in [
+                (&window.x.range, east + 100.0),
+                (&window.y.range, north + 50.0),
+            ] {
+                assert!((range.start - (middle - 104.0)).abs() < 1e-9, "{range:?}");
+                assert!((range.end - (middle + 104.0)).abs() < 1e-9, "{range:?}");
+            }
+        }
+    }
 }

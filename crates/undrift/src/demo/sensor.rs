@@ -332,4 +332,25 @@ mod tests {
         let (other, others) = of(8, 5);
         assert!(other != record && others.iter().all(|seed| !all.contains(seed)));
     }
+
+    #[test]
+    fn every_seed_is_a_switch_on_of_its_own() {
+        let of = |seed: u64| constants(seed).map(f64::to_bits);
+        // Seeds that differ in one bit.
+        let mut all: Vec<_> = (0..64).map(|bit| of(1 << bit)).collect();
+        all.push(of(0));
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), 65);
+        assert_eq!(of(7), of(7));
+        // 6000 draws of the data sheet's σ: their variance is known to 1.8 %.
+        let model = truth();
+        let sigma = model.axes().map(|(_, axis)| axis.turn_on);
+        let squares = (0..1000).flat_map(|seed| {
+            let drawn = constants(seed);
+            (0..covariance::AXES).map(move |i| (drawn[i] / sigma[i]).powi(2))
+        });
+        let variance = squares.sum::<f64>() / 6000.0;
+        assert!((variance - 1.0).abs() < 0.06, "{variance}");
+    }
 }

@@ -73,7 +73,7 @@ pub(super) fn part_at_rest(record: &Record, rate_hz: f64) -> Result<Part, NotSta
             let Range { start, end } = range;
             let (start_s, end_s) = (seconds(start).into(), end_of(end).into());
             let resting = (start..end).filter(|window| windows.rests(*window)).count();
-            let lies_still = resting as f64 >= RESTS * (end - start) as f64;
+            let lies_still = mostly(resting, end - start);
             let step = lies_still.then(|| (step.axis.to_owned(), step.size));
             (end > start).then(|| Omitted {
                 why: if lies_still {
@@ -111,7 +111,7 @@ pub(super) fn part_at_rest(record: &Record, rate_hz: f64) -> Result<Part, NotSta
         };
     };
     let count = moving(still.clone());
-    if (still.len() as f64) < RESTS * piece.len() as f64
+    if !mostly(still.len(), piece.len())
         || count > KNOCKS && count as f64 > SHARE * still.len() as f64
     {
         return Err(refused());
@@ -149,6 +149,11 @@ pub(super) fn part_at_rest(record: &Record, rate_hz: f64) -> Result<Part, NotSta
         left_out,
         subtracted: slow.subtracted,
     })
+}
+
+/// Whether what rests is enough of a part.
+fn mostly(resting: usize, windows: usize) -> bool {
+    resting as f64 >= RESTS * windows as f64
 }
 
 /// The windows of the longest session: between long gaps, and stamps that restart.

@@ -51,6 +51,11 @@ impl Determined {
     }
 }
 
+/// The probability of a false alarm of one of so many axes.
+fn level(axes: usize) -> f64 {
+    FALSE_ALARM / axes.max(1) as f64
+}
+
 /// Identifies every axis of several records together, on all cores. `done` is called after each axis.
 ///
 /// # Errors
@@ -63,7 +68,7 @@ pub(super) fn run_pool(
     let rate_hz = common_rate(records)?;
     let first = records.first().ok_or(RecordingError::NoAxis)?;
     let names = &first.record.axes;
-    let level = FALSE_ALARM / names.len().max(1) as f64;
+    let level = level(names.len());
     let longest =
         (0..records.len()).max_by_key(|k| (records[*k].record.length(), records.len() - k));
     let longest = longest.unwrap_or(0);

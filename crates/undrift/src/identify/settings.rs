@@ -235,3 +235,26 @@ pub fn provenance(
         program: Some(format!("undrift {}", env!("CARGO_PKG_VERSION"))),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_asked_for_is_what_an_axis_is_identified_with() {
+        let record = Record {
+            temperature: Some(vec![21.0, 22.0]),
+            ..Record::default()
+        };
+        for (n_max, trend) in [(1, Trend::Linear), (3, Trend::Temperature)] {
+            let settings = Settings {
+                n_max,
+                trend,
+                ..Settings::default()
+            };
+            let options = settings.options(&record, 49.6);
+            assert_eq!((options.n_max, options.rate_hz), (n_max, 49.6));
+            assert!(options.trend == trend && options.temperature == Some(&[21.0, 22.0][..]));
+        }
+    }
+}

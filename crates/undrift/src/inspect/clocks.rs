@@ -240,4 +240,25 @@ mod tests {
         let other = simulate(&other, 50.0, None, &GnssNoise::default(), 4).unwrap();
         assert_eq!(offset(&other.imu, &log.gnss), None);
     }
+
+    /// Logs that do not begin together, so that turns alone show the offset.
+    #[test]
+    fn an_offset_is_found_where_it_is_the_only_one() {
+        let car = Trajectory::car(400.0, 3);
+        let log = simulate(&car, 50.0, None, &GnssNoise::default(), 3).unwrap();
+        let mut fixes = log.gnss;
+        fixes.retain(|fix| fix.time > 100.0);
+        for fix in &mut fixes {
+            fix.time += 18.0;
+        }
+        let (found, _) = offset(&log.imu, &fixes).unwrap();
+        assert!((found + 18.0).abs() < 0.2, "{found}");
+        // The gyros of two rounds of the same course: it may have been either.
+        let again = log.imu.iter().map(|sample| ImuSample {
+            time: sample.time + 400.0,
+            ..*sample
+        });
+        let twice: Vec<ImuSample> = log.imu.iter().copied().chain(again).collect();
+        assert_eq!(offset(&twice, &fixes), None);
+    }
 }

@@ -274,3 +274,23 @@ fn what_has_stuck_is_polished_and_what_has_converged_is_left() {
     polish(&mut objective, &mut done, 2);
     assert_eq!((done.value, objective.evaluations), (5.0, before));
 }
+
+#[test]
+fn a_polish_that_gains_nothing_is_the_last() {
+    // A kink: the slope at the bottom is not zero, so that a search of slopes never believes to be done.
+    let kink = |z: &[Vec<f64>]| z.iter().map(|z| (3.0 * z[0]).max(-z[0])).collect();
+    let polished = |z: f64| {
+        let mut objective = Objective::new(&kink, SCALES);
+        let value = objective.at(&[z]);
+        let mut best = Point::new(vec![z], value);
+        assert!(!bfgs(&mut objective, &best, TOLERANCE, 100).converged);
+        objective.evaluations = 0;
+        polish(&mut objective, &mut best, 1);
+        (best.value, best.converged, objective.evaluations)
+    };
+    let (value, converged, once) = polished(0.0);
+    assert_eq!((value, converged), (0.0, true));
+    // From elsewhere there is something to gain, and a further round that gains nothing.
+    let (value, _, more) = polished(-1.0);
+    assert!(value < 1e-3 && more > once, "{value} {more} {once}");
+}

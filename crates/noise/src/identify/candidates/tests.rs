@@ -350,3 +350,13 @@ fn halves_are_fitted_and_scored_both_ways_and_of_several_records_each_is_left_ou
         [700, 700, 702, 702, 704, 704, 706, 706]
     );
 }
+
+#[test]
+fn the_table_of_a_short_record_goes_on_to_twice_the_orders() {
+    assert_eq!([1, 10_000].map(|samples| last_row(samples, 2)), [4, 4]);
+    assert_eq!(
+        [10_001, 497_000].map(|samples| last_row(samples, 2)),
+        [2, 2]
+    );
+    assert_eq!([10_000, 10_001].map(|samples| last_row(samples, 3)), [6, 3]);
+}

@@ -63,3 +63,20 @@ fn gain(coefficients: &[f64], frequency: f64) -> f64 {
     }
     real * real + imaginary * imaginary
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_gain_of_one_and_two_coefficients_is_in_closed_form() {
+        for w in [0.0f64, 0.3, 1.0, PI / 2.0, 2.7, PI] {
+            let one = |c: f64| 1.0 - 2.0 * c * w.cos() + c * c;
+            assert!((gain(&[0.7], w) - one(0.7)).abs() < 1e-14, "{w}");
+            // (1 − 0.7 B)(1 + 0.4 B) = 1 − 0.3 B − 0.28 B².
+            let both = one(0.7) * one(-0.4);
+            assert!((gain(&[0.3, 0.28], w) - both).abs() < 1e-14, "{w}");
+            assert_eq!(gain(&[], w), 1.0);
+        }
+    }
+}

@@ -426,3 +426,55 @@ fn logs_of_several_units_are_compared_as_with_a_column_of_their_own() {
         assert!(compared > 20, "{compared}");
     }
 }
+
+/// Two levels of scatter beside that of the rows: a difference of the two logs of each unit has the degrees of freedom of
+/// the analysis of variance, one less than units.
+#[test]
+fn a_difference_within_units_has_the_freedom_of_the_analysis_of_variance() {
+    const UNIT: [f64; 6] = [1.2, -0.8, 0.4, 0.0, -1.6, 1.0];
+    const LOG: [[f64; 2]; 6] = [
+        [0.9, -0.6],
+        [0.2, -1.1],
+        [0.7, -0.3],
+        [-0.8, 1.2],
+        [0.5, 0.1],
+        [-1.3, 0.4],
+    ];
+    // Half of the difference of the rows of each log.
+    const ROW: [[f64; 2]; 6] = [
+        [0.15, 0.13],
+        [0.16, 0.09],
+        [0.16, 0.15],
+        [0.16, 0.10],
+        [0.19, 0.07],
+        [0.16, 0.09],
+    ];
+    let mut nested = Nested::new(2);
+    let (mut rows, mut means) = (0.0, Vec::new());
+    for u in 0..6 {
+        let own = [0, 1].map(|l| UNIT[u] + LOG[u][l] + [-0.5, 0.5][l]);
+        let log = |l: usize| {
+            let x = vec![1.0, [-1.0, 1.0][l]];
+            vec![(x.clone(), own[l] - ROW[u][l]), (x, own[l] + ROW[u][l])]
+        };
+        nested.add(&[log(0), log(1)]);
+        rows += ROW[u].iter().map(|half| 2.0 * half * half).sum::<f64>() / 12.0;
+        means.push([0.5 * (own[0] + own[1]), own[1] - own[0]]);
+    }
+    let scatter = |k: usize| {
+        let mean = means.iter().map(|unit| unit[k]).sum::<f64>() / 6.0;
+        let squares = means.iter().map(|unit| (unit[k] - mean).powi(2));
+        (mean, squares.sum::<f64>() / 5.0)
+    };
+    // Mean squares: two rows to a log, four to a unit; that of a difference has twice the variance of a mean.
+    let ((_, between), (difference, logs)) = (scatter(0), scatter(1));
+    let between = 4.0 * between;
+    let fit = nested.fit(None).unwrap();
+    close(fit.variance, rows, 1e-5);
+    close(fit.variance * fit.ratios[0], (logs - rows) / 2.0, 1e-4);
+    close(fit.variance * fit.ratios[1], (between - logs) / 4.0, 1e-4);
+    let found = fit.contrast(&nested, &[(1, 1.0)]).unwrap();
+    close(found.estimate, 0.5 * difference, 1e-9);
+    close(found.standard_error, (logs / 24.0).sqrt(), 1e-5);
+    close(found.freedom, 5.0, 1e-3);
+}

@@ -67,6 +67,11 @@ fn the_seconds_in_the_hand_are_left_out() {
         let near = |cut: f64| (0.0..=3.0).contains(&cut);
         assert!(near(start - from) && near(to - end), "{start} {end}");
         assert!(left_out.iter().all(|part| part.why == Omission::Handled));
+        // What is left out goes from the ends of the record to what is used.
+        let spans = left_out.iter().map(|part| (part.start_s.0, part.end_s.0));
+        let ends = [(0.0, start), (end, 1800.0)];
+        let ends = ends.into_iter().filter(|(from, to)| to > from);
+        assert!(spans.eq(ends), "{left_out:?}");
     }
     // Most of it in the hand is no static record; the error gives the rest.
     let mostly = record(|axis, t| if t < 1000.0 { in_hand(axis, t) } else { 0.0 });
@@ -121,7 +126,11 @@ fn a_bump_is_cut_out_of_the_middle() {
     assert_eq!(part.bumps.len(), 1);
     // With a second to either side.
     assert_eq!(part.bumps[0], 44_950..45_150);
-    assert_eq!(part.left_out[0].why, Omission::Bump);
+    let [left_out] = &part.left_out[..] else {
+        panic!("{:?}", part.left_out);
+    };
+    assert_eq!(left_out.why, Omission::Bump);
+    assert_eq!((left_out.start_s.0, left_out.end_s.0), (899.0, 903.0));
 }
 
 /// The mean of an axis between two times \[s\] after its first sample.
@@ -274,4 +283,10 @@ fn of_two_sessions_the_longer_is_used() {
         assert_eq!(left_out.len(), 1);
         assert_eq!(left_out[0].why, Omission::Session);
     }
+}
+
+#[test]
+fn a_part_rests_where_half_of_its_windows_do() {
+    assert!(mostly(5, 10) && mostly(10, 10) && mostly(4, 7) && mostly(0, 0));
+    assert!(!mostly(4, 10) && !mostly(1, 10) && !mostly(3, 7));
 }

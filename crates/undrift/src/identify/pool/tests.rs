@@ -169,3 +169,12 @@ fn records_that_do_not_go_together_are_refused() {
     let error = found.axes[0].1.as_ref().unwrap_err().to_string();
     assert!(error.starts_with("b.csv: "), "{error}");
 }
+
+#[test]
+fn false_alarms_of_all_axes_together_are_as_rare_as_stated() {
+    assert_eq!([0, 1].map(level), [0.01; 2]);
+    for axes in [2, 6] {
+        let none = (1.0 - level(axes)).powi(axes as i32);
+        assert!((1.0 - none - FALSE_ALARM).abs() < 1e-4, "{axes}");
+    }
+}

@@ -313,3 +313,35 @@ fn days_of_a_spreadsheet_have_their_unit() {
     let (_, found) = lines(&names, (0..50).map(row).collect());
     assert_eq!(value(&found, "time_unit").as_deref(), Some("d"));
 }
+
+#[test]
+fn a_speed_and_a_course_are_taken_where_nothing_else_is_a_velocity_and_rows_show_the_unit() {
+    let row = |k: i32| vec![f64::from(k), 47.1, 8.5, 412.3, 1.1, 2.2, 0.1, 2.5, 63.0];
+    let names = [
+        "time", "lat", "lon", "alt", "vn", "ve", "vd", "speed", "course",
+    ];
+    let (_, found) = lines(&names, (0..30).map(row).collect());
+    assert_eq!(value(&found, "velocity").as_deref(), Some("[vn, ve, vd]"));
+    assert_eq!(
+        [value(&found, "speed"), value(&found, "course")],
+        [None, None]
+    );
+    // A header without rows.
+    let names = ["time", "lat", "lon", "alt", "speed", "course"];
+    let (_, found) = lines(&names, Vec::new());
+    let keys = ["velocity", "speed", "course", "velocity_std"];
+    assert_eq!(keys.map(|key| value(&found, key)), [const { None }; 4]);
+    assert_eq!(
+        value(&found, "position").as_deref(),
+        Some("[lat, lon, alt]")
+    );
+}
+
+#[test]
+fn the_time_of_arrival_is_the_time_where_the_sensor_has_none() {
+    let time = |names: &[&str]| by_names(&preview(names, Vec::new())).time;
+    assert_eq!(time(&["received", "gx", "time"]), Some(2));
+    assert_eq!(time(&["time", "gx", "received"]), Some(0));
+    assert_eq!(time(&["gx", "received"]), Some(1));
+    assert_eq!(time(&["gx", "timestamp", "time"]), Some(1));
+}
