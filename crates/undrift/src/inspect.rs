@@ -18,6 +18,8 @@ pub use motion::{Motion, motion};
 pub use parts::{CounterRestarts, Inspection, Line, Measured, Part, Start, quoted};
 pub use sensor::model;
 
+pub(crate) use units::rate as unit_of_rates;
+
 use crate::drive::Logs;
 use std::path::Path;
 use undrift_io::{

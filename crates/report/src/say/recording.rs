@@ -81,6 +81,15 @@ fn mend(problem: &NotStatic) -> String {
                 "give the sensitivity of the data sheet, for instance --units \"LSB/131 deg/s,{accel}\" (gyro_unit of a drive file)"
             )
         }
+        NotStatic::Scattering { accel_unit, .. } => {
+            let accel = match accel_unit.as_str() {
+                "" => "m/s^2",
+                unit => unit,
+            };
+            format!(
+                "the numbers look like deg/s: --units \"deg/s,{accel}\" (gyro_unit = \"deg/s\" in a drive file)"
+            )
+        }
         NotStatic::Turning { .. } => {
             "it turns, or the unit of the gyros is wrong (--units, gyro_unit of a drive file)"
                 .into()

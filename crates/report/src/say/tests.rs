@@ -977,7 +977,16 @@ fn a_recording_that_is_refused_says_what_to_do() {
         length_s: 100.0,
         rest,
     };
+    let scattering = NotStatic::Scattering {
+        axis: "gyro_x",
+        scatter: 0.2,
+        accel_unit: "g".into(),
+    };
     for (problem, mend) in [
+        (
+            scattering,
+            "the numbers look like deg/s: --units \"deg/s,g\"",
+        ),
         (turning(), "it turns, or the unit of the gyros is wrong"),
         (
             force(Likely::Unit("g"), ""),

@@ -601,7 +601,7 @@ impl<'a> Section<'a> {
     }
 
     /// The unit of latitudes and longitudes, degrees without one: its factor to radians, and whether they are
-    /// [`DEGREES_MINUTES`].
+    /// degrees and minutes.
     ///
     /// # Errors
     /// As [`Section::unit`].

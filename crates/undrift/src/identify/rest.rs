@@ -2,7 +2,7 @@
 
 use super::part::{Part, part_at_rest};
 use crate::{
-    inspect::about_gravity,
+    inspect::{Known, about_gravity, unit_of_rates},
     record::{Record, own_values},
 };
 use undrift_nav::{
@@ -13,6 +13,9 @@ use undrift_noise::{number::rounded, order_statistics::upper_median};
 
 /// Rate beyond any turn-on constant [rad/s]: 20 deg/s of the cheapest sensors.
 const TURNING: f64 = 0.5;
+/// Rates that scatter by more than this from sample to sample [rad/s], 2.9 deg/s, three times what the noisiest sensor has,
+/// are no rad/s.
+const SCATTERING: f64 = 0.05;
 /// Whole numbers in more levels than this, called deg/s or rad/s, are counts.
 const LEVELS: usize = 4;
 /// Samples that a size is taken from.
@@ -63,6 +66,16 @@ pub enum NotStatic {
         axis: &'static str,
         /// Mean rate [rad/s].
         rate: f64,
+    },
+    /// Rates called rad/s that scatter as deg/s do.
+    #[error("{axis} scatters by {} deg/s from sample to sample, more than any sensor at rest", rounded(scatter.to_degrees(), 3))]
+    Scattering {
+        /// The axis.
+        axis: &'static str,
+        /// Its quietest scatter [rad/s].
+        scatter: f64,
+        /// Unit of the accelerometers as stated.
+        accel_unit: String,
     },
     /// The sensor moves.
     #[error("the IMU moves in {moving_s:.0} of {length_s:.0} s")]
@@ -117,6 +130,7 @@ fn wrong_numbers(record: &Record, rate_hz: f64) -> Option<NotStatic> {
     let (gyro_unit, accel_unit) = record.units.clone().unwrap_or_default();
     force(&accels, &accel_unit, &gyro_unit, accel_hz)
         .or_else(|| counts(&gyros, &gyro_unit, &accel_unit))
+        .or_else(|| scattering(&gyros, &gyro_unit, &accel_unit))
         .or_else(|| turning(&gyros))
 }
 
@@ -192,6 +206,26 @@ fn counts(gyros: &[(&'static str, &[f64])], unit: &str, accel_unit: &str) -> Opt
             range,
         })
     })
+}
+
+fn scattering(gyros: &[(&'static str, &[f64])], unit: &str, accel_unit: &str) -> Option<NotStatic> {
+    let radians = unit_factor(unit, Quantity::AngularRate).ok()? == 1.0;
+    gyros
+        .iter()
+        .filter(|_| radians)
+        .find_map(|(axis, samples)| {
+            let begin = samples.iter().take(PROBE).map(|rate| [*rate; 3]);
+            match unit_of_rates(&Vec::from_iter(begin)) {
+                (_, Known::LargeScatter(scatter)) if scatter > SCATTERING => {
+                    Some(NotStatic::Scattering {
+                        axis,
+                        scatter,
+                        accel_unit: accel_unit.to_owned(),
+                    })
+                }
+                _ => None,
+            }
+        })
 }
 
 fn turning(gyros: &[(&'static str, &[f64])]) -> Option<NotStatic> {

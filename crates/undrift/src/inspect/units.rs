@@ -77,7 +77,7 @@ const STRETCH: usize = 50;
 const BETWEEN: f64 = 0.0095;
 
 /// The unit of gyro samples, rates: by the scatter of the quietest stretch, or by their largest.
-pub(super) fn rate(samples: &[[f64; 3]]) -> Guess {
+pub(crate) fn rate(samples: &[[f64; 3]]) -> Guess {
     let quietest = samples
         .chunks_exact(STRETCH)
         .map(scatter)

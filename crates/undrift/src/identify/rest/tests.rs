@@ -245,3 +245,19 @@ fn a_first_sample_of_another_size_is_no_wrong_unit() {
         assert!(!force.contains("specific force"), "{force}");
     }
 }
+
+/// The noise of 0.15 deg/s is 0.15 rad/s where the numbers are called so.
+#[test]
+fn degrees_called_radians_scatter_more_than_any_sensor() {
+    let found = not_static(&called(("rad/s", "m/s^2"), (1.0 / DEG, 1.0)), RATE);
+    let Some(NotStatic::Scattering { scatter, .. }) = found else {
+        panic!("{found:?}");
+    };
+    // The quietest of two hundred stretches of fifty.
+    assert!((0.08..0.15).contains(&scatter), "{scatter}");
+    // What is called deg/s may scatter.
+    let mut degrees = called(("deg/s", "m/s^2"), (25.0, 1.0));
+    assert!(!problem(&degrees).contains("scatters by"));
+    degrees.units = Some(("rad/s".into(), "m/s^2".into()));
+    assert!(problem(&degrees).contains("scatters by"));
+}
