@@ -1,6 +1,6 @@
 //! What files are, in words, and a starter `DRIVE.toml` for them.
 
-use crate::{date, say};
+use crate::date;
 use std::path::Path;
 use undrift::{
     inspect::{
@@ -174,7 +174,9 @@ fn note(note: &Note) -> String {
         Note::Apart { offset_s } => format!(
             "the logs do not overlap; if both begin at the same moment, set time_offset = \"{offset_s:.2} s\" in [gnss]"
         ),
-        Note::NoGravity { ratio } => say::wrong_gravity(*ratio),
+        Note::NoGravity { ratio } => format!(
+            "the mean specific force is {ratio:.2} times gravity: gravity seems to be removed, as from a \"linear acceleration\"; log the accelerometers with gravity"
+        ),
         Note::NoMounting(why) => format!("axes guessed from gravity alone: {why}"),
         Note::Empty { table, streams } => {
             let what = match table.as_str() {

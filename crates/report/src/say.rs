@@ -18,7 +18,6 @@ pub(crate) use solution::usable;
 pub use solution::{cause, ended, hindsight, verdict};
 pub use start::{alignment, estimated, found, mounting, unsolved};
 
-pub(crate) use sensors::wrong_gravity;
 use undrift::findings::Finding;
 
 /// Why an experiment with outages has no result, where there is an outage.

@@ -2,6 +2,7 @@
 
 mod clocks;
 mod columns;
+mod found;
 mod known;
 mod measure;
 mod motion;

@@ -76,7 +76,7 @@ pub(super) fn temperature(
     text
 }
 
-pub(crate) fn wrong_gravity(ratio: f64) -> String {
+pub(super) fn wrong_gravity(ratio: f64) -> String {
     format!(
         "the accelerometers measure {} times gravity on average: check {}",
         // A sensor without noise.
@@ -89,7 +89,7 @@ pub(crate) fn wrong_gravity(ratio: f64) -> String {
             0.09..0.115 => "imu.accel_unit (the numbers look like g)",
             8.5..11.5 => "imu.accel_unit (the numbers look like m/s^2)",
             90.0..115.0 => "imu.accel_unit (the numbers look like mg or cm/s^2)",
-            1e-6..0.09 => {
+            0.02..0.09 => {
                 "imu.accel (gravity seems to be removed, as from a \"linear acceleration\": log the accelerometers with gravity)"
             }
             _ => "imu.accel, imu.accel_unit and imu.data",

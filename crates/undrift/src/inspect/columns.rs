@@ -1,6 +1,7 @@
 //! What the columns of a table are: by their names, and where they have none by their numbers.
 
 use super::{
+    found::Found,
     known::{Known, Note},
     parts::{Line, Part, quoted},
     places,
@@ -18,31 +19,6 @@ pub(super) const NAMES: Known = Known::Name { several: true };
 const ROWS: usize = 4000;
 /// Samples of which a mean is taken.
 const PART: usize = 25;
-
-/// Columns found: their places.
-#[derive(Default)]
-pub(super) struct Found {
-    pub(super) time: Option<usize>,
-    pub(super) gyro: [Option<usize>; 3],
-    pub(super) accel: [Option<usize>; 3],
-    /// Of the times, where these are times of day.
-    pub(super) date: Option<usize>,
-    pub(super) place: [Option<usize>; 3],
-    /// Earth-centred, Earth-fixed.
-    pub(super) ecef: [Option<usize>; 3],
-    pub(super) ecef_velocity: [Option<usize>; 3],
-    pub(super) velocity: [Option<usize>; 3],
-    pub(super) up: bool,
-    pub(super) position_std: [Option<usize>; 3],
-    pub(super) velocity_std: [Option<usize>; 3],
-    /// Speed and course over ground.
-    pub(super) polar: [Option<usize>; 2],
-    /// Accuracies of the horizontal position, the height, the speed.
-    pub(super) accuracy: [Option<usize>; 3],
-    pub(super) attitude: [Option<usize>; 3],
-    /// How they were found.
-    pub(super) known: Known,
-}
 
 /// The tables of a drive file that columns can serve.
 pub(super) fn parts(mut opened: Opened, notes: &mut Vec<Note>) -> Result<Vec<Part>, ReadError> {

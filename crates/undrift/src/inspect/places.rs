@@ -1,7 +1,7 @@
 //! The fixes of a table without names, by their numbers: latitudes and longitudes along a path, the velocities that fit
 //! it, and accuracies behind them.
 
-use super::columns::Found;
+use super::found::Found;
 use crate::columns::{FIX_STEP, time_unit};
 use undrift_nav::earth::{SEMI_MAJOR, wrap_pi};
 use undrift_noise::order_statistics::upper_median;

@@ -256,7 +256,7 @@ fn degrees_called_radians_scatter_more_than_any_sensor() {
     // The quietest of two hundred stretches of fifty.
     assert!((0.08..0.15).contains(&scatter), "{scatter}");
     // What is called deg/s may scatter.
-    let mut degrees = called(("deg/s", "m/s^2"), (25.0, 1.0));
+    let mut degrees = called(("deg/s", "m/s^2"), (50.0, 1.0));
     assert!(!problem(&degrees).contains("scatters by"));
     degrees.units = Some(("rad/s".into(), "m/s^2".into()));
     assert!(problem(&degrees).contains("scatters by"));
