@@ -1,0 +1,28 @@
+//! Which columns of a table are what.
+
+use super::known::Known;
+
+/// Columns found: their places.
+#[derive(Default)]
+pub(super) struct Found {
+    pub(super) time: Option<usize>,
+    pub(super) gyro: [Option<usize>; 3],
+    pub(super) accel: [Option<usize>; 3],
+    /// Of the times, where these are times of day.
+    pub(super) date: Option<usize>,
+    pub(super) place: [Option<usize>; 3],
+    /// Earth-centred, Earth-fixed.
+    pub(super) ecef: [Option<usize>; 3],
+    pub(super) ecef_velocity: [Option<usize>; 3],
+    pub(super) velocity: [Option<usize>; 3],
+    pub(super) up: bool,
+    pub(super) position_std: [Option<usize>; 3],
+    pub(super) velocity_std: [Option<usize>; 3],
+    /// Speed and course over ground.
+    pub(super) polar: [Option<usize>; 2],
+    /// Accuracies of the horizontal position, the height, the speed.
+    pub(super) accuracy: [Option<usize>; 3],
+    pub(super) attitude: [Option<usize>; 3],
+    /// How they were found.
+    pub(super) known: Known,
+}
