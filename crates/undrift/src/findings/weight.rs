@@ -11,8 +11,6 @@ use undrift_noise::ImuModel;
 
 /// Prior standard deviations beyond which an estimated parameter is no parameter any more.
 const VERY_FAR: f64 = 7.0;
-/// Scale factor error that no gyro has: data sheets of the cheapest state 3 % at most [–].
-const MOST_SCALE: f64 = 0.1;
 /// A scatter this many times what is stated is a wrong unit rather than a modest receiver.
 const WRONG_UNIT: f64 = 20.0;
 /// Measured over true, beyond which no scale factor but a wrong unit, sign or column explains a sensor.
@@ -77,10 +75,6 @@ impl Finding {
                 Severity::Warning
             }
             Self::OutagesLeftOut { outages, of, .. } if 2 * outages > *of => Severity::Warning,
-            // No gyro is that wrong: it is another axis, sign or unit.
-            Self::FarParameter {
-                parameter, value, ..
-            } if parameter == "GyroScale" && value.abs() > MOST_SCALE => Severity::Unusable,
             // A lever arm is in the position as it is.
             Self::FarParameter { parameter, .. } if parameter == "LeverArm" => Severity::Warning,
             Self::FarParameter { sigmas, .. } if *sigmas > VERY_FAR => Severity::Warning,
