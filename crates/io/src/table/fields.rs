@@ -15,7 +15,7 @@ pub(crate) enum Delimiter {
 }
 
 impl Delimiter {
-    /// The likeliest one of a line. Commas that are decimal marks in the fields between others are none.
+    /// The likeliest one of a line. Commas that are decimal marks within fields do not count.
     pub(crate) fn detect(line: &[u8]) -> Self {
         let others = [Self::Byte(b';'), Self::Byte(b'\t'), Self::Blanks];
         if let Some(other) = others

@@ -73,19 +73,13 @@ fn mend(problem: &NotStatic) -> String {
             likely, gyro_unit, ..
         } => force(*likely, gyro_unit),
         NotStatic::Counts { accel_unit, .. } => {
-            let accel = match accel_unit.as_str() {
-                "" => "LSB/16384 g",
-                unit => unit,
-            };
+            let accel = stated(accel_unit, "LSB/16384 g");
             format!(
                 "give the sensitivity of the data sheet, for instance --units \"LSB/131 deg/s,{accel}\" (gyro_unit of a drive file)"
             )
         }
         NotStatic::Scattering { accel_unit, .. } => {
-            let accel = match accel_unit.as_str() {
-                "" => "m/s^2",
-                unit => unit,
-            };
+            let accel = stated(accel_unit, "m/s^2");
             format!(
                 "the numbers look like deg/s: --units \"deg/s,{accel}\" (gyro_unit = \"deg/s\" in a drive file)"
             )
@@ -102,6 +96,11 @@ fn mend(problem: &NotStatic) -> String {
             "it has no rest that is long enough: record it lying still".into()
         }
     }
+}
+
+/// A unit as stated, or this one where none is.
+fn stated<'a>(unit: &'a str, otherwise: &'a str) -> &'a str {
+    if unit.is_empty() { otherwise } else { unit }
 }
 
 fn force(likely: Likely, gyro: &str) -> String {

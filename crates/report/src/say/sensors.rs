@@ -242,7 +242,7 @@ pub(super) fn far_parameter(parameter: &str, value: f64, sigmas: f64) -> String 
     } = constant(parameter);
     let what = match parameter {
         "GyroScale" => {
-            "check the units and signs of imu.gyro, imu.axes and imu.mounting, or run `undrift inspect` on the logs anew"
+            "check the units and signs of imu.gyro, imu.axes and imu.mounting, or run `undrift inspect` on the logs again"
         }
         _ => "check the setting that it corrects",
     };
@@ -293,21 +293,16 @@ pub(super) fn wrong_axes(forward: Option<i8>, right: Option<i8>, axes: Option<&s
     });
     let seen = speeds_up.or(turns).unwrap_or_default();
     // What no rotation of the IMU does is in the columns of the accelerometers.
-    let wrong = match (forward, right) {
-        (Some(2 | -2), Some(1 | -1)) => "the accelerometer's forward and right axes seem exchanged",
-        (Some(1), Some(-2)) => "the accelerometer's right axis seems to have the wrong sign",
-        (Some(-1), Some(2)) => "the accelerometer's forward axis seems to have the wrong sign",
+    let reversed = " (one axis reversed: imu.accel_unit = \"g, -g, g\"; `undrift inspect` on the logs tries them)";
+    let (wrong, mend) = match (forward, right) {
+        (Some(2 | -2), Some(1 | -1)) => ("forward and right axes seem exchanged", ""),
+        (Some(1), Some(-2)) => ("right axis seems to have the wrong sign", reversed),
+        (Some(-1), Some(2)) => ("forward axis seems to have the wrong sign", reversed),
         _ => {
             return format!(
                 "the IMU's axes are not the vehicle's ({seen}): check imu.axes and the order and signs of imu.accel"
             );
         }
     };
-    let mend = match wrong.ends_with("exchanged") {
-        true => "",
-        false => {
-            " (one axis reversed: imu.accel_unit = \"g, -g, g\"; `undrift inspect` on the logs tries them)"
-        }
-    };
-    format!("{wrong} ({seen}): check the order and signs of imu.accel{mend}")
+    format!("the accelerometer's {wrong} ({seen}): check the order and signs of imu.accel{mend}")
 }

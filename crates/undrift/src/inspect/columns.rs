@@ -166,8 +166,8 @@ fn by_numbers(table: &Preview) -> Found {
     found.time = columns
         .iter()
         .position(|c| c.len() > 2 && c.windows(2).all(|pair| pair[1] > pair[0]));
-    // Before the time or behind it.
     places::find(&columns, &mut found);
+    // Before the time or behind it.
     let free = |from: usize| {
         let mut three = from..from + 3;
         three.end <= width && !three.any(|column| found.uses(column))

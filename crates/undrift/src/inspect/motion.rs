@@ -100,11 +100,20 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
             return Motion::default();
         }
     };
-    let found = resolve_mounting(&drive).map(|(_, mounting)| mounting);
-    let by_force = || records(&drive).and_then(|(imu, fixes)| by_force(&imu, &fixes));
-    let searched = found.is_ok() || by_force().is_none();
-    let reversed = searched.then(|| reversed_axes(&mut file.parts[imu.1], &drive));
-    let found = reversed.flatten().map(|of| Ok(Some(of))).unwrap_or(found);
+    let resolved = resolve_mounting(&drive);
+    let by_force = match &resolved {
+        Ok(_) => None,
+        Err(_) => records(&drive).and_then(|(imu, fixes)| by_force(&imu, &fixes)),
+    };
+    let fits = by_force.is_some() || resolved.as_ref().is_ok_and(|of| is_fitting(of.clone()));
+    let reversed = match fits {
+        true => None,
+        false => reversed_axes(&mut file.parts[imu.1], &drive),
+    };
+    let found = match reversed {
+        Some(mounting) => Ok(Some(mounting)),
+        None => resolved.map(|(_, mounting)| mounting),
+    };
     match found {
         Ok(None) => Motion::default(),
         Ok(Some(mounting)) => {
@@ -128,7 +137,6 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
             Motion { wheels, heading }
         }
         Err(error) => {
-            let by_force = by_force();
             if let Some((rpy, std)) = by_force {
                 let (rpy, std) = refined(drive, &rpy, std).unwrap_or((rpy, std));
                 let value = angles(&rpy, 1);
@@ -288,10 +296,9 @@ const FITTING: (f64, f64) = (2.0, 1.3);
 /// Share of rejected fixes up to which they do.
 const REJECTED: f64 = 0.02;
 
-/// How the IMU of a drive sits, and the NIS per degree of freedom of the solution with that in the first [`LONGEST_PASS`] of the
-/// log; `None` where there is none, or units, axes, signs or times contradict it.
-fn fit(drive: &Drive) -> Option<(Mounting, f64)> {
-    let (mut drive, mounting) = resolve_mounting(drive).ok()?;
+/// The mounting of a drive where that was found, and the NIS per degree of freedom of the solution with it in the first
+/// [`LONGEST_PASS`] of the log; `None` where there is none, or its units, axes, signs or times are implausible.
+fn fit((mut drive, mounting): (Drive, Option<Mounting>)) -> Option<(Mounting, f64)> {
     let first = drive.open_imu().ok()?.next()?.ok()?.time;
     let span = drive.imu.1.span.unwrap_or((first, f64::INFINITY));
     drive.imu.1.span = Some((span.0, span.1.min(first + LONGEST_PASS)));
@@ -305,18 +312,20 @@ fn fit(drive: &Drive) -> Option<(Mounting, f64)> {
     Some((mounting?, sums.per_dof().filter(|_| fits)?))
 }
 
+/// Whether samples and fixes fit together with the mounting that was found.
+fn is_fitting(resolved: (Drive, Option<Mounting>)) -> bool {
+    fit(resolved).is_some_and(|(_, nis)| nis < FITTING.0)
+}
+
 /// Reverses axes of a log that does not fit together as it is where it does so with them reversed, and with no others.
 fn reversed_axes(imu: &mut Part, drive: &Drive) -> Option<Mounting> {
-    if fit(drive).is_some_and(|(_, nis)| nis < FITTING.0) {
-        return None;
-    }
     let with = |[gyro, accel]: &[[f64; 3]; 2]| {
         let mut drive = drive.clone();
         let format = &mut drive.imu.1;
         let (gyro, accel) = (Vector3::from(*gyro), Vector3::from(*accel));
         format.gyro_scale.component_mul_assign(&gyro);
         format.accel_scale.component_mul_assign(&accel);
-        fit(&drive)
+        fit(resolve_mounting(&drive).ok()?)
     };
     let fits = REVERSED
         .iter()

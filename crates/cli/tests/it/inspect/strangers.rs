@@ -35,7 +35,7 @@ fn solved(name: &str, [imu, gnss]: [Option<(&str, Rewritten)>; 2]) -> (String, [
     (file, end)
 }
 
-/// Writes each row of a file anew.
+/// Rewrites each row of a file.
 fn rewrite(file: &Path, header: &str, rewritten: Rewritten) {
     let before = fs::read_to_string(file).unwrap();
     let mut rows = header.to_owned();

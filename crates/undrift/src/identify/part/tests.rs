@@ -67,7 +67,7 @@ fn the_seconds_in_the_hand_are_left_out() {
         let near = |cut: f64| (0.0..=3.0).contains(&cut);
         assert!(near(start - from) && near(to - end), "{start} {end}");
         assert!(left_out.iter().all(|part| part.why == Omission::Handled));
-        // What is left out goes from the ends of the record to what is used.
+        // The omitted spans reach from the ends of the record to the part that is used.
         let spans = left_out.iter().map(|part| (part.start_s.0, part.end_s.0));
         let ends = [(0.0, start), (end, 1800.0)];
         let ends = ends.into_iter().filter(|(from, to)| to > from);
