@@ -150,12 +150,12 @@ pub fn position_std_on_receiver_clock(
 ) -> [f64; 3] {
     let place = |kind| Some(behind + parameters.start(kind)?);
     let [offset, rate] = [Parameter::TimeOffset, Parameter::ClockRate].map(place);
+    // Covariance with the clock's error, and its variance.
+    let with_clock =
+        |i: usize| offset.map_or(0.0, |at| p(i, at)) + rate.map_or(0.0, |at| age * p(i, at));
+    let clock = offset.map_or(0.0, with_clock) + rate.map_or(0.0, |at| age * with_clock(at));
     core::array::from_fn(|i| {
-        let clock = |at: Option<usize>, age: f64| Some((at?, -age * v_n[i]));
-        let row = [Some((i, 1.0)), clock(offset, 1.0), clock(rate, age)];
-        let terms = || row.into_iter().flatten();
-        let variance = terms().flat_map(|(j, a)| terms().map(move |(k, b)| (j, k, a * b)));
-        let variance: f64 = variance.map(|(j, k, factor)| factor * p(j, k)).sum();
+        let variance = p(i, i) + v_n[i] * (v_n[i] * clock - 2.0 * with_clock(i));
         variance.max(0.0).sqrt()
     })
 }
@@ -346,6 +346,9 @@ fn sized(states: usize, start: Start) -> Result<Box<dyn Estimator>, FilterError>
         // Four columns go at a time: one that is left costs nearly as much.
         ..=16 => of_size::<16>(start),
         17..=21 => of_size::<21>(start),
+        // The browser's page has no room for one more.
+        #[cfg(not(target_family = "wasm"))]
+        22..=24 => of_size::<24>(start),
         22..=28 => of_size::<28>(start),
         29..=33 => of_size::<33>(start),
         34..=45 => of_size::<45>(start),

@@ -347,18 +347,14 @@ impl Sensors {
         // sensors' own step and the white noise.
         let mut errors = [[0.0; N]; AXES];
         self.add_errors(&mut errors, p, coupling);
-        let Some(moved) = p.first_chunk_mut() else {
+        let Some(moved) = p.first_chunk_mut::<NAV>() else {
             return;
         };
         transition.carry(moved, &errors);
         // Lying down, so that what is done to a state is done to a row; row by row, so that no wide read
         // waits for narrow writes.
-        let mut turned = [[0.0; EVEN]; N];
-        for j in 0..N {
-            for i in 0..NAV {
-                turned[j][i] = moved[i][j];
-            }
-        }
+        let mut turned: [[f64; EVEN]; N] =
+            from_fn(|j| from_fn(|i| if i < NAV { moved[i][j] } else { 0.0 }));
 
         // Navigation block: A J Aᵀ as A (A J)ᵀ, J the joint covariance of (n, ε).
         let gamma = transition.input();
@@ -395,10 +391,17 @@ impl Sensors {
                 p[j][i] = turned[i][j];
             }
         }
-        for j in NAV..N {
+        let states = self.states();
+        for j in NAV..states {
             for i in 0..NAV {
                 p[i][j] = turned[j][i];
                 p[j][i] = turned[j][i];
+            }
+        }
+        // The parameters' columns are there already.
+        for j in states..N {
+            for i in 0..NAV {
+                p[j][i] = p[i][j];
             }
         }
     }

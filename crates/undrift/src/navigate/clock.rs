@@ -89,9 +89,12 @@ impl Timing {
             }
             (Clock::Unstated, Some(receiver)) => {
                 let late = receiver.lateness();
-                let moved = [nav.v_n, self.acceleration, *omega_n].map(|rate| rate * late);
-                for (std, moved) in std.iter_mut().zip(moved.iter().flatten()) {
-                    *std = std.hypot(*moved);
+                // Mostly they are not late beyond chance.
+                if late != 0.0 {
+                    let moved = [nav.v_n, self.acceleration, *omega_n].map(|rate| rate * late);
+                    for (std, moved) in std.iter_mut().zip(moved.iter().flatten()) {
+                        *std = std.hypot(*moved);
+                    }
                 }
             }
             (Clock::Imu, _) | (_, None) => {}
