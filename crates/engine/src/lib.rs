@@ -69,8 +69,10 @@ mod summary;
 #[cfg(test)]
 mod tests;
 pub mod vehicle;
+mod vertical;
 pub mod vibration;
 mod watch;
+mod windows;
 
 pub use aid::{Aid, ByAid, Log, Measurement};
 #[cfg(feature = "checkpoint")]
@@ -85,3 +87,4 @@ pub use navigator::{EndError, Navigator, PushError};
 pub use not_aligned::NotAligned;
 pub use observer::Observer;
 pub use summary::{Innovations, LateSamples, MOST_EVENTS, Summary};
+pub use windows::{Agreement, Disagreement, Window, WindowPart, Windows};

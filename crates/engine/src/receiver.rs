@@ -383,6 +383,7 @@ impl FixPart {
             self.scale.learn(&update);
         }
         self.lean.add(time, &innovation, &update, summary);
+        summary.windows.add(self.part, time, &update);
         match self.part {
             Part::Position => summary.innovations[Aid::Position].add(update),
             Part::Velocity => summary.innovations[Aid::Velocity].add(update),

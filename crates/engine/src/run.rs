@@ -16,6 +16,7 @@ use super::{
     receiver::Receiver,
     solution::Solution,
     summary::Summary,
+    vertical::VerticalVelocity,
     vibration::Vibration,
     watch::Streak,
 };
@@ -53,6 +54,7 @@ pub(crate) struct Run {
     log: LogProgress,
     /// Watch over solution and fixes.
     receiver: Receiver,
+    vertical: VerticalVelocity,
     streak: Streak,
     plausible: Plausible,
     course: CourseWatch,
@@ -127,6 +129,7 @@ impl Run {
             },
             log: LogProgress::default(),
             receiver: Receiver::new(f64::NEG_INFINITY),
+            vertical: VerticalVelocity::default(),
             streak: Streak::default(),
             plausible: Plausible::new(&settings),
             course: CourseWatch::new(),
@@ -519,8 +522,9 @@ impl Run {
         observer: &mut dyn Observer,
     ) -> Result<(), FilterError> {
         let withheld = self.settings.outages.iter().any(|o| o.contains(fix.time));
-        let fix = &self.settings.quality.apply(fix);
         let begins = begins(fix, part);
+        let fix = self.settings.quality.apply(fix);
+        let fix = &self.vertical.judge(fix, begins, &mut self.summary);
         if begins && !withheld {
             self.study(fix)?;
         }

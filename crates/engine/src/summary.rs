@@ -13,6 +13,7 @@ use crate::{
     fixes::FixStudy,
     mounting::{Mounting, MountingError},
     settings::{Doubt, fix_errors::FixErrors},
+    windows::Windows,
 };
 use alloc::vec::Vec;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -147,8 +148,12 @@ pub struct Summary {
     pub bad_fixes: u64,
     /// Fixes that repeat the previous one, held by the logger: not used.
     pub repeated: u64,
+    /// From when on \[s\] the vertical velocities, which were all 0, were taken as not measured.
+    pub no_vertical_velocity: Option<f64>,
     /// Updates by kind of measurement.
     pub innovations: ByAid<Innovations>,
+    /// How well solution and fixes agree, window by window.
+    pub windows: Windows,
     /// Parameters estimated: their last values and standard deviations, in the units of [`Parameter`].
     pub parameters: Vec<(Parameter, Vec<f64>, Vec<f64>)>,
     /// Fixes that were rejected, run by run; the first [`MOST_EVENTS`].

@@ -35,6 +35,7 @@ fn panel(panel: &Panel, lists: &mut Lists) -> Value {
         "y": axis(&panel.y, y),
         "scale": panel.to_scale,
         "shades": panel.shades,
+        "alarms": panel.alarms,
         "clock": panel.clock,
         "series": series.collect::<Vec<_>>(),
     });
@@ -251,6 +252,7 @@ mod tests {
         let x = PlotAxis::categories(["a", "b"]);
         let mut panel = Panel::new("T", x, PlotAxis::logarithmic("y").within(1.0..10.0));
         panel.shade(1.0, 2.0);
+        panel.alarm(1.5, 1.75);
         let value = super::panel(&panel.over_time(1000.0), &mut Lists::default());
         assert_eq!(
             value,
@@ -260,6 +262,7 @@ mod tests {
                 "y": { "label": "y", "log": true, "range": [1.0, 10.0], "fixed": true, "names": [] },
                 "scale": false,
                 "shades": [[1.0, 2.0]],
+                "alarms": [[1.5, 1.75]],
                 "clock": 1000.0,
                 "series": [],
             })

@@ -77,6 +77,15 @@ pub fn say(finding: &Finding) -> String {
         F::EndsEarly { end, missing } => solution::ends_early(*end, *missing),
         F::Restart { time, why, resumed } => solution::restart(*time, *why, *resumed),
         F::LargeInnovations { start } => solution::large_innovations(*start),
+        F::Disagreement {
+            part,
+            start,
+            end,
+            inside,
+            rms,
+            more,
+            ..
+        } => solution::disagreement(*part, [*start, *end], [*inside, *rms], *more),
         F::StartedLate { time } => solution::started_late(*time),
         F::NoReference { outages } => solution::no_reference(*outages),
         F::Frozen { .. } | F::Held { .. } | F::Constant { .. } => sensors::still(finding),
@@ -138,6 +147,7 @@ pub fn say(finding: &Finding) -> String {
         F::FixJitter { std } => fixes::jitter(*std),
         F::CorrelatedFixes { share, time } => fixes::correlated(*share, *time),
         F::NoisyFixes { factor } => fixes::noisy(*factor),
+        F::NoVerticalVelocity { start } => fixes::no_vertical_velocity(*start),
         F::ModestVelocity { factor } => fixes::modest_velocity(*factor),
         F::VelocityBias { bias } => fixes::velocity_bias(*bias),
         F::BadCovariance { fixes } => fixes::bad_covariance(*fixes),

@@ -9,13 +9,14 @@ pub use crate::replay::Log;
 pub use collect::{
     WITHOUT_GNSS, of_accuracy, of_correlation, of_disagreement, of_ends, of_fixes, of_health,
     of_held, of_order, of_rate, of_scalar, of_skipped, of_temperature, of_timing, with_axes,
+    with_rate,
 };
 pub use cut::of_outages;
 pub use weight::{is_doubtful, is_jump, of_model, ranked, verdict};
 
 use crate::{
     outages::WhyLeftOut,
-    replay::{Contradiction, FixMend, Lean, Part, RestartCause},
+    replay::{Contradiction, FixMend, Lean, Part, RestartCause, WindowPart},
 };
 use serde::{Deserialize, Serialize};
 
@@ -181,12 +182,12 @@ pub enum Finding {
         /// By how much later than the stamps of the fixes \[s\].
         delay: f64,
     },
-    /// Innovations are larger than predicted, and so few samples miss what the vehicle does between them.
+    /// Solution and fixes do not go together, and so few samples miss what the vehicle does between them.
     SlowSamples {
         /// Samples a second \[Hz\].
         rate: f64,
-        /// Times the predicted size.
-        factor: f64,
+        /// Times the predicted size, of innovations that are too large.
+        factor: Option<f64>,
     },
     /// The samples hold earlier than they are stamped, or a slow log's later, and the vehicle is fast enough for that to matter.
     LateSamples {
@@ -234,6 +235,23 @@ pub enum Finding {
     WrongSign {
         /// 0 to 2 for north, east, down.
         axis: usize,
+    },
+    /// The solution and a part of the fixes disagree over a span.
+    Disagreement {
+        /// Which part of them.
+        part: WindowPart,
+        /// Time of the first fix there \[s\].
+        start: f64,
+        /// Time of the last one \[s\].
+        end: f64,
+        /// Share of the innovations inside three standard deviations there.
+        inside: f64,
+        /// Their root mean square in standard deviations.
+        rms: f64,
+        /// The share of all innovations of that part.
+        overall: f64,
+        /// Further such spans, of any part.
+        more: u64,
     },
     /// Innovations are far beyond their predicted size.
     LargeInnovations {
@@ -364,6 +382,11 @@ pub enum Finding {
     ModestVelocity {
         /// Times the stated standard deviation.
         factor: f64,
+    },
+    /// The vertical velocities are all 0, and taken as not measured.
+    NoVerticalVelocity {
+        /// From when on \[s\].
+        start: f64,
     },
     /// The velocity is wrong for the positions by a constant.
     VelocityBias {

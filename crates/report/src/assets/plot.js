@@ -242,8 +242,10 @@ class Plot extends Gestures {
 
   drawGround() {
     this.within((ctx, at) => {
-      ctx.fillStyle = this.palette.shade;
-      for (const [l, r] of spans(this.panel, at)) ctx.fillRect(l, 0, r - l, at.height);
+      for (const [ink, l, r] of spans(this.panel, at)) {
+        ctx.fillStyle = this.palette[ink];
+        ctx.fillRect(l, 0, r - l, at.height);
+      }
     });
   }
 
@@ -325,7 +327,7 @@ class Plot extends Gestures {
     const [x, y] = this.ranges(width, height), at = frameOf(panel, x, y, width, height);
     const line = (d, colour) => `<path d="${d}" stroke="${colours[colour]}"/>`;
     const text = (left, top, content, anchor) => `<text x="${px(left)}" y="${px(top)}" text-anchor="${anchor}">${escapeXml(content)}</text>`;
-    let ground = spans(panel, at).map(([l, r]) => `<path d="M${px(l)} 0H${px(r)}V${height}H${px(l)}Z" fill="${colours.shade}"/>`).join(""), marks = "";
+    let ground = spans(panel, at).map(([ink, l, r]) => `<path d="M${px(l)} 0H${px(r)}V${height}H${px(l)}Z" fill="${colours[ink]}"/>`).join(""), marks = "";
     for (const [tick, label] of this.ticks(1, y)) {
       const top = px(at.y(tick));
       ground += line(`M0 ${top}H${width}`, "grid");
@@ -439,11 +441,11 @@ class Plot extends Gestures {
   }
 }
 
-// Shaded spans in pixels.
+// Shaded spans, each with its ink, in pixels.
 function spans(panel, at) {
-  return panel.shades
-    .map(([from, to]) => [from, to].map(v => Math.max(0, Math.min(at.width, usable(v, at.logX) ? at.x(v) : NaN))))
-    .filter(([l, r]) => r > l);
+  const side = v => Math.max(0, Math.min(at.width, usable(v, at.logX) ? at.x(v) : NaN));
+  const inked = (ink, spans) => spans.map(([from, to]) => [ink, side(from), side(to)]);
+  return [...inked("shade", panel.shades), ...inked("alarm", panel.alarms)].filter(([, l, r]) => r > l);
 }
 
 function make(tag, className = "", text = "") {

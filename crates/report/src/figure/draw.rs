@@ -181,19 +181,18 @@ impl Frame {
 
 /// Shades and grid behind the curves; marks and numbers beside the axes.
 fn axes(panel: &Panel, window: &Window) -> (String, String) {
-    let (grid, soft, shade) = (
-        style().ink("grid"),
-        style().ink("soft"),
-        style().ink("shade"),
-    );
+    let (grid, soft) = (style().ink("grid"), style().ink("soft"));
     let (width, height) = (px(window.x.length), px(window.y.length));
     let (mut ground, mut marks) = (String::new(), String::new());
-    for (from, to) in &panel.shades {
-        let side = |v: f64| Some(window.x.pixel(v)?.clamp(0.0, width));
-        if let (Some(from), Some(to)) = (side(*from), side(*to))
-            && from < to
-        {
-            ground += &format!("<path d=\"M{from} 0H{to}V{height}H{from}Z\" fill=\"{shade}\"/>");
+    let side = |v: f64| Some(window.x.pixel(v)?.clamp(0.0, width));
+    for (spans, ink) in [(&panel.shades, "shade"), (&panel.alarms, "alarm")] {
+        let ink = style().ink(ink);
+        for (from, to) in spans {
+            if let (Some(from), Some(to)) = (side(*from), side(*to))
+                && from < to
+            {
+                ground += &format!("<path d=\"M{from} 0H{to}V{height}H{from}Z\" fill=\"{ink}\"/>");
+            }
         }
     }
     for (top, label) in window.y.ticks() {
@@ -579,12 +578,16 @@ mod tests {
         panel.shade(4.0, 4.0);
         panel.shade(11.0, 20.0);
         panel.shade(6.0, 5.0);
+        panel.alarm(3.0, 5.0);
         let (ground, marks) = axes(&panel, &panel.window(100.0, 50.0));
-        let shade = style().ink("shade");
-        let shades: Vec<&str> = ground
-            .split("<path d=\"")
-            .filter(|path| path.contains(shade))
-            .collect();
+        let of = |ink: &str| -> Vec<&str> {
+            let paths = ground.split("<path d=\"");
+            paths
+                .filter(|path| path.contains(style().ink(ink)))
+                .collect()
+        };
+        let (shades, alarms) = (of("shade"), of("alarm"));
+        assert!(alarms.len() == 1 && alarms[0].starts_with("M30 0H50V50H30Z"));
         assert_eq!(shades.len(), 2, "{ground}");
         assert!(
             shades[0].starts_with("M0 0H20V50H0Z") && shades[1].starts_with("M80 0H100V50H80Z")

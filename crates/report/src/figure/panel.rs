@@ -243,6 +243,8 @@ pub struct Panel {
     pub(crate) series: Vec<Series>,
     /// Spans of x on a shaded ground.
     pub(crate) shades: Vec<(f64, f64)>,
+    /// Those where something is wrong.
+    pub(crate) alarms: Vec<(f64, f64)>,
     /// Whether a unit of x is as long as one of y.
     pub(crate) to_scale: bool,
     /// Over time, or a map with times: when its axis of time begins in the log's own time \[s\]. Such panels share a
@@ -261,6 +263,7 @@ impl Panel {
             y,
             series: Vec::new(),
             shades: Vec::new(),
+            alarms: Vec::new(),
             to_scale: false,
             clock: None,
             origin: None,
@@ -304,6 +307,11 @@ impl Panel {
     /// Shades the ground over a span of x, such as an outage.
     pub fn shade(&mut self, from: f64, to: f64) {
         self.shades.push((from, to));
+    }
+
+    /// The same in the colour of what is wrong.
+    pub fn alarm(&mut self, from: f64, to: f64) {
+        self.alarms.push((from, to));
     }
 }
 

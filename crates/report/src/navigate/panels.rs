@@ -37,11 +37,17 @@ impl Shown<'_> {
         let zero = zero.map_or(String::new(), |utc| {
             format!("; 0 on the time axis is {utc}")
         });
-        if self.has_gaps() {
-            format!("{caption}; spans without a usable fix shaded{zero}.")
-        } else {
-            format!("{caption}{zero}.")
-        }
+        let gaps = match self.has_gaps() {
+            true => "; spans without a usable fix shaded",
+            false => "",
+        };
+        let alarms = match self.series.as_slice() {
+            [(_, only)] if !only.disagreements_s.is_empty() => {
+                "; where solution and fixes disagree in orange"
+            }
+            _ => "",
+        };
+        format!("{caption}{gaps}{alarms}{zero}.")
     }
 }
 
@@ -119,6 +125,9 @@ pub(super) fn panel_over_time(y: PlotAxis, shown: &Shown<'_>) -> Panel {
     if let [(_, only)] = shown.series.as_slice() {
         for (from, to) in &only.without_gnss_s {
             panel.shade(shown.clock.at(from.0), shown.clock.at(to.0));
+        }
+        for (from, to) in &only.disagreements_s {
+            panel.alarm(shown.clock.at(from.0), shown.clock.at(to.0));
         }
     }
     panel

@@ -65,6 +65,7 @@ fn series(k: f64) -> NavigateSeries {
         error: by_component(&all),
         innovations: [("position".to_owned(), innovations)].into(),
         without_gnss_s: vec![(1010.0.into(), 1020.0.into())],
+        disagreements_s: vec![(1005.0.into(), 1015.0.into())],
         fixes: fixes(&[0.0, k]),
         rejected_fixes: fixes(&[30.0]),
     }
@@ -128,7 +129,12 @@ fn the_ground_track_has_fixes_spans_without_them_and_the_start() {
         &panel_of(&sections, "height", 0).series[0],
         &[(0.0, 7.0), (10.0, 8.0), (20.0, 9.0)],
     );
-    assert_eq!(panel_of(&sections, "height", 0).shades, [(10.0, 20.0)]);
+    let height = panel_of(&sections, "height", 0);
+    assert_eq!(height.shades, [(10.0, 20.0)]);
+    assert_eq!(height.alarms, [(5.0, 15.0)]);
+    let caption = &figure_of(&sections, "velocity").caption;
+    let shaded = "; spans without a usable fix shaded; where solution and fixes disagree in orange";
+    assert!(caption.contains(shaded), "{caption}");
 }
 
 #[test]

@@ -94,6 +94,13 @@ fn part(part: Part) -> (&'static str, &'static str) {
     }
 }
 
+pub(super) fn no_vertical_velocity(start: f64) -> String {
+    format!(
+        "the vertical velocity of the fixes is always 0, in motion too: it is taken as not measured from {} s on; \"20 m/s\" as the third number of gnss.velocity_std says so from the first fix on",
+        at(start)
+    )
+}
+
 pub(super) fn rejected(fixes: &Contradiction) -> String {
     let (part, unit) = match (fixes.height, part(fixes.part)) {
         (true, (_, unit)) => ("height", unit),

@@ -155,9 +155,12 @@ pub(super) fn late(delay: f64) -> String {
     )
 }
 
-pub(super) fn slow_samples(rate: f64, factor: f64) -> String {
+pub(super) fn slow_samples(rate: f64, factor: Option<f64>) -> String {
+    let large = factor.map_or(String::new(), |factor| {
+        format!("innovations are {factor:.1} times as large as predicted: ")
+    });
     format!(
-        "innovations are {factor:.1} times as large as predicted: {} samples a second miss what the vehicle does between them; log the IMU at 50 Hz or more",
+        "{large}{} samples a second miss what the vehicle does between them; log the IMU at 50 Hz or more",
         short(rate)
     )
 }

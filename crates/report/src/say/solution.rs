@@ -3,7 +3,7 @@
 use super::words::{at, many};
 use undrift::{
     findings::{self, Finding, NoError, Severity},
-    replay::RestartCause,
+    replay::{RestartCause, WindowPart},
     usability::Usability,
 };
 
@@ -12,9 +12,23 @@ pub fn verdict(found: &[Finding]) -> String {
     let (severity, cause) = findings::verdict(found);
     let word = usable(severity);
     match cause {
-        Some(cause) => format!("{word}: {}", super::say(cause)),
+        Some(cause) => format!("{word}: {}{}", super::say(cause), worst(found, cause)),
         None => word.into(),
     }
+}
+
+/// Where it shows most, of a cause that does not say so.
+fn worst(found: &[Finding], cause: &Finding) -> String {
+    found
+        .iter()
+        .filter(|of| *of != cause)
+        .find_map(|of| match of {
+            Finding::Disagreement { start, end, .. } => {
+                Some(format!(" (worst from {} to {} s)", at(*start), at(*end)))
+            }
+            _ => None,
+        })
+        .unwrap_or_default()
 }
 
 /// How much of the log the solution knows at each instant.
@@ -117,6 +131,34 @@ pub(super) fn restart(time: f64, why: RestartCause, resumed: Option<f64>) -> Str
 pub(super) fn large_innovations(start: f64) -> String {
     format!(
         "innovations far exceed their predicted size from {start:.1} s on: the solution diverges from the fixes, or the noise model or the stated GNSS accuracy is wrong"
+    )
+}
+
+/// A part of the fixes in the plural.
+fn parts(part: WindowPart) -> &'static str {
+    match part {
+        WindowPart::Position => "positions",
+        WindowPart::Height => "heights",
+        WindowPart::Velocity => "velocities",
+    }
+}
+
+pub(super) fn disagreement(
+    part: WindowPart,
+    [start, end]: [f64; 2],
+    [inside, rms]: [f64; 2],
+    more: u64,
+) -> String {
+    let further = match more {
+        0 => String::new(),
+        _ => format!("; {} more", many(more, "such span")),
+    };
+    format!(
+        "from {} to {} s the solution and the {} of the fixes disagree: {:.0} % of the innovations are inside three standard deviations, they are {rms:.1} standard deviations large{further}",
+        at(start),
+        at(end),
+        parts(part),
+        100.0 * inside,
     )
 }
 

@@ -4,7 +4,7 @@ use super::*;
 use undrift::{
     findings::{Log, NoError, Severity},
     outages::WhyLeftOut,
-    replay::{Contradiction, FixMend, Lean, Part, RestartCause},
+    replay::{Contradiction, FixMend, Lean, Part, RestartCause, WindowPart},
 };
 
 /// Fifteen positions of a jump.
@@ -266,6 +266,22 @@ fn every_finding_has_its_sentence() {
             "innovations far exceed their predicted size from 12.5 s on: the solution diverges from the fixes, or the noise model or the stated GNSS accuracy is wrong",
         ),
         (
+            Finding::Disagreement {
+                part: WindowPart::Height,
+                start,
+                end: 72.5,
+                inside: 0.404,
+                rms: 5.06,
+                overall: 0.9,
+                more: 2,
+            },
+            "from 12.5 to 72.5 s the solution and the heights of the fixes disagree: 40 % of the innovations are inside three standard deviations, they are 5.1 standard deviations large; 2 such spans more",
+        ),
+        (
+            Finding::NoVerticalVelocity { start },
+            "the vertical velocity of the fixes is always 0, in motion too: it is taken as not measured from 12.5 s on; \"20 m/s\" as the third number of gnss.velocity_std says so from the first fix on",
+        ),
+        (
             accuracy(Part::Position, 2.0, false, true),
             "stated position standard deviations are about 2.0 times too small for the innovations: multiply gnss.position_std_factor by 2.00, or set gnss.adapt = true; but the innovations are correlated from fix to fix, so the noise model, the mounting, the lever arm or the times may be wrong instead",
         ),
@@ -407,6 +423,20 @@ fn the_verdict_names_the_cause() {
     assert!(
         verdict(&found).starts_with("usable with care: gyro z stays at 0 (as logged) for 20.00 s")
     );
+    // The span where it shows most is beside a cause.
+    let span = Finding::Disagreement {
+        part: WindowPart::Position,
+        start: 60.0,
+        end: 91.5,
+        inside: 0.5,
+        rms: 4.0,
+        overall: 0.95,
+        more: 0,
+    };
+    let both = undrift::findings::ranked(vec![span.clone(), found[0].clone()]);
+    assert!(verdict(&both).ends_with(" (worst from 60 to 91.5 s)"));
+    let alone = "usable with care: from 60 to 91.5 s the solution and the positions of the fixes disagree: ";
+    assert!(verdict(&[span]).starts_with(alone));
     assert_eq!(verdict(&[Finding::Bridged { gaps: 2 }]), "usable");
     let ended = [Finding::Diverged { time: 9.0 }];
     assert_eq!(

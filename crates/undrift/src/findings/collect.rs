@@ -1,10 +1,10 @@
 //! The findings of a run, from its counts.
 
-use super::{Finding, Log};
+use super::{Finding, Log, Severity};
 use crate::{
     fixes::FixStudy,
     mounting::MountingError,
-    replay::{Aid, Implausible, Innovations, Part, SampleFault, Summary},
+    replay::{Aid, Disagreement, Implausible, Innovations, Part, SampleFault, Summary, WindowPart},
     settings::fix_errors::{Correlated, FixErrors},
 };
 use undrift_io::{
@@ -64,6 +64,8 @@ pub fn of_health(summary: &Summary) -> Vec<Finding> {
         found.push(Finding::WithoutGnss { start, length });
     }
     found.extend(of_samples(summary));
+    let vertical = summary.no_vertical_velocity;
+    found.extend(vertical.map(|start| Finding::NoVerticalVelocity { start }));
     if summary.bad_fixes > 0 {
         let fixes = summary.bad_fixes;
         found.push(Finding::BadCovariance { fixes });
@@ -238,12 +240,31 @@ pub fn of_disagreement(summary: &Summary) -> Vec<Finding> {
             .iter()
             .map(|axis| Finding::WrongSign { axis: *axis }),
     );
-    found.extend(
-        summary
-            .suspect
-            .map(|start| Finding::LargeInnovations { start }),
-    );
+    let innovations = of_windows(summary);
+    let large = || {
+        Some(Finding::LargeInnovations {
+            start: summary.suspect?,
+        })
+    };
+    found.extend(innovations.or_else(large));
     found
+}
+
+/// The span in which the solution and the fixes disagree most.
+fn of_windows(summary: &Summary) -> Option<Finding> {
+    let spans = WindowPart::ALL.map(|part| summary.windows.disagreements(part));
+    let spans: Vec<Disagreement> = spans.into_iter().flatten().collect();
+    let outside = |of: &Disagreement| of.agreement.innovations - of.agreement.inside;
+    let worst = spans.iter().max_by_key(|of| outside(of))?;
+    Some(Finding::Disagreement {
+        part: worst.part,
+        start: worst.start,
+        end: worst.end,
+        inside: worst.agreement.share()?,
+        rms: worst.agreement.rms(),
+        overall: summary.windows.overall(worst.part).share()?,
+        more: spans.len() as u64 - 1,
+    })
 }
 
 /// What the fixes show of themselves.
@@ -416,10 +437,31 @@ pub fn of_accuracy(part: Part, factor: f64, summary: &Summary, known: bool) -> F
 pub fn of_rate(found: Finding, rate: f64) -> Finding {
     match found {
         Finding::OptimisticModel { factor, .. } if rate < LEAST_RATE => {
+            let factor = Some(factor);
             Finding::SlowSamples { rate, factor }
         }
         other => other,
     }
+}
+
+/// The findings of a log with so many samples a second \[Hz\]: where they are few, and solution and fixes do not go together in
+/// another way than by their size, it is they.
+pub fn with_rate(mut found: Vec<Finding>, rate: f64) -> Vec<Finding> {
+    let is_said = |of: &Finding| matches!(of, Finding::SlowSamples { .. });
+    let is_symptom = |of: &Finding| {
+        let kind = matches!(
+            of,
+            Finding::Disagreement { .. }
+                | Finding::CorrelatedInnovations { .. }
+                | Finding::FarParameter { .. }
+        );
+        kind && of.severity() > Severity::Note
+    };
+    if rate < LEAST_RATE && found.iter().any(is_symptom) && !found.iter().any(is_said) {
+        let factor = None;
+        found.push(Finding::SlowSamples { rate, factor });
+    }
+    found
 }
 
 /// Innovations of position or velocity that last from fix to fix and are not smaller than predicted: errors of attitude
@@ -636,6 +678,55 @@ mod tests {
         assert_eq!(more(4, 0), Some((1, 0)));
         assert_eq!(more(7, 10), Some((14, 2)));
     }
+
+    /// Thirty positions of which a part is four standard deviations off, north; ten minutes of good ones before.
+    #[test]
+    fn the_worst_span_is_found_with_the_share_of_the_whole_log() {
+        let of = |off: usize| {
+            let mut summary = Summary::default();
+            for k in 0..630 {
+                let north = if k >= 600 && k < 600 + off { 4.0 } else { 0.0 };
+                let update = undrift_nav::filter::Update {
+                    nis: north * north,
+                    dof: 2,
+                    whitened: [north, 0.0, 0.0],
+                    score: 0.0,
+                    information: 1.0,
+                    outcome: undrift_nav::filter::Outcome::Used,
+                };
+                summary.windows.add(Part::Position, k as f64, &update);
+            }
+            of_disagreement(&summary)
+        };
+        assert!(of(6).is_empty());
+        let expected = Finding::Disagreement {
+            part: WindowPart::Position,
+            start: 600.0,
+            end: 629.0,
+            inside: 20.0 / 30.0,
+            rms: (8.0f64 * 10.0 / 30.0).sqrt(),
+            overall: 620.0 / 630.0,
+            more: 0,
+        };
+        assert_eq!(of(10), [expected]);
+    }
+
+    #[test]
+    fn few_samples_are_why_solution_and_fixes_do_not_go_together() {
+        let far = |sigmas| Finding::FarParameter {
+            parameter: "GyroScale".into(),
+            value: 0.2,
+            sigmas,
+        };
+        let slow = |factor| Finding::SlowSamples { rate: 20.0, factor };
+        let doubtful = vec![far(9.0)];
+        assert_eq!(with_rate(doubtful.clone(), 20.0), [far(9.0), slow(None)]);
+        assert_eq!(with_rate(doubtful.clone(), 25.0), doubtful);
+        assert_eq!(with_rate(vec![far(5.0)], 20.0), [far(5.0)]);
+        let said = vec![slow(Some(2.0)), far(9.0)];
+        assert_eq!(with_rate(said.clone(), 20.0), said);
+    }
+
     /// Two updates whose whitened innovations are 1 and x have the autocorrelation 2x/(1 + x²): a half at 2 − √3.
     fn correlated(x: f64) -> Summary {
         let mut summary = Summary::default();
@@ -691,7 +782,10 @@ mod tests {
         let (rate, factor) = (24.0, 1.5);
         assert_eq!(
             of_rate(found.clone(), rate),
-            Finding::SlowSamples { rate, factor }
+            Finding::SlowSamples {
+                rate,
+                factor: Some(factor)
+            }
         );
         assert_eq!(of_rate(found.clone(), 25.0), found);
         assert_eq!(

@@ -26,6 +26,9 @@ const MANY: f64 = 0.1;
 /// Share of outages that may lie outside of what the model predicts, and how unlikely more of them are by chance.
 const OUTSIDE: (f64, f64) = (0.2, 0.05);
 
+/// Share of the innovations inside three standard deviations below which the solution says too little of its errors.
+const COVERED: f64 = 0.8;
+
 /// Positions that are rejected for longer than this \[s\] were so although nothing else showed an error: the solution follows sooner
 /// where the velocities contradict it, too, or are missing.
 const FOLLOWS: f64 = 5.0;
@@ -64,6 +67,7 @@ impl Finding {
                 Severity::Unusable
             }
             Self::NoOutage | Self::NotRun { all: true, .. } => Severity::Unusable,
+            Self::Disagreement { overall, .. } if *overall < COVERED => Severity::Unusable,
             Self::OptimisticDrift {
                 outside, outages, ..
             } if is_beyond_chance(*outside, *outages) => Severity::Unusable,
@@ -95,6 +99,7 @@ impl Finding {
             | Self::Restart { .. }
             | Self::WrongSign { .. }
             | Self::LargeInnovations { .. }
+            | Self::Disagreement { .. }
             | Self::VelocityBias { .. }
             | Self::HeadingOff { .. }
             | Self::OptimisticModel { .. }
@@ -109,6 +114,23 @@ impl Finding {
             | Self::NoReference { .. } => Severity::Warning,
             _ => Severity::Note,
         }
+    }
+
+    /// Whether this may be why a symptom is found. Times that are wrong make innovations large; they are in the standard deviations,
+    /// and move neither the heading nor the antenna.
+    fn explains(&self, symptom: &Self) -> bool {
+        let of_times = matches!(
+            self,
+            Self::LateSamples { .. } | Self::FixJitter { .. } | Self::RoundedFixes { .. }
+        );
+        let innovations = matches!(
+            symptom,
+            Self::OptimisticModel { .. }
+                | Self::CorrelatedInnovations { .. }
+                | Self::Disagreement { .. }
+                | Self::LargeInnovations { .. }
+        );
+        !of_times || innovations
     }
 
     /// Where it stands between cause and symptom: what is wrong with the logs and the settings comes before what that
@@ -138,11 +160,13 @@ impl Finding {
             | Self::SetBack { .. }
             | Self::VelocityBias { .. } => 2,
             Self::NoMounting { .. } | Self::LateSamples { .. } | Self::SlowSamples { .. } => 2,
+            Self::FixJitter { .. } | Self::RoundedFixes { .. } => 2,
             Self::Rejected(fixes) if is_jump(fixes) => 2,
             Self::OptimisticModel { .. } | Self::FarParameter { .. } => 3,
             Self::CorrelatedInnovations { .. } | Self::OptimisticDrift { .. } => 4,
             Self::CoversPart { .. } | Self::OfModel { .. } => 5,
             Self::Restart { .. } | Self::HeadingOff { .. } | Self::LargeInnovations { .. } => 5,
+            Self::Disagreement { .. } => 5,
             Self::OneSided(_) | Self::Rejected(_) | Self::MoreRejected { .. } => 6,
             // Stated too large: it costs little.
             Self::WrongAccuracy { factor, .. } if *factor < 1.0 => 8,
@@ -177,24 +201,32 @@ pub fn verdict(found: &[Finding]) -> (Severity, Option<&Finding>) {
     let severity = found.iter().map(Finding::severity).max();
     let severity = severity.unwrap_or(Severity::Note);
     let at = |level| found.iter().find(|of| of.severity() >= level);
+    let worst = at(severity);
     let cause = match severity {
         Severity::Note => None,
         Severity::Unusable => {
             let mut causes = found.iter().filter(|of| of.rank() == 1);
             let surely = causes.clone().find(|of| of.severity() == severity);
-            surely.or(causes.next()).or(at(severity))
+            surely.or(causes.next()).or(explained(found, worst))
         }
-        Severity::Warning => {
-            let worst = at(severity);
-            // A fault of the sensors explains what the solution shows.
-            let fault = found.iter().find(|of| of.rank() <= 2);
-            match worst {
-                Some(of) if of.rank() > 2 => fault.or(worst),
-                _ => worst,
-            }
-        }
+        Severity::Warning => explained(found, worst),
     };
     (severity, cause)
+}
+
+/// What explains a finding: a fault of the logs or the settings where there is one, of what is found of the sensors or the fixes the
+/// first that is doubtful itself; else the finding.
+fn explained<'a>(found: &'a [Finding], worst: Option<&'a Finding>) -> Option<&'a Finding> {
+    let symptom = worst?;
+    let is_cause = |of: &&Finding| {
+        let before = of.rank() < symptom.rank();
+        let fault = of.rank() <= 2 || of.severity() > Severity::Note;
+        before && fault && of.explains(symptom)
+    };
+    match symptom.rank() {
+        0..=2 => worst,
+        _ => found.iter().find(is_cause).or(worst),
+    }
 }
 
 /// Whether any of them makes a result doubtful or ends it.
@@ -272,6 +304,18 @@ mod tests {
             gaps: 1,
             first: 0.0,
             longest,
+        }
+    }
+
+    fn disagreement(overall: f64) -> Finding {
+        Finding::Disagreement {
+            part: crate::replay::WindowPart::Position,
+            start: 60.0,
+            end: 90.0,
+            inside: 0.5,
+            rms: 4.0,
+            overall,
+            more: 0,
         }
     }
 
@@ -379,6 +423,11 @@ mod tests {
             (drift(0, 20), Warning, 4),
             (drift(20, 20), Unusable, 4),
             (Finding::LargeInnovations { start: 0.0 }, Warning, 5),
+            (disagreement(0.8), Warning, 5),
+            (disagreement(0.79), Unusable, 5),
+            (Finding::FixJitter { std: 0.02 }, Note, 2),
+            (Finding::RoundedFixes { step: 1.0 }, Note, 2),
+            (Finding::NoVerticalVelocity { start: 1.0 }, Note, 7),
             (of_model(late(9.0)), Warning, 5),
             (of_model(late(1.0)), Note, 5),
             (accuracy(1.5), Note, 4),
@@ -426,6 +475,39 @@ mod tests {
         assert_eq!(
             cause(&[gaps(5.0), held(5.0), large.clone()]),
             (Warning, Some(1))
+        );
+        // Late samples make innovations large; they turn no heading and move no antenna.
+        let late_samples = Finding::LateSamples {
+            delay: [0.1, 0.01],
+            most: 1.0,
+        };
+        let off = Finding::HeadingOff {
+            start: 1.0,
+            end: 2.0,
+            angle: 0.2,
+            more: 0,
+        };
+        assert_eq!(
+            cause(&[late_samples.clone(), large.clone()]),
+            (Warning, Some(0))
+        );
+        assert_eq!(
+            cause(&[late_samples.clone(), far(9.0), off.clone()]),
+            (Warning, Some(1))
+        );
+        assert_eq!(cause(&[late_samples.clone(), off]), (Warning, Some(1)));
+        // A solution that disagrees with the fixes for most of the log has a cause, too: what is doubtful itself, of the sensors or
+        // the fixes.
+        let ends = disagreement(0.5);
+        assert_eq!(cause(std::slice::from_ref(&ends)), (Unusable, Some(0)));
+        assert_eq!(
+            cause(&[far(5.0), accuracy(2.0), ends.clone()]),
+            (Unusable, Some(2))
+        );
+        assert_eq!(cause(&[far(9.0), ends.clone()]), (Unusable, Some(0)));
+        assert_eq!(
+            cause(&[Finding::FixJitter { std: 0.1 }, far(9.0), ends]),
+            (Unusable, Some(0))
         );
         // What ends a solution is explained by a wrong setting: surely one that spoils all, else any.
         let end = Finding::Diverged { time: 1.0 };

@@ -74,7 +74,8 @@ impl Report {
             (Log::Gnss, &self.gnss_skipped),
             (Log::Truth, &self.truth_skipped),
         ]));
-        findings::ranked(findings::of_model(one_model(found), self.model.as_ref()))
+        let found = findings::with_rate(one_model(found), 1.0 / self.gaps.nominal_interval);
+        findings::ranked(findings::of_model(found, self.model.as_ref()))
     }
 
     /// The longest part of the log with a solution, where all of them together are a small part of it.

@@ -6,7 +6,7 @@ use crate::{
     estimator::STAMP_ROUNDING,
     findings::WITHOUT_GNSS,
     reference::{COMPONENTS, Errors},
-    replay::MOST_EVENTS,
+    replay::{MOST_EVENTS, Windows},
     results::{Curve, Fixes, NavigateSeries, Track, by_name},
     series::{Envelope, ROWS, Thinned, to_digits, to_millimetre, to_millisecond},
 };
@@ -162,8 +162,8 @@ impl Recording {
         }
     }
 
-    /// All of it; what nothing was added to is missing.
-    pub fn series(&self) -> NavigateSeries {
+    /// All of it, with where the solution and the fixes disagree; what nothing was added to is missing.
+    pub fn series(&self, windows: &Windows) -> NavigateSeries {
         let innovations = |part: usize| {
             let mut curves = named(&INNOVATIONS, &self.innovations[part]);
             if !self.left_out[part].is_empty() {
@@ -194,6 +194,7 @@ impl Recording {
                 .map(|(name, part)| (name.to_owned(), innovations(part)))
                 .into(),
             without_gnss_s: self.without_gnss.iter().chain(&open).map(rounded).collect(),
+            disagreements_s: windows.spans().map(|span| rounded(&span)).collect(),
             fixes: fixes(&self.fixes[0]),
             rejected_fixes: fixes(&self.fixes[1]),
         }
@@ -260,7 +261,7 @@ mod tests {
         };
         let mut recording = Recording::default();
         recording.solution(&row);
-        let series = recording.series();
+        let series = recording.series(&Windows::default());
         let track = &series.track;
         let all = [
             &track.time_s,
@@ -346,7 +347,7 @@ mod tests {
         recording.fix(5.1, [update(Outcome::Used), None]);
         recording.reached(&fix(6.0));
         recording.fix(6.0 + 0.5 * STAMP_ROUNDING, [update(Outcome::Used), None]);
-        let series = recording.series();
+        let series = recording.series(&Windows::default());
         let times = |fixes: &Fixes| fixes.time_s.iter().map(|t| t.0).collect::<Vec<_>>();
         assert_eq!(times(&series.fixes), [1.0, 2.0, 6.0]);
         assert_eq!(times(&series.rejected_fixes), [3.0]);
@@ -378,7 +379,10 @@ mod tests {
         }
         let place = Geodetic::from_degrees(45.0, 7.0, 300.0);
         let spans = |recording: &Recording| -> Vec<(f64, f64)> {
-            let spans = recording.series().without_gnss_s.into_iter();
+            let spans = recording
+                .series(&Windows::default())
+                .without_gnss_s
+                .into_iter();
             spans.map(|(from, to)| (from.0, to.0)).collect()
         };
         recording.solution(&SolutionRow::at(21.0 + WITHOUT_GNSS, place));
@@ -397,7 +401,7 @@ mod tests {
     fn errors_are_recorded_by_component() {
         let mut recording = Recording::default();
         recording.errors(2.0, &Errors(std::array::from_fn(|i| i as f64 - 3.0)));
-        let series = recording.series();
+        let series = recording.series(&Windows::default());
         for (i, name) in COMPONENTS.into_iter().enumerate() {
             assert_eq!(only(&series.error[name]), i as f64 - 3.0);
         }

@@ -47,9 +47,10 @@ impl Report {
             compared_samples: self.rmse.as_ref().map(|(_, n)| *n),
             skipped: skipped.into(),
             summary: summary(s),
+            windows: s.windows.iter().copied().collect(),
             findings: self.findings(),
             warnings: Vec::new(),
-            series: self.recording.as_ref().map(|recording| recording.series()),
+            series: (self.recording.as_ref()).map(|recording| recording.series(&s.windows)),
         }
     }
 }

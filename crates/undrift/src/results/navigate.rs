@@ -6,7 +6,7 @@ use super::{
 };
 use crate::findings::Finding;
 use crate::replay::{
-    Aid, Contradiction, CovarianceHealth, Implausible, Innovations, Lean, Restart,
+    Aid, Contradiction, CovarianceHealth, Implausible, Innovations, Lean, Restart, Window,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -51,6 +51,9 @@ pub struct Navigate {
     pub skipped: BTreeMap<String, String>,
     /// Counts and findings of the replay.
     pub summary: Summary,
+    /// How well the solution and the fixes agree, window by window.
+    #[serde(deserialize_with = "known")]
+    pub windows: Vec<Window>,
     /// What was found out about logs and solution.
     #[serde(deserialize_with = "findings")]
     pub findings: Vec<Finding>,
@@ -216,6 +219,9 @@ pub struct NavigateSeries {
     pub innovations: BTreeMap<String, BTreeMap<String, Curve>>,
     /// Spans without a fix used: start and end \[s\].
     pub without_gnss_s: Vec<(Number, Number)>,
+    /// Spans in which the solution and a part of the fixes disagree: start and end \[s\].
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub disagreements_s: Vec<(Number, Number)>,
     /// Positions of the fixes that were used, evenly thinned.
     #[serde(skip_serializing_if = "Fixes::is_empty")]
     pub fixes: Fixes,
