@@ -30,7 +30,7 @@ use crate::{
     settings::Settings,
 };
 use alloc::boxed::Box;
-use basis::{noise_of_mean, walk};
+use basis::{force_excess, noise_of_mean, walk, with_constants};
 use motion::MotionAligner;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::{ComplexField, RealField};
@@ -38,7 +38,7 @@ use rest::Rest;
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
     attitude::{from_rotation_vector, from_rpy},
-    earth::Geodetic,
+    earth::{Geodetic, LocalEarth},
     filter::{FilterError, Gate, InitialStd},
     mechanisation::NavState,
     sample::{GnssFix, ImuSample},
@@ -184,7 +184,7 @@ impl Aligner {
                 &seen.velocity.1,
                 &correlated,
             );
-            return Ok(Some(aligned(filter, AttitudeSource::Given)));
+            return Ok(Some(aligned(filter, AttitudeSource::Given, None)));
         }
         let bias_variance =
             noise_of_mean(&settings.sensors[..3], self.rest.bias_span()) + RATE_FLOOR * RATE_FLOOR;
@@ -202,7 +202,7 @@ impl Aligner {
                 duration: found.duration,
                 bias_at_rest: at_rest.is_some(),
             };
-            aligned(found.filter, source)
+            aligned(found.filter, source, None)
         }))
     }
 
@@ -305,7 +305,12 @@ impl Aligner {
             ..now
         };
         let parameters = settings.worthwhile(&seen.position.1);
-        let mut filter = estimator::build(at_rest, &wide, &settings.sensors, parameters)?;
+        let gravity = LocalEarth::at(&now.position).gravity;
+        let force_excess = force_excess(&settings.sensors[3..], &force_at_rest, gravity, duration);
+        let sensors = force_excess.map_or(settings.sensors, |excess| {
+            with_constants(&settings.sensors, excess)
+        });
+        let mut filter = estimator::build(at_rest, &wide, &sensors, parameters)?;
         let variance = noise_of_mean(&settings.sensors[3..], duration) + LEVEL_FLOOR * LEVEL_FLOOR;
         let level = Aiding::Level(force_at_rest);
         filter.update(&level, &(Matrix3::identity() * variance), &Gate::OPEN)?;
@@ -323,7 +328,7 @@ impl Aligner {
             duration,
             heading: from,
         };
-        Ok(aligned(filter, source))
+        Ok(aligned(filter, source, force_excess))
     }
 
     /// Why there was no alignment; so many fixes fell within the inertial log.
@@ -350,7 +355,11 @@ impl Aligner {
 }
 
 /// A filter with how its attitude was found.
-fn aligned(filter: Box<dyn Estimator>, source: AttitudeSource) -> Aligned {
+fn aligned(
+    filter: Box<dyn Estimator>,
+    source: AttitudeSource,
+    force_excess: Option<f64>,
+) -> Aligned {
     let (std, bias) = (filter.nav_std(), filter.sensor_error_std());
     Aligned {
         filter,
@@ -359,6 +368,7 @@ fn aligned(filter: Box<dyn Estimator>, source: AttitudeSource) -> Aligned {
             level_std: std[6].max(std[7]),
             heading_std: std[8],
             gyro_bias_std: bias[0].max(bias[1]).max(bias[2]),
+            force_excess,
         },
     }
 }

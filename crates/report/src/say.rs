@@ -147,6 +147,7 @@ pub fn say(finding: &Finding) -> String {
         F::FixJitter { std } => fixes::jitter(*std),
         F::CorrelatedFixes { share, time } => fixes::correlated(*share, *time),
         F::NoisyFixes { factor } => fixes::noisy(*factor),
+        F::UnexplainedForce { excess } => start::unexplained_force(*excess),
         F::NoVerticalVelocity { start } => fixes::no_vertical_velocity(*start),
         F::ModestVelocity { factor } => fixes::modest_velocity(*factor),
         F::VelocityBias { bias } => fixes::velocity_bias(*bias),

@@ -383,6 +383,11 @@ pub enum Finding {
         /// Times the stated standard deviation.
         factor: f64,
     },
+    /// The specific force at rest is not gravity by more than the accelerometers' noise model has.
+    UnexplainedForce {
+        /// By how much it is larger \[m/s²\].
+        excess: f64,
+    },
     /// The vertical velocities are all 0, and taken as not measured.
     NoVerticalVelocity {
         /// From when on \[s\].

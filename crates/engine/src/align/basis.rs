@@ -1,6 +1,15 @@
 //! The sensors' noise, as all kinds of alignment start from it.
 
-use undrift_nav::{Vector3, shaping::ShapingFilter};
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use undrift_nav::{Vector3, covariance::AXES, shaping::ShapingFilter};
+
+/// Constant error of an accelerometer that any model is taken to allow for \[m/s²\].
+const CONSTANT: f64 = 0.02;
+/// By how many standard deviations the specific force at rest differs from gravity where its model does not explain that.
+const UNEXPLAINED: f64 = 3.0;
+/// A state that lasts for less than this cannot hold a constant \[s\].
+const LASTS: f64 = 60.0;
 
 /// Variance of the mean of white noise over `duration` \[s\], the largest of the axes.
 pub(super) fn noise_of_mean(axes: &[ShapingFilter], duration: f64) -> f64 {
@@ -33,4 +42,72 @@ pub(super) fn bias_variances(axes: &[ShapingFilter], floor: f64) -> Vector3 {
         }
         variance
     })
+}
+
+/// By how much the mean specific force of a rest of `duration` \[s\] is larger than gravity \[m/s²\], where that is more than the
+/// accelerometers' model has.
+pub(super) fn force_excess(
+    accel: &[ShapingFilter],
+    force: &Vector3,
+    gravity: f64,
+    duration: f64,
+) -> Option<f64> {
+    let variance = bias_variances(accel, CONSTANT).max() + noise_of_mean(accel, duration);
+    let excess = force.norm() - gravity;
+    (excess.abs() > UNEXPLAINED * variance.sqrt()).then_some(excess)
+}
+
+/// The sensors with accelerometers whose constant errors have this standard deviation beside their own \[m/s²\]: what rest shows of
+/// one axis, along gravity, is taken to be as likely of the others. Of models without a state that lasts nothing changes.
+pub(super) fn with_constants(sensors: &[ShapingFilter; AXES], std: f64) -> [ShapingFilter; AXES] {
+    let mut sensors = *sensors;
+    for axis in &mut sensors[3..] {
+        let lasts = |i: &usize| {
+            let decays = (1.0 - axis.f[*i][*i]) * LASTS < axis.interval;
+            decays && axis.h[*i] != 0.0
+        };
+        let slowest = (0..axis.order)
+            .filter(lasts)
+            .max_by(|i, j| axis.f[*i][*i].total_cmp(&axis.f[*j][*j]));
+        if let Some(i) = slowest {
+            axis.p0[i][i] += (std / axis.h[i]).powi(2);
+        }
+    }
+    sensors
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const DT: f64 = 0.01;
+
+    #[test]
+    fn force_at_rest_shows_constant_errors_beyond_the_model() {
+        let small = [ShapingFilter::gauss_markov(1e-3, 3600.0, DT).unwrap(); 3];
+        let large = [ShapingFilter::gauss_markov(0.1, 3600.0, DT).unwrap(); 3];
+        let force = |size: f64| Vector3::new(0.0, 0.1, -1.0).normalize() * size;
+        let excess = |axes: &[ShapingFilter], size| force_excess(axes, &force(size), 9.8, 30.0);
+        for size in [10.0, 9.6] {
+            assert!((excess(&small, size).unwrap() - (size - 9.8)).abs() < 1e-12);
+            assert_eq!(excess(&large, size), None);
+        }
+        // Three times two hundredths.
+        assert_eq!(excess(&small, 9.8 + 0.059), None);
+        assert!(excess(&small, 9.8 + 0.061).is_some());
+    }
+
+    #[test]
+    fn constants_go_to_the_state_that_lasts() {
+        let slow = ShapingFilter::gauss_markov(1e-3, 3600.0, DT).unwrap();
+        let white = ShapingFilter::white(1e-3, DT).unwrap();
+        let fast = ShapingFilter::arma(&[0.9], &[], 1e-3, DT).unwrap();
+        let sensors = [slow, slow, slow, slow, white, fast];
+        let wide = with_constants(&sensors, -0.2);
+        assert_eq!(wide[..3], sensors[..3]);
+        assert_eq!(wide[4..], sensors[4..]);
+        let mut expected = bias_variances(&sensors[3..], 0.0);
+        expected.x += 0.04;
+        assert!((bias_variances(&wide[3..], 0.0) - expected).norm() < 1e-12);
+    }
 }

@@ -17,6 +17,9 @@ pub struct Alignment {
     pub heading_std: f64,
     /// Standard deviation of the gyro bias, the largest of the axes \[rad/s\].
     pub gyro_bias_std: f64,
+    /// By how much the specific force at rest is larger than gravity \[m/s²\], where that is more than the accelerometers' noise
+    /// model has: the filter then starts with so large constant errors.
+    pub force_excess: Option<f64>,
 }
 
 /// Where the first attitude comes from.

@@ -1,6 +1,7 @@
 //! Sentences of how a solution starts, or why it does not.
 
 use super::{all, words::at};
+use crate::numbers::short;
 use std::error::Error;
 use undrift::{
     align::{Alignment, AttitudeSource, HeadingSource},
@@ -69,6 +70,14 @@ pub fn found(mountings: &[(f64, Mounting)]) -> Option<String> {
 }
 
 /// Why no mounting was found on the way.
+pub(super) fn unexplained_force(excess: f64) -> String {
+    let size = short(excess.abs());
+    let by = if excess > 0.0 { "more" } else { "less" };
+    format!(
+        "at rest the specific force is {size} m/s² {by} than gravity, beyond the accelerometers' noise model: the filter starts with constant errors of {size} m/s²; state them as accel.turn_on in the model"
+    )
+}
+
 pub(super) fn no_mounting(driving: Option<f64>, wander: Option<f64>, std: Option<f64>) -> String {
     let why = match (driving, wander, std) {
         (Some(driving), ..) => {

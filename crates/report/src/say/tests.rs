@@ -278,6 +278,10 @@ fn every_finding_has_its_sentence() {
             "from 12.5 to 72.5 s the solution and the heights of the fixes disagree: 40 % of the innovations are inside three standard deviations, they are 5.1 standard deviations large; 2 such spans more",
         ),
         (
+            Finding::UnexplainedForce { excess: -0.196 },
+            "at rest the specific force is 0.196 m/s² less than gravity, beyond the accelerometers' noise model: the filter starts with constant errors of 0.196 m/s²; state them as accel.turn_on in the model",
+        ),
+        (
             Finding::NoVerticalVelocity { start },
             "the vertical velocity of the fixes is always 0, in motion too: it is taken as not measured from 12.5 s on; \"20 m/s\" as the third number of gnss.velocity_std says so from the first fix on",
         ),
@@ -919,6 +923,7 @@ fn a_start_says_where_the_attitude_comes_from() {
             level_std: angle,
             heading_std: 2.0 * angle,
             gyro_bias_std: 0.5 * angle,
+            force_excess: None,
         })
     };
     let bounds = "; level ±1.00 deg, heading ±2.0 deg, gyro bias ±0.500 deg/s";

@@ -23,6 +23,8 @@ const WORTH_REPORTING: f64 = 0.05;
 const LEAST_RATE: f64 = 25.0;
 /// Share of the fixes from which what they show is no chance.
 const SOMETIMES: f64 = 0.05;
+/// Samples that seem to be later than this are not late \[s\].
+const MOST_DELAY: f64 = 2.0;
 /// Spans of rejected fixes that are reported one by one.
 const LISTED: usize = 3;
 /// Autocorrelation of innovations above which it is not the accuracy of the fixes that is wrong.
@@ -64,6 +66,8 @@ pub fn of_health(summary: &Summary) -> Vec<Finding> {
         found.push(Finding::WithoutGnss { start, length });
     }
     found.extend(of_samples(summary));
+    let excess = summary.alignment.and_then(|how| how.force_excess);
+    found.extend(excess.map(|excess| Finding::UnexplainedForce { excess }));
     let vertical = summary.no_vertical_velocity;
     found.extend(vertical.map(|start| Finding::NoVerticalVelocity { start }));
     if summary.bad_fixes > 0 {
@@ -227,7 +231,9 @@ pub fn of_disagreement(summary: &Summary) -> Vec<Finding> {
             }),
     );
     let late = &summary.late_samples;
-    if late.behind as f64 > SOMETIMES * late.positions as f64 {
+    // Of a solution that has gone astray the time offset has, too.
+    let is_delay = late.delay.0.abs() < MOST_DELAY;
+    if is_delay && late.behind as f64 > SOMETIMES * late.positions as f64 {
         found.push(Finding::LateSamples {
             delay: late.delay.into(),
             most: late.most,
@@ -458,8 +464,9 @@ pub fn with_rate(mut found: Vec<Finding>, rate: f64) -> Vec<Finding> {
         kind && of.severity() > Severity::Note
     };
     if rate < LEAST_RATE && found.iter().any(is_symptom) && !found.iter().any(is_said) {
+        // Before what else they make of the times.
         let factor = None;
-        found.push(Finding::SlowSamples { rate, factor });
+        found.insert(0, Finding::SlowSamples { rate, factor });
     }
     found
 }
@@ -720,7 +727,7 @@ mod tests {
         };
         let slow = |factor| Finding::SlowSamples { rate: 20.0, factor };
         let doubtful = vec![far(9.0)];
-        assert_eq!(with_rate(doubtful.clone(), 20.0), [far(9.0), slow(None)]);
+        assert_eq!(with_rate(doubtful.clone(), 20.0), [slow(None), far(9.0)]);
         assert_eq!(with_rate(doubtful.clone(), 25.0), doubtful);
         assert_eq!(with_rate(vec![far(5.0)], 20.0), [far(5.0)]);
         let said = vec![slow(Some(2.0)), far(9.0)];
