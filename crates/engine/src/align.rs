@@ -30,7 +30,7 @@ use crate::{
     settings::Settings,
 };
 use alloc::boxed::Box;
-use basis::{force_excess, noise_of_mean, walk, with_constants};
+use basis::{force_excess, noise_of_mean, walk, with_accel_scale, with_constants};
 use motion::MotionAligner;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::{ComplexField, RealField};
@@ -307,9 +307,13 @@ impl Aligner {
         let parameters = settings.worthwhile(&seen.position.1);
         let gravity = LocalEarth::at(&now.position).gravity;
         let force_excess = force_excess(&settings.sensors[3..], &force_at_rest, gravity, duration);
-        let sensors = force_excess.map_or(settings.sensors, |excess| {
-            with_constants(&settings.sensors, excess)
-        });
+        let (sensors, parameters) = match force_excess {
+            None => (settings.sensors, parameters),
+            Some(excess) => (
+                with_constants(&settings.sensors, excess),
+                with_accel_scale(parameters, excess / gravity),
+            ),
+        };
         let mut filter = estimator::build(at_rest, &wide, &sensors, parameters)?;
         let variance = noise_of_mean(&settings.sensors[3..], duration) + LEVEL_FLOOR * LEVEL_FLOOR;
         let level = Aiding::Level(force_at_rest);

@@ -2,7 +2,12 @@
 
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
-use undrift_nav::{Vector3, covariance::AXES, shaping::ShapingFilter};
+use undrift_nav::{
+    Vector3,
+    covariance::AXES,
+    parameters::{Parameter, Parameters, Prior},
+    shaping::ShapingFilter,
+};
 
 /// Constant error of an accelerometer that any model is taken to allow for \[m/s²\].
 const CONSTANT: f64 = 0.02;
@@ -76,6 +81,16 @@ pub(super) fn with_constants(sensors: &[ShapingFilter; AXES], std: f64) -> [Shap
     sensors
 }
 
+/// Beside scale factors of the gyros those of the accelerometers, too, with this standard deviation: an accelerometer that reads
+/// gravity wrong may as well have a wrong scale. Where no scale factors are wanted it is as before.
+pub(super) fn with_accel_scale(parameters: Parameters, std: f64) -> Parameters {
+    let wanted = parameters.prior(Parameter::GyroScale).is_some();
+    match parameters.prior(Parameter::AccelScale) {
+        None if wanted => parameters.with(Parameter::AccelScale, Prior::constant(std.abs())),
+        _ => parameters,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -95,6 +110,19 @@ mod tests {
         // Three times two hundredths.
         assert_eq!(excess(&small, 9.8 + 0.059), None);
         assert!(excess(&small, 9.8 + 0.061).is_some());
+    }
+
+    #[test]
+    fn scale_factors_of_the_accelerometers_come_beside_those_of_the_gyros() {
+        let gyros = Parameters::none().with(Parameter::GyroScale, Prior::constant(0.01));
+        let both = with_accel_scale(gyros, -0.02);
+        let found = both.prior(Parameter::AccelScale);
+        assert_eq!(found, Some(Prior::constant(0.02)));
+        assert_eq!(with_accel_scale(both, 0.5), both);
+        assert_eq!(
+            with_accel_scale(Parameters::none(), 0.02),
+            Parameters::none()
+        );
     }
 
     #[test]
