@@ -110,7 +110,7 @@ pub unsafe extern "C" fn undrift_sensor_white(
     unsafe { give(ShapingFilter::white(density, interval), out) }
 }
 
-/// A constant that differs from one turn-on to the next with standard deviation `sigma` [unit]; one state.
+/// A constant that differs from one turn-on to the next with standard deviation `sigma` \[unit\]; one state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_sensor_constant(
     sigma: f64,
@@ -132,7 +132,7 @@ pub unsafe extern "C" fn undrift_sensor_random_walk(
     unsafe { give(ShapingFilter::random_walk(k, interval), out) }
 }
 
-/// A first-order Gauss-Markov process of standard deviation `sigma` [unit] and correlation time `tau`
+/// A first-order Gauss-Markov process of standard deviation `sigma` \[unit\] and correlation time `tau`
 /// \[s\], as a bias instability is commonly modelled; one state.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_sensor_gauss_markov(
@@ -146,7 +146,7 @@ pub unsafe extern "C" fn undrift_sensor_gauss_markov(
 }
 
 /// ARMA(p, q), x_t - phi_1 x_(t-1) - ... = a_t - theta_1 a_(t-1) - ..., the standard deviation of a being
-/// `sigma` [unit]; max(p, q) states. An array of no coefficients may be null.
+/// `sigma` \[unit\]; max(p, q) states. An array of no coefficients may be null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_sensor_arma(
     phi: *const f64,

@@ -46,18 +46,14 @@ pub enum PushError {
 }
 
 /// Why there is no result at the end.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, thiserror::Error)]
 pub enum EndError {
     /// There never was a solution.
+    #[error("no alignment before the samples ended: {}", .0.failure)]
     NotAligned(Box<NotAligned>),
     /// The filter cannot be built.
-    Filter(FilterError),
-}
-
-impl From<FilterError> for EndError {
-    fn from(error: FilterError) -> Self {
-        Self::Filter(error)
-    }
+    #[error(transparent)]
+    Filter(#[from] FilterError),
 }
 
 /// The whole state before a sample.

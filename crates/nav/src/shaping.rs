@@ -48,7 +48,7 @@ pub struct ShapingFilter {
     pub interval: f64,
     /// Transition F.
     pub f: AxisMatrix,
-    /// Output row H: the part of ε that can be predicted is `h · x` [unit].
+    /// Output row H: the part of ε that can be predicted is `h · x` \[unit\].
     pub h: AxisVector,
     /// Driving covariance `G Gᵀ`.
     pub q: AxisMatrix,
@@ -155,7 +155,7 @@ impl ShapingFilter {
         Ok(filter)
     }
 
-    /// A turn-on constant with standard deviation `sigma` [unit].
+    /// A turn-on constant with standard deviation `sigma` \[unit\].
     ///
     /// # Errors
     /// As [`ShapingFilter::white`], of `sigma`.
@@ -173,7 +173,7 @@ impl ShapingFilter {
         Self::single_state(1.0, k * k * interval, 0.0, interval)
     }
 
-    /// First-order Gauss-Markov process with standard deviation `sigma` [unit] and correlation time
+    /// First-order Gauss-Markov process with standard deviation `sigma` \[unit\] and correlation time
     /// `tau` \[s\], stationary. Groves section 14.2.6.
     ///
     /// # Errors
@@ -189,7 +189,7 @@ impl ShapingFilter {
         Self::single_state(exp(-interval / tau), q, variance, interval)
     }
 
-    /// AR(p): `x_t − φ1 x_{t−1} − … = a_t`, `a_t ~ N(0, sigma²)` [unit].
+    /// AR(p): `x_t − φ1 x_{t−1} − … = a_t`, `a_t ~ N(0, sigma²)` \[unit\].
     ///
     /// # Errors
     /// As [`ShapingFilter::arma`].
@@ -198,7 +198,7 @@ impl ShapingFilter {
     }
 
     /// ARMA(p, q) in innovations form with max(p, q) states, exact:
-    /// `x_t − φ1 x_{t−1} − … − φp x_{t−p} = a_t − θ1 a_{t−1} − … − θq a_{t−q}`, `a_t ~ N(0, sigma²)` [unit].
+    /// `x_t − φ1 x_{t−1} − … − φp x_{t−p} = a_t − θ1 a_{t−1} − … − θq a_{t−q}`, `a_t ~ N(0, sigma²)` \[unit\].
     ///
     /// F is the companion matrix of φ (first column φ, ones above the diagonal),
     /// `G_i = (φ_i − θ_i) σ`, `H = [1 0 …]`, `D = σ`. One root of φ may be exactly 1: the random

@@ -89,7 +89,7 @@ pub enum CompositeError {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GaussMarkov {
-    /// Standard deviation σ [unit]; 0 where there is none.
+    /// Standard deviation σ \[unit\]; 0 where there is none.
     pub sigma: f64,
     /// Correlation time τ \[s\].
     pub tau_s: f64,
@@ -117,7 +117,7 @@ pub struct CompositeTerms {
     pub quantisation: f64,
     /// Random walk coefficient K [unit/√s].
     pub random_walk: f64,
-    /// Coefficient B of flicker noise (bias instability) [unit], of power density `B²/(2πf)`; see [`flicker`].
+    /// Coefficient B of flicker noise (bias instability) \[unit\], of power density `B²/(2πf)`; see [`flicker`].
     pub flicker: f64,
     /// Gauss-Markov processes, by growing correlation time after a fit.
     #[serde(serialize_with = "list", deserialize_with = "listed")]
@@ -154,7 +154,7 @@ pub(crate) fn quantisation(q: f64, interval: f64) -> Result<ShapingFilter, Shapi
     Ok(filter)
 }
 
-/// Flicker noise of coefficient B [unit] as a sum: Gauss-Markov processes at [`FLICKER_TAUS`] and the coefficient
+/// Flicker noise of coefficient B \[unit\] as a sum: Gauss-Markov processes at [`FLICKER_TAUS`] and the coefficient
 /// [unit/√s] of the random walk that the slower ones are over any drive. Processes of one σ, spaced by a factor ρ in τ, sum
 /// to the power density `σ²/(2 f ln ρ)` within 5 % for ρ = 10, so `σ² = B² ln ρ/π`; those of τ = 10⁴, 10⁵… s drive
 /// `K² = Σ 2σ²/τ`. Keshner 1982; IEEE Std 952-1997, C.1.1 for B.

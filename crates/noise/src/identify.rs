@@ -93,13 +93,13 @@ pub enum IdentifyError {
         "only {off} of {samples} samples differ from the most common value: rounding to steps of {step:.3e} hides the noise, up to {hidden:.2e} before rounding; record at a finer range or without the sensor's low-pass filter"
     )]
     Coarse {
-        /// Step of the samples [unit].
+        /// Step of the samples \[unit\].
         step: f64,
         /// Samples off the most common value.
         off: usize,
         /// Samples.
         samples: usize,
-        /// Largest standard deviation before rounding [unit].
+        /// Largest standard deviation before rounding \[unit\].
         hidden: f64,
     },
     /// A dead band hides the noise at rest.
@@ -115,7 +115,7 @@ pub enum IdentifyError {
     Rate,
 }
 
-/// The constant seen, as the best single guess of what a turn-on may bring [unit]: for an
+/// The constant seen, as the best single guess of what a turn-on may bring \[unit\]: for an
 /// accelerometer that stands upright, what it reads beyond gravity.
 fn turn_on_of(mean: f64, accelerometer: bool) -> f64 {
     if accelerometer && mean.abs() > 0.5 * STANDARD_GRAVITY {
@@ -125,7 +125,7 @@ fn turn_on_of(mean: f64, accelerometer: bool) -> f64 {
     }
 }
 
-/// The standard deviation of the turn-on constants that records show [unit].
+/// The standard deviation of the turn-on constants that records show \[unit\].
 fn turn_on_of_all(records: &[Prepared], accelerometer: bool) -> f64 {
     let means = records.iter().map(|record| record.screened.mean);
     let squares = means.map(|mean| turn_on_of(mean, accelerometer).powi(2));

@@ -134,7 +134,7 @@ pub struct Recording {
 /// which nothing is known.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AxisModel {
-    /// Standard deviation of the turn-on constant [unit].
+    /// Standard deviation of the turn-on constant \[unit\].
     pub turn_on: f64,
     /// Density of the white noise N [unit·√s].
     pub white: Option<f64>,
@@ -150,7 +150,7 @@ pub struct AxisModel {
     pub lines: Vec<Line>,
     /// How the bias goes with temperature: taken out of a drive's samples before the filter, where they have one.
     pub temperature: Option<Temperature>,
-    /// σ of the `paper` model [unit]; without it the white noise per sample is taken.
+    /// σ of the `paper` model \[unit\]; without it the white noise per sample is taken.
     pub paper_sigma: Option<f64>,
     /// What identification found out about the axis (chosen, runner-up, scores …), kept as it is.
     pub identification: toml::Table,
@@ -161,7 +161,7 @@ pub struct AxisModel {
 pub struct Line {
     /// Frequency, of a resonance its centre \[Hz\].
     pub frequency_hz: f64,
-    /// Amplitude, of a resonance that of a sine with its power [unit].
+    /// Amplitude, of a resonance that of a sine with its power \[unit\].
     pub amplitude: f64,
     /// Full width of a resonance at half its power \[Hz\]; 0 of a line.
     pub width_hz: f64,
@@ -174,7 +174,7 @@ pub struct Arma {
     pub ar: Vec<f64>,
     /// θ1…θq.
     pub ma: Vec<f64>,
-    /// Standard deviation of the innovations [unit].
+    /// Standard deviation of the innovations \[unit\].
     pub sigma: f64,
     /// Sample rate it holds at \[Hz\].
     pub rate_hz: f64,

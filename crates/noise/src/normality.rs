@@ -39,9 +39,9 @@ pub struct Test {
 pub struct Normality {
     /// Samples.
     pub samples: usize,
-    /// Mean [unit].
+    /// Mean \[unit\].
     pub mean: f64,
-    /// Standard deviation, divisor n − 1 [unit].
+    /// Standard deviation, divisor n − 1 \[unit\].
     pub deviation: f64,
     /// Skewness m₃/m₂^{3/2}, moments with divisor n; 0 for a normal distribution.
     pub skewness: f64,

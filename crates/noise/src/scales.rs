@@ -70,7 +70,7 @@ pub struct ScaleFit {
     /// θ.
     #[serde(with = "OrNull")]
     pub theta: f64,
-    /// Standard deviation of its innovations [unit].
+    /// Standard deviation of its innovations \[unit\].
     #[serde(with = "OrNull")]
     pub sigma: f64,
     /// The slow part and white noise at the full rate; none where there is no slow part.

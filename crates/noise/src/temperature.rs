@@ -98,7 +98,7 @@ pub struct Temperature {
 }
 
 impl Temperature {
-    /// The bias at a temperature [°C] less that at the reference [unit].
+    /// The bias at a temperature [°C] less that at the reference \[unit\].
     #[inline]
     pub fn bias(&self, temperature_c: f64) -> f64 {
         let above = temperature_c - self.reference_c;
@@ -175,7 +175,7 @@ pub struct Regressors {
 }
 
 impl Regressors {
-    /// Of `record` [unit], NaN where a sample is missing, with a finite temperature [°C] for every sample, taken every
+    /// Of `record` \[unit\], NaN where a sample is missing, with a finite temperature [°C] for every sample, taken every
     /// `interval` \[s\].
     ///
     /// # Errors

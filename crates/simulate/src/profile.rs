@@ -35,7 +35,7 @@ struct Piece {
 /// A profile at one instant. "unit" is the unit of the profile.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProfileValue {
-    /// The value [unit].
+    /// The value \[unit\].
     pub value: f64,
     /// First derivative [unit/s].
     pub rate: f64,
@@ -149,7 +149,7 @@ impl Profile {
         self.pieces.last().map_or(0.0, |p| p.start + p.length)
     }
 
-    /// Value after the last piece [unit].
+    /// Value after the last piece \[unit\].
     pub fn last_value(&self) -> f64 {
         self.pieces.last().map_or(self.initial, |p| p.end_value)
     }

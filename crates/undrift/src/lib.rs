@@ -48,9 +48,9 @@
 //!
 //! | wanted | way |
 //! |---|---|
-//! | the noise model of a sensor, from a recording at rest | [`identify`](fn@identify) |
+//! | the noise model of a sensor, from a recording at rest | [`identify`](fn@identify); of one axis, the others NaN |
 //! | a solution, from slices | [`navigate`](fn@navigate) |
-//! | the same in real time, sample by sample | [`Setup::navigator`] |
+//! | the same in real time, sample by sample | [`Setup::navigator`]; to go on in another process [`Navigator::checkpoint`] |
 //! | a solution, from files | [`Drive::load`], [`navigate_drive`] |
 //! | all settings of a drive, in code | [`Drive::from_samples`] |
 //! | how far it drifts without GNSS | [`outages::Logs`] |
@@ -96,11 +96,17 @@ pub use undrift_nav as nav;
 pub use undrift_noise as noise;
 
 pub use drive::Drive;
-pub use engine::Navigator;
+#[doc(inline)]
+pub use engine::{Event, Navigator};
+#[doc(inline)]
+pub use findings::Finding;
 pub use identify::Identified;
+#[doc(inline)]
+pub use io::write::solution::SolutionRow;
 pub use nav::{
     Vector3,
     earth::Geodetic,
+    mechanisation::NavState,
     sample::{GnssFix, ImuSample},
 };
 #[doc(inline)]

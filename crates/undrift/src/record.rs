@@ -116,6 +116,14 @@ impl Record {
         }
     }
 
+    /// Without the axes that have no value at all.
+    pub(crate) fn with_values(mut self) -> Self {
+        let has = |samples: &[f64]| samples.iter().any(|x| !x.is_nan());
+        let axes = self.axes.iter().copied().zip(self.samples);
+        (self.axes, self.samples) = axes.filter(|(_, samples)| has(samples)).unzip();
+        self
+    }
+
     /// Samples of an axis.
     pub fn length(&self) -> usize {
         self.samples.first().map_or(0, Vec::len)

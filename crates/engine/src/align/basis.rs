@@ -35,7 +35,7 @@ pub(super) fn walk(axes: &[ShapingFilter], duration: f64) -> f64 {
     axes.iter().map(step).fold(0.0, f64::max) * duration.max(0.0)
 }
 
-/// Variances of the biases before the first sample \[unit²\], no less than a floor [unit].
+/// Variances of the biases before the first sample \[unit²\], no less than a floor \[unit\].
 pub(super) fn bias_variances(axes: &[ShapingFilter], floor: f64) -> Vector3 {
     Vector3::from_fn(|axis, _| {
         let filter = &axes[axis];

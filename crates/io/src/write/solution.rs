@@ -57,7 +57,8 @@ pub struct SolutionRow {
     /// Roll, pitch, yaw \[rad\]; yaw of any turn.
     pub rpy: Vector3,
     /// Standard deviations: position north, east, down \[m\], velocity north, east, down [m/s],
-    /// roll, pitch, yaw \[rad\].
+    /// roll, pitch, yaw \[rad\]. What is not known of the offset between the clocks of samples and fixes, where it is estimated, is
+    /// in them with the speed.
     pub nav_std: [f64; 9],
     /// Estimated slow gyro error, body axes [rad/s].
     pub gyro_error: Vector3,

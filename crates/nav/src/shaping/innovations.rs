@@ -19,7 +19,7 @@ pub struct ArmaCoefficients {
     pub phi: AxisVector,
     /// θ1…θn.
     pub theta: AxisVector,
-    /// σ [unit].
+    /// σ \[unit\].
     pub sigma: f64,
 }
 

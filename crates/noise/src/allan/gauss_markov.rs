@@ -9,7 +9,7 @@ use crate::screening::record::RecordError;
 const SERIES: f64 = 0.5;
 
 /// Allan variance \[unit²\] at averaging time `tau_s` \[s\] of a continuous Gauss-Markov process of
-/// standard deviation `sigma` [unit] and correlation time `tau_c_s` \[s\] whose samples are averages
+/// standard deviation `sigma` \[unit\] and correlation time `tau_c_s` \[s\] whose samples are averages
 /// (IEEE Std 952-1997 equation C.13, there with q_c = σ √(2/τc)):
 /// `(2σ²/x) [1 − (3 − 4 e^{−x} + e^{−2x}) / (2x)]`, x = τ/τc; a series below x = 0.5.
 pub fn gauss_markov_variance(tau_s: f64, sigma: f64, tau_c_s: f64) -> f64 {
@@ -32,7 +32,7 @@ pub fn gauss_markov_variance(tau_s: f64, sigma: f64, tau_c_s: f64) -> f64 {
 }
 
 /// Allan variance \[unit²\] at `m` samples of a sampled AR(1) `x_{k+1} = e^{−a} x_k + w` of standard
-/// deviation `sigma` [unit]; `a` = T/τc > 0 or 1−φ ≈ a where φ is near 1. With φ = e^{−a}:
+/// deviation `sigma` \[unit\]; `a` = T/τc > 0 or 1−φ ≈ a where φ is near 1. With φ = e^{−a}:
 /// `σ² [m(1−φ²) − φ(3 − 4φ^m + φ^{2m})] / (m²(1−φ)²)` by summing the autocovariances; a series in a
 /// where a·m < 0.5, exact down to a = 1e-300.
 pub fn ar1_variance(m: usize, sigma: f64, a: f64) -> f64 {
@@ -96,7 +96,7 @@ pub struct GaussMarkovFit {
     pub quantisation: f64,
     /// White noise N [unit·√s, that is unit/√Hz].
     pub white: f64,
-    /// Standard deviation of the process [unit].
+    /// Standard deviation of the process \[unit\].
     pub sigma: f64,
     /// Correlation time τc \[s\].
     pub tau_c_s: f64,

@@ -13,7 +13,7 @@ pub struct ArFit {
     pub ar: Vec<f64>,
     /// Variance of a \[unit²\].
     pub variance: f64,
-    /// Sample mean that was removed [unit].
+    /// Sample mean that was removed \[unit\].
     pub mean: f64,
     /// Partial autocorrelations at lags 1 … p (reflection coefficients).
     pub partial_autocorrelations: Vec<f64>,

@@ -26,7 +26,7 @@ pub(super) struct At<'a> {
     samples: &'a [f64],
     phi: &'a [f64],
     theta: &'a [f64],
-    /// The record's level [unit], given or estimated.
+    /// The record's level \[unit\], given or estimated.
     level: f64,
     /// S \[unit²\].
     pub(super) squares: f64,

@@ -38,9 +38,9 @@ pub struct Likelihood {
     pub sum_of_squares: f64,
     /// σ² = sum of squares over the number of samples \[unit²\].
     pub variance: f64,
-    /// The mean, given or estimated [unit].
+    /// The mean, given or estimated \[unit\].
     pub mean: f64,
-    /// Standard error of an estimated mean [unit]; 0 for a given one.
+    /// Standard error of an estimated mean \[unit\]; 0 for a given one.
     pub mean_standard_error: f64,
     /// Observations that count: samples present, less one where a unit root's level is free.
     pub observations: usize,

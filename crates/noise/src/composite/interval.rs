@@ -37,9 +37,9 @@ pub enum Parameter {
     Quantisation,
     /// Random walk K [unit/√s].
     RandomWalk,
-    /// Flicker noise B [unit].
+    /// Flicker noise B \[unit\].
     Flicker,
-    /// σ [unit] of the Gauss-Markov process of this index.
+    /// σ \[unit\] of the Gauss-Markov process of this index.
     Sigma(usize),
     /// τ \[s\] of it.
     Tau(usize),

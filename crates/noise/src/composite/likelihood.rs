@@ -18,9 +18,9 @@ pub struct RecordLikelihood {
     pub log_determinant: f64,
     /// Samples present.
     pub observations: usize,
-    /// The level, given or estimated [unit].
+    /// The level, given or estimated \[unit\].
     pub level: f64,
-    /// Its standard error [unit]; 0 where it is given, infinite where the record says nothing of it.
+    /// Its standard error \[unit\]; 0 where it is given, infinite where the record says nothing of it.
     pub level_standard_error: f64,
 }
 
@@ -101,7 +101,7 @@ pub fn log_likelihood(
     })
 }
 
-/// Mean of the samples present [unit], and their number.
+/// Mean of the samples present \[unit\], and their number.
 pub(crate) fn present_mean(record: &[f64]) -> Result<(f64, usize), CompositeError> {
     let (mut total, mut present) = (0.0, 0usize);
     for block in record.chunks(256) {

@@ -29,7 +29,7 @@ pub(super) struct Equivalent {
 pub(super) struct EquivalentAxis {
     /// White density N [unit·√s].
     pub white: f64,
-    /// Standard deviation of the turn-on constant [unit].
+    /// Standard deviation of the turn-on constant \[unit\].
     pub turn_on: f64,
     /// Gauss-Markov processes and random walk.
     pub slow: Slow,
@@ -203,7 +203,7 @@ pub(super) fn common_tau<'a>(axes: impl Iterator<Item = &'a EquivalentAxis>) -> 
     .max_by(f64::total_cmp)
 }
 
-/// Standard deviation [unit] of the Gauss-Markov process of correlation time `tau` \[s\] that a random
+/// Standard deviation \[unit\] of the Gauss-Markov process of correlation time `tau` \[s\] that a random
 /// walk of density `drive` [unit/√s] drives: σ = K √(τ/2).
 pub(super) fn driven(drive: f64, tau: f64) -> f64 {
     drive * (0.5 * tau).sqrt()

@@ -74,7 +74,7 @@ pub struct NotFitted {
 pub struct Axis {
     /// Samples of the record.
     pub samples: usize,
-    /// Mean removed [unit].
+    /// Mean removed \[unit\].
     pub mean: f64,
     /// What was removed beside it.
     pub removed: Detrend,

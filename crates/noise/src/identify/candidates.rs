@@ -59,7 +59,7 @@ pub(super) struct Task<'a> {
     pub(super) curve: &'a Curve,
     /// Its terms.
     pub(super) allan: Terms,
-    /// Standard deviation of the turn-on constant [unit].
+    /// Standard deviation of the turn-on constant \[unit\].
     pub(super) turn_on: f64,
     /// Quantisation is large enough to be a term.
     pub(super) quantised: bool,

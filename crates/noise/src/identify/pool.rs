@@ -40,11 +40,11 @@ pub struct PoolError {
 pub struct Share {
     /// Samples.
     pub samples: usize,
-    /// Their mean [unit].
+    /// Their mean \[unit\].
     pub mean: f64,
-    /// The constant at its start by the pooled model, its slow error allowed for [unit].
+    /// The constant at its start by the pooled model, its slow error allowed for \[unit\].
     pub level: f64,
-    /// Standard error of that within the record [unit]; NaN where the model has no likelihood.
+    /// Standard error of that within the record \[unit\]; NaN where the model has no likelihood.
     pub level_standard_error: f64,
     /// Samples left out as outliers.
     pub outliers: usize,
@@ -67,7 +67,7 @@ pub struct Pool {
     pub records: Vec<Share>,
     /// The spread of their constants.
     pub between: Between,
-    /// Mean of the constants beyond gravity [unit], as one record's constant is taken.
+    /// Mean of the constants beyond gravity \[unit\], as one record's constant is taken.
     pub common: f64,
     /// Likelihood ratio of white noise and slow part of each record's own against those of all, over [`Pool::inflation`].
     pub likelihood_ratio: f64,

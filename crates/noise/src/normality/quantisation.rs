@@ -6,7 +6,7 @@ const OFF_GRID: f64 = 0.1;
 /// The step of quantised samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantisation {
-    /// Step [unit].
+    /// Step \[unit\].
     pub step: f64,
     /// Step over the record's standard deviation: above about 0.1 normality tests reject at 10⁶ samples.
     pub step_over_deviation: f64,

@@ -16,7 +16,7 @@ pub struct Lifted {
     /// White noise density N [unit·√s].
     #[serde(with = "OrNull")]
     pub white: f64,
-    /// Standard deviation of the slow process [unit]; infinite for a random walk.
+    /// Standard deviation of the slow process \[unit\]; infinite for a random walk.
     #[serde(with = "OrNull")]
     pub sigma: f64,
     /// Correlation time \[s\]; infinite for a random walk.
@@ -57,7 +57,7 @@ impl Lifted {
 
 /// The AR(1) or random walk and white noise at a sample interval \[s\] whose averages over `block`
 /// samples are the ARMA(1,1) `x_t − φ x_{t−1} = a_t − θ a_{t−1}`, a of standard deviation `sigma`
-/// [unit]: exact, by moments. White noise that would be negative is 0. None where the slow part
+/// \[unit\]: exact, by moments. White noise that would be negative is 0. None where the slow part
 /// would be negative, or φ is.
 pub fn lift(phi: f64, theta: f64, sigma: f64, block: usize, interval: f64) -> Option<Lifted> {
     let m = block.max(1) as f64;

@@ -12,9 +12,9 @@ const WIDE: f64 = 0.1;
 /// A dead band.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeadBand {
-    /// The value that samples inside have [unit].
+    /// The value that samples inside have \[unit\].
     pub value: f64,
-    /// Distance of the nearest other sample [unit].
+    /// Distance of the nearest other sample \[unit\].
     pub width: f64,
     /// Share of the samples inside.
     pub share: f64,

@@ -14,7 +14,7 @@ pub struct MotionRule {
     pub factor: f64,
     /// The record moves where more than this share of its windows does.
     pub share: f64,
-    /// Step of quantised samples [unit], 0 where there is none: a mean that goes from one level to the next does not move.
+    /// Step of quantised samples \[unit\], 0 where there is none: a mean that goes from one level to the next does not move.
     pub step: f64,
 }
 

@@ -16,7 +16,7 @@ pub struct OutlierRule {
     pub window: usize,
     /// Robust standard deviations from the window's median; more where the noise's own tail is heavier than normal.
     pub sigmas: f64,
-    /// Step of quantised samples [unit], 0 where there is none: no deviation counts as smaller.
+    /// Step of quantised samples \[unit\], 0 where there is none: no deviation counts as smaller.
     pub step: f64,
 }
 
@@ -38,7 +38,7 @@ impl Default for OutlierRule {
 pub struct Outlier {
     /// Its position, from 0.
     pub index: usize,
-    /// Its value [unit].
+    /// Its value \[unit\].
     pub value: f64,
     /// Its distance from the local median, in robust standard deviations (signed).
     pub sigmas: f64,
@@ -49,7 +49,7 @@ pub struct Outlier {
 pub struct Outliers {
     /// The outliers by position.
     pub outliers: Vec<Outlier>,
-    /// The record with NaN, that is missing, in their places [unit].
+    /// The record with NaN, that is missing, in their places \[unit\].
     pub cleaned: Vec<f64>,
     /// Robust standard deviations beyond which a sample is an outlier.
     pub threshold: f64,

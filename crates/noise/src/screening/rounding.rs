@@ -19,7 +19,7 @@ pub const LEAST_SHOWN: f64 = 0.2;
 /// Share below which another mean may double the noise.
 pub const MOSTLY_SHOWN: f64 = 0.5;
 
-/// Standard deviation before rounding of samples on a grid of `step` [unit], by the shares of the levels: that of
+/// Standard deviation before rounding of samples on a grid of `step` \[unit\], by the shares of the levels: that of
 /// a normal distribution whose quantiles two edges are (median over windows without drift). `None` where no two edges have samples
 /// beyond them: the noise is then known together with the place of the mean only.
 pub fn before_rounding(x: &[f64], step: f64) -> Option<f64> {

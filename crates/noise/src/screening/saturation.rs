@@ -13,7 +13,7 @@ const LEVELS: usize = 4;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Saturation {
-    /// The largest or smallest value [unit].
+    /// The largest or smallest value \[unit\].
     pub value: f64,
     /// Samples there.
     pub samples: usize,

@@ -38,9 +38,9 @@ impl Trend {
 /// A record less its trend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Detrended {
-    /// The residuals [unit].
+    /// The residuals \[unit\].
     pub residuals: Vec<f64>,
-    /// Mean of the record [unit].
+    /// Mean of the record \[unit\].
     pub mean: f64,
     /// Slope: [unit a sample] for the linear trend, [unit/K] for temperature, 0 for a constant.
     pub slope: f64,

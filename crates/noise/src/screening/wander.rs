@@ -56,14 +56,14 @@ pub enum Shape {
 pub struct Disturbance {
     /// Its shape.
     pub shape: Shape,
-    /// Of a step its height, of a warm-up its value at the start, of a cycle the parts of sine and cosine [unit].
+    /// Of a step its height, of a warm-up its value at the start, of a cycle the parts of sine and cosine \[unit\].
     pub coefficients: [f64; 2],
     /// Fall of −2 ln likelihood by it.
     pub fall: f64,
 }
 
 impl Disturbance {
-    /// Height of a step, value of a warm-up at the start, amplitude of a cycle [unit].
+    /// Height of a step, value of a warm-up at the start, amplitude of a cycle \[unit\].
     pub fn size(&self) -> f64 {
         match self.shape {
             Shape::Cycle(_) => self.coefficients[0].hypot(self.coefficients[1]),
@@ -71,7 +71,7 @@ impl Disturbance {
         }
     }
 
-    /// Its value [unit] at a time in values: 0.5 is amid the first.
+    /// Its value \[unit\] at a time in values: 0.5 is amid the first.
     pub fn value(&self, time: f64) -> f64 {
         let parts = self.shape.parts(time);
         parts[0] * self.coefficients[0] + parts[1] * self.coefficients[1]

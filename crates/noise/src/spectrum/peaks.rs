@@ -14,7 +14,7 @@ const LOBE: usize = 2;
 pub struct Peak {
     /// Frequency \[Hz\], the power-weighted mean over the peak.
     pub frequency_hz: f64,
-    /// Amplitude of a sine with the peak's power [unit].
+    /// Amplitude of a sine with the peak's power \[unit\].
     pub amplitude: f64,
     /// Density of the peak over the local median.
     pub over_median: f64,

@@ -35,14 +35,14 @@ pub struct Pool {
 /// The standard deviation of a turn-on constant that several records determine.
 #[derive(Clone, Copy, Debug)]
 pub struct Determined {
-    /// For a filter [unit].
+    /// For a filter \[unit\].
     pub sigma: f64,
     /// Of two or three records, whose scatter bounds it from above alone.
     is_bound: bool,
 }
 
 impl Determined {
-    /// What the model file gets beside a data sheet's σ [unit]: of few records the larger of the two.
+    /// What the model file gets beside a data sheet's σ \[unit\]: of few records the larger of the two.
     pub fn with(self, known: f64) -> f64 {
         match self.is_bound {
             true => self.sigma.max(known),
@@ -212,7 +212,7 @@ impl Pool {
         })
     }
 
-    /// What the model file says of an axis [unit].
+    /// What the model file says of an axis \[unit\].
     pub(super) fn note(&self, name: &str) -> toml::Table {
         const DIGITS: usize = 4;
         let mut note = toml::Table::new();

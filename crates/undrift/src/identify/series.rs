@@ -20,7 +20,7 @@ pub struct RecordSeries {
     record: Envelope,
     mean: f64,
     deviation: f64,
-    /// Centre [unit] of the first bar, width of a bar and its share of the samples over its width.
+    /// Centre \[unit\] of the first bar, width of a bar and its share of the samples over its width.
     first: f64,
     width: f64,
     density: Vec<f64>,

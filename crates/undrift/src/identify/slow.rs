@@ -202,7 +202,7 @@ impl WarmUp {
         Some(Self { parts, tau })
     }
 
-    /// How far it drifts in so many windows [unit].
+    /// How far it drifts in so many windows \[unit\].
     fn drift(&self, windows: usize) -> f64 {
         let drift = |one: &Disturbance| one.value(windows as f64) - one.value(0.0);
         self.parts.iter().map(drift).sum()

@@ -17,7 +17,7 @@ const MOST: usize = 4;
 pub(super) struct Step {
     /// The axis.
     pub(super) axis: &'static str,
-    /// By how much [unit].
+    /// By how much \[unit\].
     pub(super) size: f64,
     /// The windows before and after which the level is another: the first of them, and the one after the last.
     pub(super) at: Range<usize>,

@@ -136,7 +136,7 @@ impl Windows {
 /// An axis in windows. Each is taken without its least and its largest sample, so that a single outlier is nothing of
 /// the window.
 pub(super) struct Levels {
-    /// Means [unit], NaN of a window that is missing.
+    /// Means \[unit\], NaN of a window that is missing.
     pub(super) means: Vec<f64>,
     deviations: Vec<f64>,
     /// How far a mean may be off at rest.

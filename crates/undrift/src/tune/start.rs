@@ -91,7 +91,7 @@ pub struct Start {
     pub white: [f64; AXES],
     /// Random walk [unit/√s]: the model's own, or that to which its Gauss-Markov process amounts over short times; else 0.
     pub walk: [f64; AXES],
-    /// Standard deviation of the turn-on constant [unit].
+    /// Standard deviation of the turn-on constant \[unit\].
     pub turn_on: [f64; AXES],
     /// White noise while the vehicle stands with its engine running [unit·√s], where it is known.
     pub idle: Option<[f64; AXES]>,

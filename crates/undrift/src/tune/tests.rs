@@ -10,7 +10,7 @@ use undrift_nav::{
 
 const DT: f64 = 0.125;
 
-/// Seconds that alternate by `size` times one more than the axis [unit].
+/// Seconds that alternate by `size` times one more than the axis \[unit\].
 fn alternating(size: f64) -> Vec<ImuSample> {
     let rate = |k: usize, i: usize| {
         let sign = if ((k + 1) / 8).is_multiple_of(2) {

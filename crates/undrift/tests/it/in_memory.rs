@@ -2,6 +2,7 @@
 
 use crate::public;
 use std::path::Path;
+use undrift::nav::parameters::Parameter;
 use undrift::{
     BiasModel, Drive, ImuModel, Logs, Schedule, Setup, Trajectory, Usability, identify, navigate,
     navigate::{Hindsight, Report, Wanted},
@@ -207,6 +208,24 @@ fn the_front_door_has_the_verdict_of_the_command() {
     // A replay knows from the first fix on what all of them show of their errors.
     assert!(now.position.offset_to(&row.position).norm() < 1.0);
 
+    // Of one clock nothing is left of the offset's doubt.
+    let one_clock = Setup {
+        one_clock: true,
+        ..setup.clone()
+    };
+    let of_offset = |setup: &Setup| {
+        let parameters = setup.settings(&model, 0.02).unwrap().parameters;
+        let kinds = [
+            Parameter::TimeOffset,
+            Parameter::VelocityTimeOffset,
+            Parameter::ClockRate,
+            Parameter::LeverArm,
+        ];
+        kinds.map(|kind| parameters.prior(kind).is_some())
+    };
+    assert_eq!(of_offset(&setup), [true; 4]);
+    assert_eq!(of_offset(&one_clock), [false, false, false, true]);
+
     // Degrees where radians belong.
     let off = |sample: &undrift::ImuSample| undrift::ImuSample {
         dtheta: sample.dtheta.map(f64::to_degrees),
@@ -238,6 +257,17 @@ fn the_front_door_identifies_a_recording_at_rest() {
     assert_eq!((found.verdict, found.doubts.len()), (Usability::Usable, 0));
     let white = |model: &ImuModel| model.gyro[2].white_density();
     assert!((white(&found.model) / white(&model) - 1.0).abs() < 0.1);
+    // One axis alone, the same.
+    let alone: Vec<[f64; 6]> = rows
+        .iter()
+        .map(|row| [0, 1, 2, 3, 4, 5].map(|axis| if axis == 2 { row[axis] } else { f64::NAN }))
+        .collect();
+    let of_one = identify(&alone, 50.0).unwrap();
+    assert_eq!(
+        (of_one.verdict, of_one.doubts.len()),
+        (Usability::Usable, 0)
+    );
+    assert_eq!(of_one.model.gyro[2], found.model.gyro[2]);
     // An axis that is not connected, and no gravity.
     rows.iter_mut().for_each(|row| row[1] = 0.0);
     let found = identify(&rows, 50.0).unwrap();

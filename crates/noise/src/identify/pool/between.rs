@@ -13,22 +13,22 @@ const PROBABILITY: f64 = 0.95;
 pub struct Between {
     /// Records n.
     pub records: usize,
-    /// Mean of the levels [unit].
+    /// Mean of the levels \[unit\].
     pub mean: f64,
-    /// Standard deviation between records [unit]; 0 where the levels scatter no more than each is uncertain.
+    /// Standard deviation between records \[unit\]; 0 where the levels scatter no more than each is uncertain.
     pub sigma: f64,
-    /// Lower end of its 95 % interval [unit].
+    /// Lower end of its 95 % interval \[unit\].
     pub low: f64,
-    /// Upper end [unit]; infinite of one record.
+    /// Upper end \[unit\]; infinite of one record.
     pub high: f64,
-    /// Standard deviation s of the levels [unit], their uncertainty included.
+    /// Standard deviation s of the levels \[unit\], their uncertainty included.
     pub scatter: f64,
-    /// Root mean square √v̄ of their standard errors [unit].
+    /// Root mean square √v̄ of their standard errors \[unit\].
     pub within: f64,
 }
 
 impl Between {
-    /// Of levels with their standard errors [unit]; a level that nothing bounds does not count.
+    /// Of levels with their standard errors \[unit\]; a level that nothing bounds does not count.
     pub(super) fn of(levels: impl Iterator<Item = (f64, f64)>) -> Self {
         let known = levels.filter(|(level, error)| level.is_finite() && error.is_finite());
         let known: Vec<(f64, f64)> = known.collect();
@@ -71,7 +71,7 @@ impl Between {
         (total * total - self.within * self.within).max(0.0).sqrt()
     }
 
-    /// What a filter gets [unit] of records of the axes of one sensor, `alike`, of which this is one. With more than
+    /// What a filter gets \[unit\] of records of the axes of one sensor, `alike`, of which this is one. With more than
     /// three records Student's t distribution of the next constant has the variance s² (n − 1)/(n − 3); with two or
     /// three it has none, and the axes are taken as draws of one distribution: the upper 95 % bound of their pooled
     /// scatter. Where the scatter is within the uncertainty, that upper bound too. The constant `common` to all

@@ -3,7 +3,7 @@ use undrift_nav::{Vector3, sample::GnssFix};
 
 const DT: f64 = 0.125;
 
-/// Samples with rates of an axis [unit] at each time.
+/// Samples with rates of an axis \[unit\] at each time.
 fn samples(count: usize, rate: impl Fn(usize, usize) -> f64) -> Vec<ImuSample> {
     let sample = |k: usize| ImuSample {
         time: DT * (k + 1) as f64,
