@@ -194,11 +194,9 @@ fn motion_and_deviations_are_drawn_as_they_are() {
         }
     }
     let deviations = figure_of(&sections, "standard-deviations");
-    assert!(
-        deviations
-            .caption
-            .ends_with("; spans without a usable fix shaded.")
-    );
+    assert!(deviations.caption.ends_with(
+        "; spans without a usable fix shaded; where solution and fixes disagree in orange."
+    ));
     for (panel, (label, names, value)) in deviations.panels.iter().zip([
         ("σ of position [m]", ["north", "east", "down"], 0.1),
         ("σ of velocity [m/s]", ["north", "east", "down"], 1.0),
@@ -664,7 +662,7 @@ fn zero_on_the_time_axis_has_its_date() {
     let both = sections(&[(String::new(), &run)]);
     assert_eq!(
         figure_of(&both, "height").caption,
-        "Height above the ellipsoid; spans without a usable fix shaded; 0 on the time axis is 2001-09-09 01:46:50 UTC."
+        "Height above the ellipsoid; spans without a usable fix shaded; where solution and fixes disagree in orange; 0 on the time axis is 2001-09-09 01:46:50 UTC."
     );
     let done = sentences(both.last().unwrap())[0];
     assert!(
