@@ -8,6 +8,7 @@ use super::{
     plain::{Mark, plain_table},
 };
 use undrift::{
+    Usability,
     demo::{BOUND, PAPER, PAPER_EXACT, RECOMMENDED, REST, UNCALIBRATED, WHITE},
     results::{
         CutLength, Demo, DemoModel, Drive, Estimate, Number, OutageSeries, Outages, PooledErrors,
@@ -127,9 +128,12 @@ fn head(demo: &Demo) -> Option<Section> {
         ],
     );
     let tables = demo.lengths.iter().map(|of| drifts(demo, of).block());
-    let blocks = [Some(Block::Verdict(demo.conclusion.clone()))]
-        .into_iter()
-        .chain(tables);
+    let blocks = [Some(Block::Verdict(
+        Usability::Usable,
+        demo.conclusion.clone(),
+    ))]
+    .into_iter()
+    .chain(tables);
     let blocks = blocks.chain([
         bounds(demo).block(),
         text(not_better(demo)),

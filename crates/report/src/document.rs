@@ -4,7 +4,7 @@ use crate::{
     figure::panel::Panel,
     numbers::{count, short},
 };
-use undrift::results::Number;
+use undrift::{Usability, results::Number};
 
 /// A report. All text is plain text, wherever it comes from.
 #[derive(Clone, Debug, Default)]
@@ -70,7 +70,7 @@ impl Section {
 #[derive(Clone, Debug)]
 pub enum Block {
     /// Whether the result is of use and why, in a sentence, before all else.
-    Verdict(String),
+    Verdict(Usability, String),
     /// A paragraph.
     Text(String),
     /// A paragraph that must not be overlooked.

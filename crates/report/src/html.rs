@@ -12,6 +12,7 @@ use super::{
     markup::{escape, file_stem},
 };
 use sha2::{Digest, Sha256};
+use undrift::Usability;
 
 const STYLES: [&str; 2] = [
     include_str!("assets/uPlot.min.css"),
@@ -124,7 +125,14 @@ fn element(tag: &str, end: &str, text: &str) -> String {
 
 fn block(block: &Block, numbers: &mut Numbers) -> String {
     match block {
-        Block::Verdict(text) => element("p class=\"verdict\"", "p", text) + "\n",
+        Block::Verdict(usability, text) => {
+            let class = match usability {
+                Usability::Usable => "verdict",
+                Usability::WithCare => "verdict care",
+                Usability::NotUsable => "verdict unusable",
+            };
+            element(&format!("p class=\"{class}\""), "p", text) + "\n"
+        }
         Block::Text(text) => element("p", "p", text) + "\n",
         Block::Warning(text) => {
             let text = escape(text);
@@ -432,7 +440,9 @@ mod tests {
             title: title.into(),
             blocks: vec![
                 Block::Warnings(vec!["a".into(), "b".into()]),
-                Block::Verdict("v".into()),
+                Block::Verdict(Usability::Usable, "v".into()),
+                Block::Verdict(Usability::WithCare, "w".into()),
+                Block::Verdict(Usability::NotUsable, "x".into()),
             ],
             note: note.into(),
             folded: false,
@@ -446,7 +456,7 @@ mod tests {
             "<p class=\"subtitle\">s</p>",
             "<li><a href=\"#section-1\">one</a></li>",
             "<li><a href=\"#section-2\">two</a> <small>5 m</small></li>",
-            "<section id=\"section-1\">\n<h2>one</h2>\n<div class=\"warning\"><b>Warnings</b><ul>\n<li>a</li>\n<li>b</li>\n</ul></div>\n<p class=\"verdict\">v</p>\n</section>",
+            "<section id=\"section-1\">\n<h2>one</h2>\n<div class=\"warning\"><b>Warnings</b><ul>\n<li>a</li>\n<li>b</li>\n</ul></div>\n<p class=\"verdict\">v</p>\n<p class=\"verdict care\">w</p>\n<p class=\"verdict unusable\">x</p>\n</section>",
             "<details><summary><h2>two</h2> <span>5 m</span></summary>\n<a id=\"section-2\"></a>",
         ] {
             assert!(html.contains(text), "{text}");

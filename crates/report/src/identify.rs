@@ -143,7 +143,7 @@ fn head(runs: &[Run<'_, Identify>]) -> impl Iterator<Item = Block> {
     });
     let verdicts = runs
         .iter()
-        .map(|(name, run)| Some(Block::Verdict(prefixed(name, &verdict(run)))));
+        .map(|(name, run)| Some(Block::Verdict(run.verdict(), prefixed(name, &verdict(run)))));
     let conclusions = runs.iter().map(|(name, run)| {
         let found = recommended(run);
         text([prefixed(if found.is_empty() { "" } else { name }, &found)])

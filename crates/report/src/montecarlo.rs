@@ -8,6 +8,7 @@ use super::{
 };
 use undrift::results::{Group, MonteCarlo, MonteCarloModel, Number, Verdict};
 use undrift::{
+    Usability,
     consistency::{COMPONENT_NAMES, GROUP},
     series::Envelope,
 };
@@ -102,7 +103,10 @@ fn summary(runs: &[Run<'_, MonteCarlo>], models: &[Model<'_>]) -> Option<Section
         .map(|(name, run)| text([prefixed(name, &what_was_done(run))]));
     let verdicts = models.iter().map(|model| match verdict(model).as_str() {
         "" => None,
-        verdict => Some(Block::Verdict(format!("{} is {verdict}.", model.name))),
+        verdict => Some(Block::Verdict(
+            usability(model),
+            format!("{} is {verdict}.", model.name),
+        )),
     });
     let blocks = verdicts.chain([warnings(&diverged)]).chain(done);
     let blocks = blocks.chain([nees(models).block()]);
@@ -140,6 +144,15 @@ fn nees(models: &[Model<'_>]) -> Table {
 fn marked(verdict: Option<Verdict>) -> Cell {
     let cell = Cell::from(verdict.map_or(String::new(), |v| v.to_string()));
     cell.strong_if(verdict != Some(Verdict::Consistent))
+}
+
+/// A model that is not consistent in every group of states is one to look at.
+fn usability(model: &Model<'_>) -> Usability {
+    let consistent = |of: &Group| of.verdict == Some(Verdict::Consistent);
+    match model.model.nees.iter().all(consistent) {
+        true => Usability::Usable,
+        false => Usability::WithCare,
+    }
 }
 
 /// What a model is, in words that go on after its name.

@@ -1,6 +1,7 @@
 //! What the reports share: sentences, curves as points, colours.
 
 use crate::{Block, PlotAxis, Series, say};
+use undrift::Usability;
 use undrift::findings::{self, Finding};
 use undrift::nav::earth::Geodetic;
 use undrift::noise::order_statistics::quantile;
@@ -57,11 +58,12 @@ pub fn warnings<'a>(warnings: impl IntoIterator<Item = &'a String>) -> Option<Bl
 
 /// Whether a result can be used, and why, by what was found out about it.
 pub fn verdict_of(name: &str, findings: &[Finding]) -> Block {
-    let verdict = match findings::verdict(findings) {
-        (_, None) => "usable: no fault found in the logs or the solution".into(),
-        _ => say::verdict(findings),
+    let (severity, cause) = findings::verdict(findings);
+    let verdict = match cause {
+        None => "usable: no fault found in the logs or the solution".into(),
+        Some(_) => say::verdict(findings),
     };
-    Block::Verdict(prefixed(name, &(capital(&verdict) + ".")))
+    Block::Verdict(severity.into(), prefixed(name, &(capital(&verdict) + ".")))
 }
 
 /// "a, b and c".
@@ -379,16 +381,15 @@ mod tests {
     #[test]
     fn a_verdict_without_a_cause_says_that_nothing_was_found() {
         let verdict = |findings: &[Finding]| match verdict_of("a", findings) {
-            Block::Verdict(text) => text,
+            Block::Verdict(usability, text) => (usability, text),
             other => panic!("{other:?}"),
         };
-        assert_eq!(
-            verdict(&[]),
-            "a: Usable: no fault found in the logs or the solution."
-        );
+        let none = "a: Usable: no fault found in the logs or the solution.";
+        assert_eq!(verdict(&[]), (Usability::Usable, none.to_owned()));
+        let ended = "a: Not usable: the solution diverged at 9 s and ends there.";
         assert_eq!(
             verdict(&[Finding::Diverged { time: 9.0 }]),
-            "a: Not usable: the solution diverged at 9 s and ends there."
+            (Usability::NotUsable, ended.to_owned())
         );
     }
 

@@ -49,7 +49,7 @@ pub(crate) fn sentences(section: &Section) -> Vec<&str> {
     let blocks = section.blocks.iter();
     blocks
         .flat_map(|block| match block {
-            Block::Verdict(text) | Block::Text(text) | Block::Warning(text) => vec![&**text],
+            Block::Verdict(_, text) | Block::Text(text) | Block::Warning(text) => vec![&**text],
             Block::Warnings(texts) => texts.iter().map(|text| &**text).collect(),
             Block::Table(_) | Block::Figure(_) => Vec::new(),
         })

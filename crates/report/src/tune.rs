@@ -19,10 +19,10 @@ pub fn sections(runs: &[Run<'_, Tune>]) -> Vec<Section> {
     let each = |run: &Run<'_, Tune>| {
         let (name, tune) = (run.0.as_str(), run.1);
         let first = [
-            Some(Block::Verdict(prefixed(
-                name,
-                &(capital(&verdict(tune)) + "."),
-            ))),
+            Some(Block::Verdict(
+                usability(tune),
+                prefixed(name, &(capital(&verdict(tune)) + ".")),
+            )),
             text([what_was_done(tune)]),
             drift(tune).block(),
             calibration(tune),

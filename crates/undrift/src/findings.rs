@@ -8,8 +8,8 @@ mod weight;
 pub use crate::replay::Log;
 pub use collect::{
     WITHOUT_GNSS, of_accuracy, of_correlation, of_disagreement, of_ends, of_fixes, of_health,
-    of_held, of_order, of_rate, of_scalar, of_skipped, of_temperature, of_timing, with_axes,
-    with_rate,
+    of_held, of_order, of_rate, of_scalar, of_skipped, of_temperature, of_timing, too_slow,
+    with_axes, with_rate,
 };
 pub use cut::of_outages;
 pub use weight::{is_doubtful, is_jump, of_model, ranked, verdict};

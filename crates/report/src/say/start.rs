@@ -69,7 +69,6 @@ pub fn found(mountings: &[(f64, Mounting)]) -> Option<String> {
     ))
 }
 
-/// Why no mounting was found on the way.
 pub(super) fn unexplained_force(excess: f64) -> String {
     let size = short(excess.abs());
     let by = if excess > 0.0 { "more" } else { "less" };
@@ -78,6 +77,7 @@ pub(super) fn unexplained_force(excess: f64) -> String {
     )
 }
 
+/// Why no mounting was found on the way.
 pub(super) fn no_mounting(driving: Option<f64>, wander: Option<f64>, std: Option<f64>) -> String {
     let why = match (driving, wander, std) {
         (Some(driving), ..) => {

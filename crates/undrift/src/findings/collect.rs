@@ -463,12 +463,20 @@ pub fn with_rate(mut found: Vec<Finding>, rate: f64) -> Vec<Finding> {
         );
         kind && of.severity() > Severity::Note
     };
-    if rate < LEAST_RATE && found.iter().any(is_symptom) && !found.iter().any(is_said) {
+    if found.iter().any(is_symptom)
+        && !found.iter().any(is_said)
+        && let Some(slow) = too_slow(rate)
+    {
         // Before what else they make of the times.
-        let factor = None;
-        found.insert(0, Finding::SlowSamples { rate, factor });
+        found.insert(0, slow);
     }
     found
+}
+
+/// That so many samples a second \[Hz\] miss the motion between them, if they do.
+pub fn too_slow(rate: f64) -> Option<Finding> {
+    let factor = None;
+    (rate < LEAST_RATE).then_some(Finding::SlowSamples { rate, factor })
 }
 
 /// Innovations of position or velocity that last from fix to fix and are not smaller than predicted: errors of attitude
@@ -726,6 +734,8 @@ mod tests {
             sigmas,
         };
         let slow = |factor| Finding::SlowSamples { rate: 20.0, factor };
+        assert_eq!(too_slow(20.0), Some(slow(None)));
+        assert_eq!(too_slow(25.0), None);
         let doubtful = vec![far(9.0)];
         assert_eq!(with_rate(doubtful.clone(), 20.0), [slow(None), far(9.0)]);
         assert_eq!(with_rate(doubtful.clone(), 25.0), doubtful);

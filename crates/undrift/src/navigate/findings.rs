@@ -164,7 +164,11 @@ impl ReplayError {
                 findings::of_order(log.0, log.1, interval, stamps.count)
             });
         let skipped = findings::of_skipped(&logs);
-        of_order.chain(implausible).chain(skipped).collect()
+        let slow = stamps.and_then(|[samples, _]| {
+            let rate = (samples.count as f64 - 1.0) / (samples.last - samples.first);
+            findings::too_slow(rate)
+        });
+        (of_order.chain(implausible).chain(slow).chain(skipped)).collect()
     }
 }
 
