@@ -183,3 +183,38 @@ pub(super) fn models(source: &Source, identified: &Identified) -> Result<Vec<Mod
     }
     Ok(rows)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{identify::run, record::Record};
+    use undrift_noise::identify::Options;
+
+    /// The mean of white noise, and of a walk about its end: of n steps the one k steps before the end is in k/n of it.
+    #[test]
+    fn a_mean_over_the_rest_is_off_by_white_noise_and_the_walk_since() {
+        let record = Record {
+            axes: vec!["gyro_x"],
+            samples: vec![(0..2000).map(|k| f64::from(k * 7919 % 1009)).collect()],
+            ..Record::default()
+        };
+        let options = Options {
+            n_max: 1,
+            ..Options::at(RATE_HZ)
+        };
+        let (_, axis) = run(&record, &options, || ()).axes.remove(0);
+        let mut axis = axis.unwrap();
+        let steps = (REST * RATE_HZ) as u32;
+        for (white, walk) in [(0.3, 0.0), (0.0, 0.02), (0.3, 0.02)] {
+            axis.allan_terms.white.value = white;
+            axis.allan_terms.random_walk.value = walk;
+            let of_white = white * white * RATE_HZ / f64::from(steps);
+            let share = |k: u32| (f64::from(k) / f64::from(steps)).powi(2);
+            let of_walk = walk * walk / RATE_HZ * (0..steps).map(share).sum::<f64>();
+            let left = left_after_rest(&axis);
+            // A sum of 6000 terms for an integral.
+            let exact = (of_white + of_walk).sqrt();
+            assert!((left / exact - 1.0).abs() < 2e-4, "{left} {exact}");
+        }
+    }
+}

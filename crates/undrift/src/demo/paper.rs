@@ -197,3 +197,43 @@ impl Observer for Watch<'_> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::{Source, sensor},
+        *,
+    };
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    #[test]
+    fn a_track_has_four_rows_a_second() {
+        let experiment = Experiment {
+            seed: 3,
+            drives: 1,
+            source: Source::Simulated,
+            paper: true,
+        };
+        let rides = sensor::rides(&experiment, &|| ()).unwrap();
+        let truth = sensor::truth();
+        let model = Model {
+            name: WHITE,
+            filters: truth.shaping(BiasModel::White, 1.0 / RATE_HZ).unwrap(),
+            samples: Samples::Exact,
+            without: Vec::new(),
+        };
+        let done = AtomicU64::new(0);
+        let track = track(&rides[0], &model, &|more| {
+            done.fetch_add(more, Ordering::Relaxed);
+        });
+        let track = track.unwrap();
+        assert_eq!(done.into_inner(), rides[0].simulation.imu.len() as u64);
+        let rows = track.rows.rows();
+        let (first, last) = (rows[0][0], rows[rows.len() - 1][0]);
+        assert!(last > DURATION - 2.0 * ROW, "{first} to {last}");
+        for pair in rows.windows(2) {
+            let apart = pair[1][0] - pair[0][0];
+            assert!((apart - ROW).abs() < 1e-9, "{apart}");
+        }
+    }
+}

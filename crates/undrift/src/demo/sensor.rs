@@ -282,6 +282,54 @@ mod tests {
     }
 
     #[test]
+    fn every_drive_has_its_stretch_of_the_record_that_is_played() {
+        use std::sync::atomic::{AtomicUsize, Ordering};
+        let samples = (DURATION * RATE_HZ) as usize;
+        let size = |axis: usize| 1e-3 * (axis + 1) as f64;
+        // About a mean of 2, one way in the first stretch, the other in the second.
+        let axis = |i: usize| {
+            let of = |sign: f64| vec![2.0 + sign * size(i); samples];
+            [of(1.0), of(-1.0)].concat()
+        };
+        let record = Record {
+            axes: AXES.to_vec(),
+            samples: (0..AXES.len()).map(axis).collect(),
+            ..Record::default()
+        };
+        let experiment = Experiment {
+            seed: 5,
+            drives: 2,
+            source: Source::Recorded {
+                identified: Box::default(),
+                played: Box::new(record),
+            },
+            paper: false,
+        };
+        let done = AtomicUsize::new(0);
+        let rides = rides(&experiment, &|| {
+            done.fetch_add(1, Ordering::Relaxed);
+        });
+        let rides = rides.unwrap();
+        assert_eq!((rides.len(), done.into_inner()), (2, 2));
+        for (ride, sign) in rides.iter().zip([1.0, -1.0]) {
+            let ideal = &ride.simulation.imu;
+            let sensed = ride.samples(Samples::Exact);
+            assert_eq!((sensed.len(), ideal.len()), (samples, samples));
+            for (sensed, ideal) in sensed.iter().zip(ideal) {
+                let gyro = (sensed.dtheta - ideal.dtheta) / ideal.dt;
+                let accel = (sensed.dvel - ideal.dvel) / ideal.dt;
+                for i in 0..3 {
+                    // The mean of 180 000 samples about 2.
+                    assert!((gyro[i] - sign * size(i)).abs() < 1e-9, "{gyro}");
+                    assert!((accel[i] - sign * size(3 + i)).abs() < 1e-9, "{accel}");
+                }
+            }
+        }
+        let [first, second] = [0, 1].map(|drive: usize| &rides[drive].simulation.imu);
+        assert!(first.iter().zip(second).any(|(a, b)| a.dtheta != b.dtheta));
+    }
+
+    #[test]
     fn the_biases_wander_as_real_records_do() {
         // A walk of K is K √t off: 2 mg/√h in the quarter of an hour of a drive is 1 mg, 137 deg/h/√h is 68.5 deg/h.
         let model = truth();

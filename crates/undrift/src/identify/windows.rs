@@ -257,3 +257,27 @@ fn trimmed(window: &[f64]) -> (f64, f64) {
     let squares: f64 = squares - least * least - most * most - n * mean * mean;
     (first + mean, (squares.max(0.0) / (n - 1.0)).sqrt())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_window_is_taken_without_its_least_and_its_largest_sample() {
+        let of = |window: &[f64]| {
+            let (mean, deviation) = trimmed(window);
+            [mean, deviation]
+        };
+        // 1 to 5, and two of four.
+        let nan = f64::NAN;
+        let [mean, deviation] = of(&[5.0, -1000.0, 1.0, nan, 3.0, 2.0, 9000.0, 4.0]);
+        assert!((mean - 3.0).abs() < 1e-12, "{mean}");
+        // 9000² is rounded to 10⁻⁸.
+        assert!((deviation - 2.5f64.sqrt()).abs() < 1e-7, "{deviation}");
+        assert_eq!(of(&[nan, 1.0, 9.0, 3.0, 0.0]), [2.0, 2f64.sqrt()]);
+        assert_eq!(of(&[7.0; 20]), [7.0, 0.0]);
+        for few in [&[1.0, nan, 2.0, 3.0][..], &[nan; 9], &[]] {
+            assert!(of(few).iter().all(|x| x.is_nan()), "{few:?}");
+        }
+    }
+}

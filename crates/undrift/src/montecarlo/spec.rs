@@ -464,6 +464,15 @@ mod tests {
             ("[epochs]\nevery = \"0.01 s\"".to_owned(), None),
             ("[epochs]\nevery = \"0.015 s\"".to_owned(), Some("every")),
             ("[epochs]\nevery = \"0 s\"".to_owned(), Some("every")),
+            // A rate with so many digits: off by a hundred millionth, and by a hundred thousandth.
+            (
+                "rate = \"33.333333 Hz\"\n[epochs]\nevery = \"3 s\"".to_owned(),
+                None,
+            ),
+            (
+                "rate = \"33.333 Hz\"\n[epochs]\nevery = \"3 s\"".to_owned(),
+                Some("every"),
+            ),
             ("[epochs]\nsettle = \"599 s\"".to_owned(), None),
             ("[epochs]\nsettle = \"599.5 s\"".to_owned(), Some("settle")),
             ("[epochs]\nsettle = \"-1 s\"".to_owned(), Some("settle")),

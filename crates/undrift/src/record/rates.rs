@@ -135,6 +135,42 @@ impl Merge {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use undrift_io::table::Column;
+
+    #[test]
+    fn sensors_have_rates_of_their_own_where_a_fifth_of_the_rows_has_one_alone() {
+        let indices = [0, 1, 2, 3, 4, 5];
+        let wanted = TableOptions {
+            columns: indices
+                .map(|k| ("imu".to_owned(), Column::Number(k + 2)))
+                .to_vec(),
+            ..TableOptions::default()
+        };
+        // The places of the faster and of the slower one of a hundred rows.
+        let of = |has: &dyn Fn(usize) -> [bool; 2]| {
+            let row = |k: usize| {
+                let [gyro, accel] = has(k).map(|has| if has { 1.0 } else { f64::NAN });
+                vec![k as f64, gyro, gyro, gyro, accel, accel, accel]
+            };
+            let beginning = Preview {
+                rows: (0..100).map(row).collect(),
+                ..Preview::default()
+            };
+            let merge = mixed(&beginning, &wanted, &indices)?;
+            Some((merge.fast, merge.slow))
+        };
+        let (gyro, accel) = (vec![0, 1, 2], vec![3, 4, 5]);
+        let gyro_first = Some((gyro.clone(), accel.clone()));
+        assert_eq!(of(&|k| [true, k % 4 == 0]), gyro_first);
+        assert_eq!(of(&|k| [k % 4 == 0, true]), Some((accel, gyro)));
+        assert_eq!(of(&|k| [k % 2 == 0, k % 2 == 1]), gyro_first);
+        assert_eq!(of(&|k| [true, k % 5 > 0]), gyro_first);
+        assert_eq!(of(&|k| [true, k % 6 > 0]), None);
+        assert_eq!(of(&|_| [true; 2]), None);
+        // One that never has a value.
+        assert_eq!(of(&|_| [true, false]), None);
+        assert_eq!(of(&|_| [false, true]), None);
+    }
 
     #[test]
     fn values_of_a_slower_sensor_are_its_own() {

@@ -246,3 +246,28 @@ impl Shift {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Estimate and spread 1/2; of one degree of freedom t is Cauchy's, with half of it beyond one.
+    #[test]
+    fn below_one_degree_of_freedom_nothing_stands_out() {
+        let within = |score: f64, freedom| Shift::within(score, 8.0, 9.0, 2.0, freedom).unwrap();
+        let shift = within(4.0, 2.0);
+        assert_eq!((shift.estimate, shift.spread), (0.5, 0.5));
+        assert_eq!(shift.freedom, 1.0);
+        assert!((shift.probability - 0.5).abs() < 1e-12, "{shift:?}");
+        for freedom in [1.2, 1.99] {
+            assert_eq!(within(4.0, freedom).probability, 1.0);
+        }
+        // As much as all that the rows vary.
+        assert_eq!(within(16.0, 2.0).probability, 0.0);
+        assert_eq!(Shift::within(4.0, 0.0, 9.0, 2.0, 2.0), None);
+        assert_eq!(Shift::within(4.0, 8.0, 0.0, 2.0, 2.0), None);
+        let shift = Shift::without(3.0, 9.0, 1.0);
+        assert!((shift.probability - 0.5).abs() < 1e-12, "{shift:?}");
+        assert_eq!(Shift::without(3.0, 9.0, 0.99).probability, 1.0);
+    }
+}

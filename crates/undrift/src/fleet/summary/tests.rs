@@ -2,6 +2,30 @@
 
 use super::*;
 
+/// The outages of a log with one model.
+fn outcome(log: &str, drift: f64) -> FleetOutcome {
+    FleetOutcome {
+        log: log.into(),
+        unit: Some("SN0".into()),
+        sensor: Some("one".into()),
+        labels: BTreeMap::new(),
+        temperature_c: None,
+        task: "outages".into(),
+        failed: None,
+        failed_parts: BTreeMap::new(),
+        findings: Vec::new(),
+        warnings: Vec::new(),
+        columns: vec!["max_horizontal_m".into()],
+        rows: vec![Row {
+            part: "white".into(),
+            outage: Some(1),
+            note: None,
+            finding: None,
+            values: vec![Some(drift)],
+        }],
+    }
+}
+
 /// Sixty logs, six of each of ten units; the drift of those in the truck is 1.8 times the others', of which each
 /// differs a little; that of log 13 is 20 times as large.
 fn fleet() -> Fleet {
@@ -12,29 +36,14 @@ fn fleet() -> Fleet {
         let drift = scatter * if k % 3 == 2 { 1.8 } else { 1.0 };
         let drift = if k == 13 { 20.0 * drift } else { drift };
         summary.add(&FleetOutcome {
-            log: format!("{k:02}"),
             unit: Some(format!("SN{}", k / 6)),
-            sensor: Some("one".into()),
             labels: [
                 label("campaign", "spring".into()),
                 label("vehicle", ["van", "car", "truck"][k as usize % 3].into()),
                 label("report", format!("{k}.html")),
             ]
             .into(),
-            temperature_c: None,
-            task: "outages".into(),
-            failed: None,
-            failed_parts: BTreeMap::new(),
-            findings: Vec::new(),
-            warnings: Vec::new(),
-            columns: vec!["max_horizontal_m".into()],
-            rows: vec![Row {
-                part: "white".into(),
-                outage: Some(1),
-                note: None,
-                finding: None,
-                values: vec![Some(drift)],
-            }],
+            ..outcome(&format!("{k:02}"), drift)
         });
     }
     summary.result()
@@ -74,6 +83,27 @@ fn a_log_that_stands_out_has_its_report() {
     let [outlier] = fleet().measures.remove(0).outliers.try_into().unwrap();
     assert_eq!(outlier.log, "13");
     assert_eq!(outlier.report.as_deref(), Some("13.html"));
+}
+
+#[test]
+fn a_log_with_remarks_is_listed_with_them() {
+    let mut summary = Tally::default();
+    let warnings = vec!["late".to_owned(), "short".to_owned()];
+    summary.add(&outcome("silent", 1.0));
+    summary.add(&FleetOutcome {
+        warnings: warnings.clone(),
+        ..outcome("noted", 2.0)
+    });
+    let fleet = summary.result();
+    let noted = Warned {
+        log: "noted".into(),
+        unit: Some("SN0".into()),
+        warnings,
+    };
+    assert_eq!(fleet.warned, [noted]);
+    // A remark is no failure, and both logs count.
+    assert!(fleet.failed.is_empty() && fleet.untrusted.is_empty());
+    assert_eq!(fleet.logs.len(), 2);
 }
 
 #[test]

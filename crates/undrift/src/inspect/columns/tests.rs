@@ -134,6 +134,21 @@ fn columns_without_names_are_found_by_their_numbers() {
         );
         assert_eq!(all(&found.gyro), Some([gyro, gyro + 1, gyro + 2]), "{gyro}");
     }
+    // The time is none of the gyros, nor is a column that is not there.
+    let row = |k: i32| {
+        let rate = |axis: i32| 0.001 * f64::from(k * 37 % 7 - axis);
+        let (before, behind) = ([1.0, 25.0, 0.01 * f64::from(k)], [2, 3, 4].map(rate));
+        [before, [0.1, -0.2, 9.8], behind].concat()
+    };
+    let rows: Vec<Vec<f64>> = (0..100).map(row).collect();
+    let found = by_numbers(&preview(&[], rows.clone()));
+    assert_eq!(
+        (found.time, all(&found.accel), all(&found.gyro)),
+        (Some(2), Some([3, 4, 5]), Some([6, 7, 8]))
+    );
+    let narrow = rows.iter().map(|row| row[2..8].to_vec());
+    let found = by_numbers(&preview(&[], narrow.collect()));
+    assert_eq!((found.accel, found.gyro), ([None; 3], [None; 3]));
     let gnss = |lat: f64, lon: f64| {
         let row = |k: i32| vec![f64::from(k) * 0.5, lat + 1e-5 * f64::from(k), lon, 300.0];
         by_numbers(&preview(&[], (0..50).map(row).collect())).place

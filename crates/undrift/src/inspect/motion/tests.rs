@@ -7,10 +7,9 @@ use std::fmt::Write as _;
 use undrift_io::Memory;
 use undrift_nav::sample::Position;
 
-/// The lines and notes of the IMU of a drive, in rad/s and g, z up, with `alter` on each of its samples.
-fn inspected(
-    alter: impl Fn(&mut Vector3, &mut Vector3),
-) -> (Vec<(&'static str, String)>, Vec<Note>) {
+/// The IMU of a drive, in rad/s and g, z up, with `alter` on each of its samples, and its fixes, with velocities that are
+/// alternately so much too large and too small [m/s].
+fn files(alter: impl Fn(&mut Vector3, &mut Vector3), off: f64) -> [Inspection; 2] {
     let noise = GnssNoise::default();
     let log = simulate(&Trajectory::car(180.0, 3), 50.0, None, &noise, 3).unwrap();
     let mut imu = "time_s,gx,gy,gz,ax,ay,az\n".to_owned();
@@ -25,7 +24,7 @@ fn inspected(
         let _ = writeln!(imu, "{:.3},{p},{q},{r},{x},{y},{z}", sample.time);
     }
     let mut gnss = "time_s,lat_deg,lon_deg,height_m,vn_mps,ve_mps,vd_mps\n".to_owned();
-    for fix in &log.gnss {
+    for (fix, off) in log.gnss.iter().zip([off, -off].into_iter().cycle()) {
         let (Some((Position::Geodetic(place), _)), Some((v, _))) = (fix.position, fix.velocity)
         else {
             panic!("{fix:?}");
@@ -35,13 +34,23 @@ fn inspected(
         let _ = writeln!(
             gnss,
             "{},{lat},{lon},{height},{},{},{}",
-            fix.time, v.x, v.y, v.z
+            fix.time,
+            v.x + off,
+            v.y + off,
+            v.z
         );
     }
-    let mut of = [("imu.csv", imu), ("gnss.csv", gnss)].map(|(name, text)| {
+    [("imu.csv", imu), ("gnss.csv", gnss)].map(|(name, text)| {
         let held = Memory::Bytes(text.into_bytes().into());
         inspect_held(Path::new(name), held).unwrap()
-    });
+    })
+}
+
+/// The lines and notes of the IMU of a drive with `alter` on each of its samples.
+fn inspected(
+    alter: impl Fn(&mut Vector3, &mut Vector3),
+) -> (Vec<(&'static str, String)>, Vec<Note>) {
+    let mut of = files(alter, 0.0);
     motion(&mut of);
     let [imu, _] = of;
     let lines = imu.parts[0].lines.iter();
@@ -93,4 +102,29 @@ fn forces_without_gravity_show_no_mounting() {
         matches!(found[..], [Note::NoGravity { ratio }] if ratio < 0.05),
         "{found:?}"
     );
+}
+
+#[test]
+fn a_drive_fits_whose_velocities_differ_by_no_more_than_is_stated() {
+    let of = |off: f64| {
+        let files = files(|_, _| (), off);
+        let mut logs = Logs::default();
+        let mut text = format!("model = \"{GUESS}\"\n");
+        for Inspection {
+            file, held, parts, ..
+        } in &files
+        {
+            text += &section(file, &parts[0]);
+            let held = held.iter().map(|held| (file.clone(), held.clone()));
+            logs.memory.extend(held);
+        }
+        let drive = Drive::with_logs(&text, "", Path::new(""), logs).unwrap();
+        let resolved = resolve_mounting(&drive).unwrap();
+        // Neither implausible nor with fixes that are rejected.
+        assert!(fit(resolved.clone()).is_some(), "{off}");
+        is_fitting(resolved)
+    };
+    // Half of σ, and one and a half.
+    assert!(of(0.1));
+    assert!(!of(0.3));
 }

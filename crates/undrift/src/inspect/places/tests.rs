@@ -88,6 +88,23 @@ fn a_speed_and_a_course_are_found_in_any_unit_and_order() {
 }
 
 #[test]
+fn a_speed_fits_the_positions_in_nine_rows_of_ten() {
+    for (off, polar) in [(1, [Some(4), Some(5)]), (3, [None; 2])] {
+        let columns = drive([48.1, 11.5], |t, [lat, lon, height], [n, e, _]| {
+            let course = e.atan2(n).to_degrees();
+            // Rows of 0.5 s, of which so many of twenty have half or twice the speed.
+            let row = (2.0 * t) as usize;
+            let factor = match row % 20 < off {
+                true => [0.5, 2.0][row % 2],
+                false => 1.0,
+            };
+            vec![t, lat, lon, height, factor * n.hypot(e), course]
+        });
+        assert_eq!(found(&columns).polar, polar, "{off} of 20");
+    }
+}
+
+#[test]
 fn what_is_no_path() {
     let noise = |k: usize| ((k * 7919 % 101) as f64 - 50.0) / 50.0;
     let table = |of: &dyn Fn(usize) -> [f64; 3]| -> Vec<Vec<f64>> {
