@@ -559,6 +559,7 @@ impl Run {
         solution.advance_to(due);
         if !withheld {
             solution.grow_to(due);
+            solution.grow_by_products(due);
         }
         if begins {
             observer.fix(&*solution.filter, fix, withheld);

@@ -3,7 +3,9 @@
 use super::{bridge::Bridge, measurement::Latency, observer::Observer, summary::Summary};
 use crate::estimator::{Estimator, STAMP_ROUNDING};
 use alloc::boxed::Box;
-use undrift_nav::{parameters::Parameter, sample::ImuSample};
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use undrift_nav::{Vector3, earth::STANDARD_GRAVITY, parameters::Parameter, sample::ImuSample};
 
 /// A sample after more than this many intervals is a gap, not just late.
 const GAP_INTERVALS: f64 = 1.5;
@@ -18,6 +20,11 @@ pub(super) const LONGEST_GAP: f64 = 60.0;
 /// A time offset of more prior standard deviations than this is no offset but an error of the sensors.
 pub(super) const MOST_LATE: f64 = 10.0;
 
+/// Products of errors below this are none \[m/s²\].
+const LEAST_PRODUCT: f64 = 1e-3;
+/// How long a product of errors lasts, until a vehicle has turned or the errors are known \[s\].
+const PRODUCT_LASTS: f64 = 5.0;
+
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Solution {
     #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::filter"))]
@@ -28,6 +35,8 @@ pub(super) struct Solution {
     bridge: Option<Bridge>,
     /// Time of the last node of a smoother \[s\].
     last_node: f64,
+    /// Up to when products of errors are in the covariance \[s\].
+    products_until: f64,
 }
 
 /// A copy that records nothing for a smoother.
@@ -45,6 +54,7 @@ impl Solution {
     pub(super) fn new(filter: Box<dyn Estimator>) -> Self {
         Self {
             began: filter.nav().time,
+            products_until: filter.nav().time,
             filter,
             bridge: None,
             last_node: f64::NEG_INFINITY,
@@ -112,6 +122,22 @@ impl Solution {
             self.filter
                 .grow((time - since).max(0.0), UNSEEN_RATE, UNSEEN_ACCEL);
             bridge.unknown_since = Some(time);
+        }
+    }
+
+    /// Grows the covariance up to `time` \[s\] by what it leaves out: the specific force is wrong by the product of the errors of tilt and
+    /// accelerometers, and by gravity times half the square of the tilt's. Of a sensor whose constants are hardly known (0.1 g, so 6 deg
+    /// of tilt) that is 0.1 m/s² and more, and what a turn shows of tilt and constants would otherwise be taken to be exact.
+    pub(super) fn grow_by_products(&mut self, time: f64) {
+        let span = (time - self.products_until).max(0.0);
+        self.products_until = time;
+        let (std, error) = (self.filter.nav_std(), self.filter.sensor_error_std());
+        let tilt = std[6].hypot(std[7]);
+        let accel = error[3].max(error[4]).max(error[5]);
+        let product = tilt * (0.5 * STANDARD_GRAVITY * tilt + accel);
+        if product > LEAST_PRODUCT {
+            let velocity = product * (span * PRODUCT_LASTS).sqrt();
+            self.filter.doubt(&Vector3::zeros(), velocity, 0.0);
         }
     }
 

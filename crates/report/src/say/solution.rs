@@ -7,6 +7,9 @@ use undrift::{
     usability::Usability,
 };
 
+/// Share of the innovations inside three standard deviations below which there is no single span that is worst.
+const EVERYWHERE: f64 = 0.8;
+
 /// Whether the result can be used, and why not: the first line of what is shown.
 pub fn verdict(found: &[Finding]) -> String {
     let (severity, cause) = findings::verdict(found);
@@ -17,13 +20,18 @@ pub fn verdict(found: &[Finding]) -> String {
     }
 }
 
-/// Where it shows most, of a cause that does not say so.
+/// Where it shows most, of a cause that does not say so and is not wrong everywhere.
 fn worst(found: &[Finding], cause: &Finding) -> String {
     found
         .iter()
         .filter(|of| *of != cause)
         .find_map(|of| match of {
-            Finding::Disagreement { start, end, .. } => {
+            Finding::Disagreement {
+                start,
+                end,
+                overall,
+                ..
+            } if *overall >= EVERYWHERE => {
                 Some(format!(" (worst from {} to {} s)", at(*start), at(*end)))
             }
             _ => None,
