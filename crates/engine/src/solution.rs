@@ -5,7 +5,9 @@ use crate::estimator::{Estimator, STAMP_ROUNDING};
 use alloc::boxed::Box;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
-use undrift_nav::{Vector3, earth::STANDARD_GRAVITY, parameters::Parameter, sample::ImuSample};
+use undrift_nav::{
+    Matrix3, Vector3, earth::STANDARD_GRAVITY, parameters::Parameter, sample::ImuSample,
+};
 
 /// A sample after more than this many intervals is a gap, not just late.
 const GAP_INTERVALS: f64 = 1.5;
@@ -22,6 +24,8 @@ pub(super) const MOST_LATE: f64 = 10.0;
 
 /// Products of errors below this are none \[m/s²\].
 const LEAST_PRODUCT: f64 = 1e-3;
+/// A heading less known than this is no small error any more \[rad\].
+const MOST_HEADING: f64 = 0.5;
 /// How long a product of errors lasts, until a vehicle has turned or the errors are known \[s\].
 const PRODUCT_LASTS: f64 = 5.0;
 
@@ -125,16 +129,17 @@ impl Solution {
         }
     }
 
-    /// Grows the covariance up to `time` \[s\] by what it leaves out: the specific force is wrong by the product of the errors of tilt and
-    /// accelerometers, and by gravity times half the square of the tilt's. Of a sensor whose constants are hardly known (0.1 g, so 6 deg
-    /// of tilt) that is 0.1 m/s² and more, and what a turn shows of tilt and constants would otherwise be taken to be exact.
+    /// Grows the covariance up to `time` \[s\] by what it leaves out: the specific force is wrong by the product of the errors of attitude
+    /// and accelerometers, and by gravity times half the square of the tilt's. Of a sensor whose constants are hardly known (0.1 g, so
+    /// 6 deg of tilt) that is 0.1 m/s² and more, and what a turn shows of tilt and constants would otherwise be taken to be exact.
     pub(super) fn grow_by_products(&mut self, time: f64) {
         let span = (time - self.products_until).max(0.0);
         self.products_until = time;
         let (std, error) = (self.filter.nav_std(), self.filter.sensor_error_std());
         let tilt = std[6].hypot(std[7]);
+        let attitude = tilt.hypot(std[8].min(MOST_HEADING));
         let accel = error[3].max(error[4]).max(error[5]);
-        let product = tilt * (0.5 * STANDARD_GRAVITY * tilt + accel);
+        let product = 0.5 * STANDARD_GRAVITY * tilt * tilt + attitude * accel;
         if product > LEAST_PRODUCT {
             let velocity = product * (span * PRODUCT_LASTS).sqrt();
             self.filter.doubt(&Vector3::zeros(), velocity, 0.0);
