@@ -322,3 +322,19 @@ pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Op
         Aiding::Barometer(height) => Observed::One(filter.observe_barometer(*height)),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_by_their_names() {
+        let lever_arm = Vector3::new(1.0, 2.0, 3.0);
+        let of = |name| Aiding::scalar(name, 4.0, lever_arm);
+        assert_eq!(of("course"), Some(Aiding::Course(4.0)));
+        let speed = 4.0;
+        assert_eq!(of("odometer"), Some(Aiding::Odometer { speed, lever_arm }));
+        assert_eq!(of("barometer"), Some(Aiding::Barometer(4.0)));
+        assert_eq!(of("position"), None);
+    }
+}

@@ -253,4 +253,18 @@ mod tests {
         });
         assert!(white_variance(&uneven).is_none());
     }
+
+    #[test]
+    fn positions_that_span_more_than_five_seconds_make_no_velocity() {
+        for (interval, found) in [(1.2, true), (1.3, false)] {
+            let late = fixes(1.0 / interval, 0.0).map(|fix| GnssFix {
+                time: fix.time + 100.0,
+                ..fix
+            });
+            let mut positions = Positions::default();
+            let velocities: Vec<_> = late.filter_map(|fix| positions.add(&fix)).collect();
+            // From the fifth of forty on.
+            assert_eq!(velocities.len(), if found { 36 } else { 0 }, "{interval}");
+        }
+    }
 }

@@ -475,4 +475,33 @@ mod tests {
             assert_eq!(gate.is_in_doubt(), doubted, "{pause}");
         }
     }
+
+    #[test]
+    fn a_solution_that_takes_in_what_it_rejected_has_given_way_to_it() {
+        let gave_way = |rejected: f64, then: f64| {
+            let mut summary = Summary::default();
+            let mut gate = settled(&mut summary);
+            let note = |gate: &mut FixGate, time, x, outcome, summary: &mut Summary| {
+                let limits = Gate {
+                    weaken: 1e9,
+                    reject: 1e9,
+                };
+                let update = Update {
+                    outcome,
+                    ..update(1e6, &limits)
+                };
+                gate.note(time, &Vector3::new(x, 0.0, 0.0), &update, false, summary);
+            };
+            note(&mut gate, 10.0, rejected, Outcome::Rejected, &mut summary);
+            note(&mut gate, 10.25, then, Outcome::Used, &mut summary);
+            assert_eq!(summary.contradictions.len(), 1);
+            summary.contradictions[0].gave_way
+        };
+        // As large to three tenths, whatever its size.
+        for size in [0.1, 1.0, 20.0] {
+            assert!(gave_way(1.29 * size, size) && gave_way(0.71 * size, size));
+            assert!(!gave_way(1.31 * size, size) && !gave_way(0.69 * size, size));
+            assert!(!gave_way(-size, size));
+        }
+    }
 }

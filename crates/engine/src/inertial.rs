@@ -265,6 +265,11 @@ impl Inertial {
             };
             let ends = |around| !self.noiseless && axis.jumps(spike, around, value);
             if stuck[i] || around.is_some_and(ends) {
+                // The samples before were not known to be stuck.
+                let from = match axis.doubted {
+                    Some(_) => sample.time - sample.dt,
+                    None => axis.since,
+                };
                 let since = *axis.doubted.get_or_insert(axis.since);
                 let std = axis.variance.sqrt().max(floor);
                 let grown = |t: f64| {
@@ -276,12 +281,6 @@ impl Inertial {
                         } else {
                             linear * (2.0 * t - linear)
                         }
-                };
-                // The samples before were not known to be stuck.
-                let from = if axis.samples > 1 && summary.is_new_fault(i, since) {
-                    since
-                } else {
-                    sample.time - sample.dt
                 };
                 doubt[i] = grown(sample.time - since) - grown(from - since);
                 replaced[i] = axis.mean;
@@ -330,7 +329,7 @@ impl Inertial {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{super::summary::MOST_EVENTS, *};
     use alloc::vec::Vec;
 
     /// A number between −1 and 1 that does not repeat soon.
@@ -340,7 +339,14 @@ mod tests {
 
     /// Two minutes at 100 Hz, altered: what comes out, and what is noted.
     fn run(value: impl Fn(usize, usize) -> f64) -> (Vec<Checked>, Summary) {
-        let mut summary = Summary::default();
+        run_after(Summary::default(), value)
+    }
+
+    /// The same after what was noted before.
+    fn run_after(
+        mut summary: Summary,
+        value: impl Fn(usize, usize) -> f64,
+    ) -> (Vec<Checked>, Summary) {
         let turn = undrift_nav::attitude::from_rpy(&Vector3::new(0.3, -0.2, 2.0));
         let rotation = turn.to_rotation_matrix().into_inner();
         let mut inertial = Inertial::new(rotation);
@@ -418,6 +424,25 @@ mod tests {
         let fault = summary.sample_faults[0];
         assert_eq!((fault.axis, summary.sample_faults.len()), (2, 1));
         assert!((fault.start - 60.01).abs() < 0.02 && (fault.end - 90.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn an_axis_is_in_doubt_by_as_much_where_no_more_faults_are_noted() {
+        let value = |k: usize, axis: usize| {
+            let k = if axis == 2 { k.min(6000) } else { k };
+            let burst = axis == 3 && k > 3000 && k % 1000 < 30;
+            if burst { 40.0 } else { noise(k, axis) }
+        };
+        let mut full = Summary::default();
+        for k in 0..MOST_EVENTS {
+            full.spike(5, k as f64 - 2000.0);
+        }
+        assert_eq!(full.sample_faults.len(), MOST_EVENTS);
+        let ((out, noted), (after, full)) = (run(value), run_after(full, value));
+        assert!(noted.sample_faults.len() > 1 && full.sample_faults.len() == MOST_EVENTS);
+        for (one, other) in out.iter().zip(&after) {
+            assert_eq!(one.doubt, other.doubt, "{}", one.sample.time);
+        }
     }
 
     #[test]

@@ -293,13 +293,6 @@ impl Summary {
         }
     }
 
-    /// Whether nothing was noted of an axis that has been stuck since `since` \[s\].
-    pub(super) fn is_new_fault(&self, axis: usize, since: f64) -> bool {
-        let same = |fault: &&SampleFault| fault.stuck && fault.axis == axis;
-        let last = self.sample_faults.iter().rev().find(same);
-        last.is_none_or(|last| last.start != since)
-    }
-
     /// Notes that an axis has been stuck from `since` to `time` \[s\].
     pub(super) fn stuck(&mut self, axis: usize, since: f64, time: f64) {
         let room = self.sample_faults.len() < MOST_EVENTS;

@@ -220,4 +220,21 @@ mod tests {
         let numbers = Numbers::from([("a".to_owned(), 2.0.into())]);
         assert!(get(&numbers, "a") == 2.0 && get(&numbers, "b").is_nan());
     }
+
+    #[test]
+    fn half_of_the_last_digit_is_rounded_up_to_the_next_size() {
+        for (value, text) in [
+            (9.995e-4, "0.00100"),
+            (9.995e-3, "0.0100"),
+            (0.099_95, "0.100"),
+            (0.9995, "1.00"),
+            (9.995, "10.0"),
+            (99.95, "100"),
+            (9_999.5, "10\u{202f}000"),
+            (99_950.0, "100\u{202f}000"),
+            (-9.995, "-10.0"),
+        ] {
+            assert_eq!(short(value), text);
+        }
+    }
 }

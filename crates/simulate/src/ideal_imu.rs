@@ -306,3 +306,30 @@ impl Iterator for IdealImu<'_> {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_is_cut_into_no_more_panels_than_the_longest_needs() {
+        let trajectory = Trajectory::rest(100.0);
+        for (length, count) in [
+            (1e-3, 1),
+            (0.01, 1),
+            // Steps of a time that is rounded are a little longer.
+            (0.01 * (1.0 + 1e-12), 1),
+            (0.0101, 2),
+            (0.1, 10),
+            (0.105, 11),
+        ] {
+            let mut panels = Vec::new();
+            Stepper::new(&trajectory).panels(length, |_, from, panel| panels.push((from, panel)));
+            assert_eq!(panels.len(), count, "{length}");
+            let each = length / count as f64;
+            for (k, (from, panel)) in panels.iter().enumerate() {
+                assert!((from - each * k as f64).abs() < 1e-15 && (panel - each).abs() < 1e-15);
+            }
+        }
+    }
+}

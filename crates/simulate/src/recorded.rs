@@ -31,3 +31,31 @@ impl<'a> RecordedErrors<'a> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_follow_one_another_from_the_start_to_the_end_of_the_record() {
+        let record: [Vec<f64>; 6] =
+            std::array::from_fn(|axis| (0..4).map(|k| (10 * axis + k) as f64).collect());
+        let ideal = ImuSample {
+            time: 3.0,
+            dt: 0.5,
+            dtheta: Vector3::new(1.0, 2.0, 3.0),
+            dvel: Vector3::new(4.0, 5.0, 6.0),
+        };
+        let mut errors = RecordedErrors::new(record.each_ref().map(Vec::as_slice), 1);
+        // Rates and forces act for half a second.
+        for at in [1.0, 2.0, 3.0] {
+            let expected = ImuSample {
+                dtheta: ideal.dtheta + Vector3::new(at, 10.0 + at, 20.0 + at) * 0.5,
+                dvel: ideal.dvel + Vector3::new(30.0 + at, 40.0 + at, 50.0 + at) * 0.5,
+                ..ideal
+            };
+            assert_eq!(errors.apply(&ideal), Some(expected));
+        }
+        assert_eq!(errors.apply(&ideal), None);
+    }
+}

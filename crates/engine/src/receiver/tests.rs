@@ -404,6 +404,24 @@ fn an_alignment_takes_no_position_that_jumps_away_from_its_velocity() {
 }
 
 #[test]
+fn an_alignment_takes_no_second_place_of_the_same_time() {
+    let first = fix(5.0, 0.0, 10.0, 0.02);
+    let Some((Position::Geodetic(place), r)) = first.position else {
+        unreachable!()
+    };
+    for way in [1.0, 500.0] {
+        let mut receiver = Receiver::new(0.0);
+        assert!(receiver.is_consistent(&first));
+        let elsewhere = place.displaced(&Vector3::new(way, -2.0 * way, 0.5 * way));
+        let second = GnssFix {
+            position: Some((Position::Geodetic(elsewhere), r)),
+            ..first
+        };
+        assert!(!receiver.is_consistent(&second), "{way}");
+    }
+}
+
+#[test]
 fn a_new_solution_keeps_what_is_known_of_the_receiver_and_nothing_of_the_old_one() {
     let settings = Settings::new(sensors());
     let settings = Settings {

@@ -250,4 +250,22 @@ mod tests {
         assert_eq!(of(0.0), None);
         assert_eq!(of(-0.1), None);
     }
+
+    #[test]
+    fn where_nothing_is_better_the_simplex_halves_towards_its_best() {
+        let seen = std::cell::RefCell::new(Vec::new());
+        let needle = |z: &[Vec<f64>]| {
+            seen.borrow_mut().extend_from_slice(z);
+            let one = |z: &Vec<f64>| f64::from(u8::from(*z != [2.0, -3.0]));
+            z.iter().map(one).collect()
+        };
+        let mut objective = Objective::new(&needle, SCALES);
+        let start = Point::new(vec![2.0, -3.0], 0.0);
+        // The two other corners, a reflection, a contraction, and the two corners again.
+        let found = nelder_mead(&mut objective, &start, 0.5, 1e-10, 5);
+        assert_eq!((found.z, found.value), (vec![2.0, -3.0], 0.0));
+        let seen = seen.borrow();
+        assert_eq!(seen[..2], [[1.5, -3.0], [2.0, -2.5]]);
+        assert_eq!(seen[4..], [[1.75, -3.0], [2.0, -2.75]]);
+    }
 }

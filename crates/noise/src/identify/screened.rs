@@ -378,4 +378,34 @@ mod tests {
         let share = aside.noise_shown.unwrap();
         assert!(share > LEAST_SHOWN && share < 1.0, "{share}");
     }
+
+    #[test]
+    fn the_effect_of_temperature_is_estimated_at_the_rate_of_the_record() {
+        // Slow noise that may be flicker, which has times of its own: an error of the rate shows.
+        let temperature: Vec<f64> = (0..6000)
+            .map(|k| 20.0 + (f64::from(k) / 700.0).sin() + 1e-4 * f64::from(k))
+            .collect();
+        let noise = white(12_000);
+        let mut slow = 0.0;
+        let record: Vec<f64> = (0..6000)
+            .map(|k| {
+                slow = 0.99 * slow + 0.05 * (noise[6000 + k] - 5.0);
+                noise[k] + slow + temperature[k]
+            })
+            .collect();
+        let options = Options {
+            trend: Trend::Temperature,
+            temperature: Some(&temperature),
+            ..Options::at(49.6)
+        };
+        let found = screened(&record, &options).unwrap();
+        let found = found.temperature.unwrap().unwrap().effect;
+        let at = |interval| {
+            let rule = OutlierRule::default();
+            let estimate = estimated(&record, &temperature, rule, interval);
+            estimate.unwrap().effect
+        };
+        assert_eq!(found, at(1.0 / 49.6));
+        assert!((at(49.6).slope_sigma / found.slope_sigma - 1.0).abs() > 0.2);
+    }
 }

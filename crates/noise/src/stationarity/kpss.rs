@@ -119,3 +119,21 @@ fn automatic(residuals: &[f64]) -> usize {
     let lags = 1.1447 * (ratio * ratio).cbrt() * count.cbrt();
     if lags.is_finite() { lags as usize } else { 0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn with_all_lags_the_statistic_is_one_half_of_any_record() {
+        // Kiefer & Vogelsang, Econometrica 70, 2002: Bartlett's weights of all lags make s² = 2 Σ S_t²/n².
+        let x: Vec<f64> = (0..50).map(|k| f64::from(k * k).sin()).collect();
+        for kind in [Deterministic::Constant, Deterministic::Trend] {
+            for lags in [49, 50, 51, 1000, usize::MAX] {
+                let found = kpss(&x, kind, KpssLags::Fixed(lags)).unwrap();
+                assert_eq!(found.lags, 49, "{lags}");
+                assert!((found.statistic - 0.5).abs() < 1e-12, "{found:?}");
+            }
+        }
+    }
+}

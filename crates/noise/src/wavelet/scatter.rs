@@ -236,4 +236,22 @@ mod tests {
         };
         assert!((mean(&walk, &|sine2| 4.0 * sine2) / (0.36 * 0.5) - 1.0).abs() < 1e-12);
     }
+
+    #[test]
+    fn the_shortest_scale_alone_has_all_of_its_spectrum() {
+        let terms = CompositeTerms {
+            white: 0.1,
+            ..CompositeTerms::default()
+        };
+        let point = WaveletPoint {
+            m: 1,
+            scale_s: 0.01,
+            variance: 0.5,
+            edf: 1.0,
+            coefficients: 1000,
+        };
+        let found = covariance(&[point], &terms, 0.01, 1001);
+        // Eight octaves: what is below them is a millionth, the midpoint rule errs by less than 1e-4.
+        assert!((found[(0, 0)] / (2.0 / 1000.0 * 0.375) - 1.0).abs() < 1e-4);
+    }
 }

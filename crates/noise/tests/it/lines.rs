@@ -193,6 +193,32 @@ fn a_resonance_is_one_entry_and_leaves_the_noise() {
 }
 
 #[test]
+fn lines_too_near_to_be_told_apart_are_one_resonance_and_another_stays_a_line() {
+    // Three steps of 1/T apart: the second shows when the first is gone.
+    let step = RATE / SAMPLES as f64;
+    let mut x = background(5, 0.0, 0.0);
+    add_line(&mut x, 5256.0 * step, 1.0, 0.3);
+    add_line(&mut x, 5259.0 * step, 0.5, 1.0);
+    add_line(&mut x, 6000.0 * step, 1.0, 0.5);
+    let [near, far] = take_out(&mut x, RATE)[..] else {
+        panic!("not two");
+    };
+    assert!(
+        (near.frequency_hz - 5257.0 * step).abs() < 3.0 * step,
+        "{near:?}"
+    );
+    assert!(near.width_hz > 0.0 && near.phase.is_none(), "{near:?}");
+    assert!(
+        (far.frequency_hz - 6000.0 * step).abs() < 0.1 * step,
+        "{far:?}"
+    );
+    assert!(
+        far.width_hz == 0.0 && (far.amplitude - 1.0).abs() < 0.03,
+        "{far:?}"
+    );
+}
+
+#[test]
 fn hostile_records_do_no_harm() {
     for samples in (0..400).step_by(7) {
         for bad in [0.0, f64::NAN, f64::INFINITY, 1e300] {

@@ -300,6 +300,18 @@ mod tests {
     }
 
     #[test]
+    fn an_axis_has_the_same_ticks_in_any_unit() {
+        // The last one is a rounding beyond the range, the next one half of a step.
+        for unit in [1e-9, 1e-3, 1.0, 1e6] {
+            for end in [0.7 * (1.0 - 1e-12), 0.75] {
+                let ticks = linear(&(0.3 * unit..end * unit), 7);
+                assert_eq!(ticks.len(), 5, "{unit} {end} {ticks:?}");
+                assert!((ticks[4] / unit - 0.7).abs() < 1e-12, "{ticks:?}");
+            }
+        }
+    }
+
+    #[test]
     fn ticks_are_short() {
         for (value, text) in [
             (0.0, "0"),
