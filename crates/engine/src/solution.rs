@@ -24,8 +24,9 @@ pub(super) const MOST_LATE: f64 = 10.0;
 
 /// Products of errors below this are none \[m/s²\].
 const LEAST_PRODUCT: f64 = 1e-3;
-/// A heading less known than this is no small error any more \[rad\].
-const MOST_HEADING: f64 = 0.5;
+/// An attitude less known than this has no small errors any more \[rad\]: of the heading no more is counted, with such a tilt
+/// nothing.
+const MOST_ANGLE: f64 = 0.5;
 /// How long a product of errors lasts, until a vehicle has turned or the errors are known \[s\].
 const PRODUCT_LASTS: f64 = 5.0;
 
@@ -137,10 +138,10 @@ impl Solution {
         self.products_until = time;
         let (std, error) = (self.filter.nav_std(), self.filter.sensor_error_std());
         let tilt = std[6].hypot(std[7]);
-        let attitude = tilt.hypot(std[8].min(MOST_HEADING));
+        let attitude = tilt.hypot(std[8].min(MOST_ANGLE));
         let accel = error[3].max(error[4]).max(error[5]);
         let product = 0.5 * STANDARD_GRAVITY * tilt * tilt + attitude * accel;
-        if product > LEAST_PRODUCT {
+        if product > LEAST_PRODUCT && tilt < MOST_ANGLE {
             let velocity = product * (span * PRODUCT_LASTS).sqrt();
             self.filter.doubt(&Vector3::zeros(), velocity, 0.0);
         }

@@ -88,7 +88,8 @@ fn check_single_jump(log: &Log) {
             "50 m at {time} s: moved by {distance:.4} m, {angle:.4} deg; reported {:.1} m, {} fix",
             jump.largest, jump.fixes
         );
-        assert!(distance < 0.3 && angle < 0.1);
+        // After a minute the heading of the real drive is still being found: known to 0.8 deg.
+        assert!(distance < 0.3 && angle < 0.2);
         assert!((jump.largest - 50.0).abs() < 1.0 && jump.fixes == 1);
     }
 }
