@@ -559,7 +559,9 @@ impl Run {
         solution.advance_to(due);
         if !withheld {
             solution.grow_to(due);
-            solution.grow_by_products(due);
+            if settings.gating {
+                solution.grow_by_products(due);
+            }
         }
         if begins {
             observer.fix(&*solution.filter, fix, withheld);

@@ -79,7 +79,8 @@ pub struct Settings {
     pub parameters: Parameters,
     /// What is known of the vehicle.
     pub constraints: Constraints,
-    /// Whether fixes pass a gate, and a diverged solution is re-initialised.
+    /// Whether fixes pass a gate, a diverged solution is re-initialised, and the covariance has the products of errors, which a linear
+    /// filter leaves out.
     pub gating: bool,
     /// Whether a solution that does not agree with the fixes is re-initialised, too.
     pub restart: bool,

@@ -54,6 +54,8 @@ fn navigate(simulation: &Simulation, gyro: ShapingFilter, accel: ShapingFilter) 
             start: 120.0,
             end: 150.0,
         }],
+        // The linear filter alone: products of errors go by the states of a form.
+        gating: false,
         ..Settings::new([gyro, gyro, gyro, accel, accel, accel])
     };
     let mut record = Record::default();
@@ -107,6 +109,6 @@ fn innovations_form_is_its_decomposition() {
     let apart = difference(&innovations, &dropped);
     println!("decomposition {alike:.2e} σ apart, without cross terms {apart:.2} σ");
     assert!(alike < 1e-6, "{alike}");
-    // A thousand times the tolerance above: another model.
-    assert!(apart > 1e-3, "{apart}");
+    // Ten thousand times the tolerance above: another model.
+    assert!(apart > 0.01, "{apart}");
 }

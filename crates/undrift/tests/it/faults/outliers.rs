@@ -88,7 +88,7 @@ fn check_single_jump(log: &Log) {
             "50 m at {time} s: moved by {distance:.4} m, {angle:.4} deg; reported {:.1} m, {} fix",
             jump.largest, jump.fixes
         );
-        // After a minute the heading of the real drive is still being found: known to 0.8 deg.
+        // After a minute the heading of the real drive is still being found: known to a degree or two.
         assert!(distance < 0.3 && angle < 0.2);
         assert!((jump.largest - 50.0).abs() < 1.0 && jump.fixes == 1);
     }
