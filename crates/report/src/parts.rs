@@ -1,7 +1,6 @@
 //! What the reports share: sentences, curves as points, colours.
 
 use crate::{Block, PlotAxis, Series, say};
-use undrift::Usability;
 use undrift::findings::{self, Finding};
 use undrift::nav::earth::Geodetic;
 use undrift::noise::order_statistics::quantile;
@@ -296,6 +295,7 @@ pub fn extent(points: &[(f64, f64)]) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use undrift::Usability;
 
     #[test]
     fn points_are_values_times_a_factor_at_their_times() {
