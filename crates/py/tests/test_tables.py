@@ -187,7 +187,8 @@ def test_a_loop_over_a_drive_is_navigate(sim: undrift.Simulation, std_factor: fl
             filter.advance()
             path.append(filter.state)
 
-    solution = undrift.navigate(drive)
+    # The linear filter alone takes what the first turns show for exact.
+    solution = undrift.navigate(drive, strict=False)
     assert len(path) == len(solution)
     for name in ("time", "lat", "lon", "height", "velocity", "rpy", "gyro_error", "accel_error",
                  "position_std", "velocity_std", "attitude_std"):
