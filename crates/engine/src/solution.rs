@@ -20,10 +20,10 @@ pub(super) const LONGEST_GAP: f64 = 60.0;
 /// A time offset of more prior standard deviations than this is no offset but an error of the sensors.
 pub(super) const MOST_LATE: f64 = 10.0;
 
-/// Products of errors below this are none \[m/s²\].
+/// Products of errors below this are negligible \[m/s²\].
 const LEAST_PRODUCT: f64 = 1e-3;
-/// An attitude less known than this has no small errors any more \[rad\]: of the heading no more is counted, with such a tilt
-/// nothing.
+/// Standard deviation beyond which an angle's error is not small \[rad\]: the heading's counts up to it, and of a tilt beyond it no product
+/// does.
 const MOST_ANGLE: f64 = 0.5;
 /// How long a product of errors lasts, until a vehicle has turned or the errors are known \[s\].
 const PRODUCT_LASTS: f64 = 5.0;

@@ -68,8 +68,8 @@ pub(super) fn with_constants(sensors: &[ShapingFilter; AXES], std: f64) -> [Shap
     let mut sensors = *sensors;
     for axis in &mut sensors[3..] {
         let lasts = |i: &usize| {
-            let decays = (1.0 - axis.f[*i][*i]) * LASTS < axis.interval;
-            decays && axis.h[*i] != 0.0
+            let slow = (1.0 - axis.f[*i][*i]) * LASTS < axis.interval;
+            slow && axis.h[*i] != 0.0
         };
         let slowest = (0..axis.order)
             .filter(lasts)

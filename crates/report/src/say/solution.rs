@@ -7,9 +7,6 @@ use undrift::{
     usability::Usability,
 };
 
-/// Share of the innovations inside three standard deviations below which there is no single span that is worst.
-const EVERYWHERE: f64 = 0.8;
-
 /// Whether the result can be used, and why not: the first line of what is shown.
 pub fn verdict(found: &[Finding]) -> String {
     let (severity, cause) = findings::verdict(found);
@@ -26,12 +23,7 @@ fn worst(found: &[Finding], cause: &Finding) -> String {
         .iter()
         .filter(|of| *of != cause)
         .find_map(|of| match of {
-            Finding::Disagreement {
-                start,
-                end,
-                overall,
-                ..
-            } if *overall >= EVERYWHERE => {
+            Finding::Disagreement { start, end, .. } if of.severity() < Severity::Unusable => {
                 Some(format!(" (worst from {} to {} s)", at(*start), at(*end)))
             }
             _ => None,

@@ -165,8 +165,8 @@ impl Finding {
             Self::OptimisticModel { .. } | Self::FarParameter { .. } => 3,
             Self::CorrelatedInnovations { .. } | Self::OptimisticDrift { .. } => 4,
             Self::CoversPart { .. } | Self::OfModel { .. } => 5,
-            Self::Restart { .. } | Self::HeadingOff { .. } | Self::LargeInnovations { .. } => 5,
-            Self::Disagreement { .. } => 5,
+            Self::Restart { .. } | Self::HeadingOff { .. } => 5,
+            Self::LargeInnovations { .. } | Self::Disagreement { .. } => 5,
             Self::OneSided(_) | Self::Rejected(_) | Self::MoreRejected { .. } => 6,
             // Stated too large: it costs little.
             Self::WrongAccuracy { factor, .. } if *factor < 1.0 => 8,

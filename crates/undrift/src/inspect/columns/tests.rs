@@ -134,7 +134,7 @@ fn columns_without_names_are_found_by_their_numbers() {
         );
         assert_eq!(all(&found.gyro), Some([gyro, gyro + 1, gyro + 2]), "{gyro}");
     }
-    // The time is none of the gyros, nor is a column that is not there.
+    // Neither the time nor a column beyond the table becomes a gyro.
     let row = |k: i32| {
         let rate = |axis: i32| 0.001 * f64::from(k * 37 % 7 - axis);
         let (before, behind) = ([1.0, 25.0, 0.01 * f64::from(k)], [2, 3, 4].map(rate));
