@@ -25,6 +25,8 @@ const BLOCK: usize = 64;
 /// The lowest frequency, in periods a block, and how many.
 const FIRST: usize = 16;
 const BINS: usize = 13;
+/// Sums of a block of an axis: with cosines, with sines, and nothing, for whole vectors of four.
+const SUMS: usize = 2 * BINS + 2;
 /// Expectation of the median of so many exponential values of mean 1: Σ 1/i from 7 to 13.
 const MEDIAN: f64 = 0.7301;
 
@@ -51,7 +53,7 @@ pub struct Vibration {
     each: usize,
     interval: f64,
     /// Cosines and sines of the frequencies under Hann's window, for periodograms as two-sided densities.
-    waves: Arc<[[[f64; 2]; BINS]]>,
+    waves: Arc<[[f64; SUMS]]>,
     /// Density of the model in the band [unit²·s], the variance of its white noise \[unit²\], and a sample's interval \[s\].
     model: [f64; AXES],
     white: [f64; AXES],
@@ -59,9 +61,8 @@ pub struct Vibration {
     /// The samples of the present mean.
     sum: [f64; AXES],
     count: usize,
-    /// The sums of the present block, by frequency.
-    #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::array"))]
-    block: [[[f64; AXES]; 2]; BINS],
+    /// The sums of the present block, axis by axis.
+    block: [[f64; SUMS]; AXES],
     means: usize,
     /// Density in the band [unit²·s], and for how long it is known \[s\].
     level: [f64; AXES],
@@ -90,7 +91,13 @@ impl Vibration {
             // Of sums, which are means times the interval.
             [angle.cos(), angle.sin()].map(|w| w * window * scale / interval)
         };
-        let waves = |k| core::array::from_fn(|bin| wave(k, bin));
+        let waves = |k| {
+            let mut row = [0.0; SUMS];
+            for bin in 0..BINS {
+                [row[bin], row[BINS + bin]] = wave(k, bin);
+            }
+            row
+        };
         let waves = (0..BLOCK).map(waves).collect();
         let hertz = |bin: usize| (FIRST + bin) as f64 / (BLOCK as f64 * interval);
         let density = |sensor: &ShapingFilter| {
@@ -108,7 +115,7 @@ impl Vibration {
             step,
             sum: [0.0; AXES],
             count: 0,
-            block: [[[0.0; AXES]; 2]; BINS],
+            block: [[0.0; SUMS]; AXES],
             means: 0,
             level: [0.0; AXES],
             known: 0.0,
@@ -141,15 +148,15 @@ impl Vibration {
             return None;
         }
         if self.means == 0 {
-            self.block = [[[0.0; AXES]; 2]; BINS];
+            self.block = [[0.0; SUMS]; AXES];
         }
         let (waves, sum) = (&self.waves[self.means], self.sum);
         four_lanes(
             #[inline(always)]
             || {
-                for (sums, wave) in self.block.iter_mut().flatten().zip(waves.iter().flatten()) {
-                    for i in 0..AXES {
-                        sums[i] += wave * sum[i];
+                for (sums, sum) in self.block.iter_mut().zip(sum) {
+                    for k in 0..SUMS {
+                        sums[k] += waves[k] * sum;
                     }
                 }
             },
@@ -177,7 +184,9 @@ impl Vibration {
         self.known = (self.known + length).min(self.memory.max(length));
         let gain = length / self.known;
         for (i, level) in self.level.iter_mut().enumerate() {
-            let mut powers = self.block.map(|[c, s]| c[i] * c[i] + s[i] * s[i]);
+            let sums = &self.block[i];
+            let power = |bin: usize| sums[bin] * sums[bin] + sums[BINS + bin] * sums[BINS + bin];
+            let mut powers: [f64; BINS] = core::array::from_fn(power);
             *level += gain * (upper_median(&mut powers) / MEDIAN - *level);
         }
     }
@@ -214,7 +223,7 @@ impl Vibration {
             each(&mut value);
             *number = value as usize;
         }
-        let blocks = self.block.iter_mut().flatten().flatten();
+        let blocks = self.block.iter_mut().flatten();
         let axes = [&mut self.sum, &mut self.level, &mut self.beyond];
         blocks
             .chain(axes.into_iter().flatten())

@@ -21,7 +21,7 @@ use crate::{
     parameters::Coupling,
     shaping::{AxisMatrix, MAX_ORDER, ShapingFilter},
 };
-use core::array::from_fn;
+use core::{array::from_fn, ops::Range};
 
 pub use crate::sample::AXES;
 
@@ -249,7 +249,7 @@ impl Sensors {
     ) -> [f64; AXES] {
         let (x, _) = x.as_chunks::<1>();
         let mut errors = [[0.0; 1]; AXES];
-        self.add_errors(&mut errors, x, coupling);
+        self.errors_of(&mut errors, x, coupling);
         errors.map(|[error]| error)
     }
 
@@ -270,21 +270,26 @@ impl Sensors {
     /// `x ← F x` of the sensor states in `x`, which is a whole error-state vector.
     pub fn step_mean<const N: usize>(&self, x: &mut [f64; N]) {
         let (x, _) = x.as_chunks_mut::<1>();
-        self.step_rows(x, 1);
+        self.step_rows(x, 0..1);
     }
 
-    /// Adds the six sensor errors `H x + U p` of the states whose rows these are.
+    /// Makes `errors` the six sensor errors `H x + U p` of the states whose rows these are, in the first columns.
     #[inline(always)]
-    fn add_errors<const W: usize>(
+    fn errors_of<const W: usize, const N: usize>(
         &self,
         errors: &mut [[f64; W]; AXES],
-        rows: &[[f64; W]],
+        rows: &[[f64; N]],
         coupling: &Coupling,
     ) {
         for (axis, filter) in self.axes.iter().enumerate() {
-            let error = &mut errors[axis];
-            for i in 0..filter.order {
-                add_row(error, filter.h[i], &rows[self.start[axis] + i]);
+            let (error, from) = (&mut errors[axis], self.start[axis]);
+            // Most axes have a state: its row is where the sum begins.
+            match filter.order {
+                0 => *error = [0.0; W],
+                _ => set_row(error, filter.h[0], &rows[from]),
+            }
+            for i in 1..filter.order {
+                add_row(error, filter.h[i], &rows[from + i]);
             }
             for (index, factor) in coupling.of(axis) {
                 add_row(error, *factor, &rows[*index]);
@@ -305,12 +310,12 @@ impl Sensors {
             #[inline(always)]
             || {
                 let mut errors = [[0.0; N]; AXES];
-                self.add_errors(&mut errors, m, coupling);
+                self.errors_of(&mut errors, m, coupling);
                 if let Some(nav) = m.first_chunk_mut() {
                     transition.carry(nav, &errors);
                 }
                 if part == Part::Last {
-                    self.step_rows(m, N);
+                    self.step_rows(m, 0..N);
                 }
             },
         );
@@ -343,86 +348,96 @@ impl Sensors {
         part: Part,
     ) {
         debug_assert!(self.states() <= N);
+        let states = self.states();
         // A [P_n; H P_x + U P_p], A = [Φ Γ]: the navigation rows of the new covariance, before the
         // sensors' own step and the white noise.
         let mut errors = [[0.0; N]; AXES];
-        self.add_errors(&mut errors, p, coupling);
+        self.errors_of(&mut errors, p, coupling);
         let Some(moved) = p.first_chunk_mut::<NAV>() else {
             return;
         };
         transition.carry(moved, &errors);
         // Lying down, so that what is done to a state is done to a row; row by row, so that no wide read
         // waits for narrow writes.
-        let mut turned: [[f64; EVEN]; N] =
-            from_fn(|j| from_fn(|i| if i < NAV { moved[i][j] } else { 0.0 }));
-
-        // Navigation block: A J Aᵀ as A (A J)ᵀ, J the joint covariance of (n, ε).
-        let gamma = transition.input();
-        let mut errors = [[0.0; EVEN]; AXES];
-        self.add_errors(&mut errors, &turned, coupling);
-        for (axis, filter) in self.axes.iter().enumerate() {
-            add_row(
-                &mut errors[axis],
-                filter.r * filter.interval / dt,
-                &gamma[axis],
-            );
-        }
-        if let Some(nav) = turned.first_chunk_mut() {
-            transition.carry(nav, &errors);
-        }
-
-        // Cross block: the states' step, and the noise that drives both.
-        if part == Part::Last {
-            self.step_rows(&mut turned, EVEN);
-            for (axis, filter) in self.axes.iter().enumerate() {
-                for k in 0..filter.order {
-                    // Few models have any.
-                    if filter.s[k] != 0.0 {
-                        add_row(&mut turned[self.start[axis] + k], filter.s[k], &gamma[axis]);
-                    }
-                }
-            }
-            self.step_state_covariance(p);
-        }
-
-        for i in 0..NAV {
-            for j in 0..=i {
-                p[i][j] = turned[i][j];
-                p[j][i] = turned[i][j];
-            }
-        }
-        let states = self.states();
-        for j in NAV..states {
+        let mut nav = [[0.0; EVEN]; NAV];
+        for j in 0..NAV {
             for i in 0..NAV {
-                p[i][j] = turned[j][i];
-                p[j][i] = turned[j][i];
+                nav[j][i] = p[i][j];
             }
         }
-        // The parameters' columns are there already.
-        for j in states..N {
+        for j in NAV..N {
             for i in 0..NAV {
                 p[j][i] = p[i][j];
             }
         }
-    }
 
-    /// `P_xx ← F P_xx Fᵀ + q`, `P_xp ← F P_xp`; of the columns of the navigation errors nothing is left.
-    ///
-    /// Row by row both times: F P, then F of its transpose, which is the symmetric F P Fᵀ.
-    #[inline(always)]
-    fn step_state_covariance<const N: usize>(&self, p: &mut [[f64; N]; N]) {
-        let states = self.states();
-        self.step_rows(p, N);
-        for i in NAV..states {
-            for j in NAV..i {
-                (p[i][j], p[j][i]) = (p[j][i], p[i][j]);
+        // Navigation block: A J Aᵀ as A (A J)ᵀ, J the joint covariance of (n, ε). Behind its columns there is whatever
+        // the rows have there, which nothing reads.
+        let gamma = transition.input();
+        let mut errors = [[0.0; EVEN]; AXES];
+        self.errors_of(&mut errors, p, coupling);
+        for (axis, filter) in self.axes.iter().enumerate() {
+            let variance = filter.r * filter.interval / dt;
+            add_row(&mut errors[axis], variance, &gamma[axis]);
+        }
+        transition.carry(&mut nav, &errors);
+        for i in 0..NAV {
+            for j in 0..=i {
+                p[i][j] = nav[i][j];
+                p[j][i] = nav[i][j];
             }
         }
-        if states == N {
-            // As a constant: the rows are then copied without a loop.
-            self.step_rows(p, N);
+
+        // Cross block: the states' step, and the noise that drives both. The parameters' columns are there already.
+        if part == Part::Last {
+            self.step_states(p);
+            for (axis, filter) in self.axes.iter().enumerate() {
+                for k in 0..filter.order {
+                    // Few models have any.
+                    if filter.s[k] != 0.0 {
+                        let row = &mut p[self.start[axis] + k];
+                        for (value, gamma) in row.iter_mut().zip(&gamma[axis][..NAV]) {
+                            *value += filter.s[k] * gamma;
+                        }
+                    }
+                }
+            }
+        }
+        for i in 0..NAV {
+            for j in NAV..states {
+                p[i][j] = p[j][i];
+            }
+        }
+    }
+
+    /// `P_xx ← F P_xx Fᵀ + q`, `P_xp ← F P_xp`, `P_xn ← F P_xn`, by the rows of the states; their mirror in the rows of the
+    /// parameters, too, not in those of the navigation errors.
+    #[inline(always)]
+    fn step_states<const N: usize>(&self, p: &mut [[f64; N]; N]) {
+        let states = self.states();
+        if self.axes.iter().all(|filter| filter.order <= 1) {
+            // F is diagonal.
+            let mut factors = [1.0; N];
+            for (axis, filter) in self.axes.iter().enumerate() {
+                if filter.order > 0 {
+                    factors[self.start[axis]] = filter.f[0][0];
+                }
+            }
+            for i in NAV..states {
+                let factor = factors[i];
+                for k in 0..N {
+                    p[i][k] = p[i][k] * factors[k] * factor;
+                }
+            }
         } else {
-            self.step_rows(p, states);
+            // Row by row both times: F P, then F of its transpose, which is the symmetric F P Fᵀ.
+            self.step_rows(p, 0..N);
+            for i in NAV..states {
+                for j in NAV..i {
+                    (p[i][j], p[j][i]) = (p[j][i], p[i][j]);
+                }
+            }
+            self.step_rows(p, NAV..states);
         }
         for (axis, filter) in self.axes.iter().enumerate() {
             let at = self.start[axis];
@@ -439,19 +454,20 @@ impl Sensors {
         }
     }
 
-    /// F times the rows of the sensors' states, in the columns before `end`.
+    /// F times the rows of the sensors' states, in these columns.
     #[inline(always)]
-    fn step_rows<const W: usize>(&self, rows: &mut [[f64; W]], end: usize) {
+    fn step_rows<const W: usize>(&self, rows: &mut [[f64; W]], columns: Range<usize>) {
         for (axis, filter) in self.axes.iter().enumerate() {
             let (f, rows) = (&filter.f, &mut rows[self.start[axis]..]);
+            let columns = columns.clone();
             match filter.order {
                 0 => {}
-                1 => step_rows_of::<1, W>(f, rows, end),
-                2 => step_rows_of::<2, W>(f, rows, end),
-                3 => step_rows_of::<3, W>(f, rows, end),
-                4 => step_rows_of::<4, W>(f, rows, end),
-                5 => step_rows_of::<5, W>(f, rows, end),
-                _ => step_rows_of::<MAX_ORDER, W>(f, rows, end),
+                1 => step_rows_of::<1, W>(f, rows, columns),
+                2 => step_rows_of::<2, W>(f, rows, columns),
+                3 => step_rows_of::<3, W>(f, rows, columns),
+                4 => step_rows_of::<4, W>(f, rows, columns),
+                5 => step_rows_of::<5, W>(f, rows, columns),
+                _ => step_rows_of::<MAX_ORDER, W>(f, rows, columns),
             }
         }
     }
@@ -468,23 +484,35 @@ pub fn four_lanes<T>(step: impl FnOnce() -> T) -> T {
     step()
 }
 
-/// `to ← to + factor · from`.
+/// `to ← factor · from`, in the columns that both have.
 #[inline(always)]
-fn add_row<const W: usize>(to: &mut [f64; W], factor: f64, from: &[f64; W]) {
-    for k in 0..W {
+fn set_row<const W: usize, const N: usize>(to: &mut [f64; W], factor: f64, from: &[f64; N]) {
+    for k in 0..W.min(N) {
+        to[k] = factor * from[k];
+    }
+}
+
+/// `to ← to + factor · from`, in the columns that both have.
+#[inline(always)]
+fn add_row<const W: usize, const N: usize>(to: &mut [f64; W], factor: f64, from: &[f64; N]) {
+    for k in 0..W.min(N) {
         to[k] += factor * from[k];
     }
 }
 
 /// As [`Sensors::step_rows`], of an axis with `K` states; of one with fewer, nothing.
 #[inline(always)]
-fn step_rows_of<const K: usize, const W: usize>(f: &AxisMatrix, rows: &mut [[f64; W]], end: usize) {
+fn step_rows_of<const K: usize, const W: usize>(
+    f: &AxisMatrix,
+    rows: &mut [[f64; W]],
+    columns: Range<usize>,
+) {
     let Some(rows) = rows.first_chunk_mut::<K>() else {
         return;
     };
     if let [row] = rows.as_mut_slice() {
-        for k in 0..W {
-            row[k] *= if k < end { f[0][0] } else { 1.0 };
+        for value in &mut row[columns] {
+            *value *= f[0][0];
         }
         return;
     }
@@ -500,7 +528,7 @@ fn step_rows_of<const K: usize, const W: usize>(f: &AxisMatrix, rows: &mut [[f64
                 add_row(&mut moved, f[i][j], &before[j]);
             }
         }
-        rows[i][..end].copy_from_slice(&moved[..end]);
+        rows[i][columns.clone()].copy_from_slice(&moved[columns.clone()]);
     }
 }
 
