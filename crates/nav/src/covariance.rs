@@ -437,7 +437,11 @@ impl Sensors {
                     (p[i][j], p[j][i]) = (p[j][i], p[i][j]);
                 }
             }
-            self.step_rows(p, NAV..states);
+            match states == N {
+                // As constants: the rows are then copied without a loop.
+                true => self.step_rows(p, NAV..N),
+                false => self.step_rows(p, NAV..states),
+            }
         }
         for (axis, filter) in self.axes.iter().enumerate() {
             let at = self.start[axis];

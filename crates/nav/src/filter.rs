@@ -457,6 +457,9 @@ impl<const N: usize> Filter<N> {
                 }
             }
             for (states, prior) in self.parameters.ranges(self.sensors.states()) {
+                if prior.is_constant() {
+                    continue;
+                }
                 let (left, variance) = prior.step(step.dt);
                 for i in states {
                     if left != 1.0 {

@@ -132,6 +132,11 @@ impl Prior {
         }
     }
 
+    /// Whether its state does not change by itself.
+    pub(crate) fn is_constant(&self) -> bool {
+        self.walk == 0.0 && self.time == 0.0
+    }
+
     /// What of the state is left after `dt` \[s\], and the variance that comes in meanwhile.
     pub(crate) fn step(&self, dt: f64) -> (f64, f64) {
         if self.time > 0.0 {

@@ -66,13 +66,13 @@ impl Timing {
         }
     }
 
-    /// The state and its standard deviations with the time of the clock; `omega_n` is the angular rate, north, east, down [rad/s].
+    /// The state and its standard deviations with the time of the clock; `omega_n` gives the angular rate, north, east, down [rad/s].
     /// `None` where the clock's time does not go on: an offset that is estimated changes.
     pub(super) fn put(
         &mut self,
         (mut nav, mut std): (NavState, [f64; NAV]),
         receiver: Option<&ReceiverClock>,
-        omega_n: &Vector3,
+        omega_n: impl FnOnce() -> Vector3,
     ) -> Option<(NavState, [f64; NAV])> {
         if receiver.is_some()
             && let Some((time, v_n)) = self.before.replace((nav.time, nav.v_n))
@@ -91,7 +91,7 @@ impl Timing {
                 let late = receiver.lateness();
                 // Mostly they are not late beyond chance.
                 if late != 0.0 {
-                    let moved = [nav.v_n, self.acceleration, *omega_n].map(|rate| rate * late);
+                    let moved = [nav.v_n, self.acceleration, omega_n()].map(|rate| rate * late);
                     for (std, moved) in std.iter_mut().zip(moved.iter().flatten()) {
                         *std = std.hypot(*moved);
                     }
@@ -129,7 +129,7 @@ mod tests {
                 q_nb: Quaternion::identity(),
             };
             let turn = Vector3::new(0.0, 0.0, 0.3);
-            last = timing.put((nav, [0.6; NAV]), Some(&receiver), &turn);
+            last = timing.put((nav, [0.6; NAV]), Some(&receiver), || turn);
         }
         let (nav, std) = last.unwrap();
         (nav.time, std)
@@ -178,7 +178,7 @@ mod tests {
                 offset,
                 ..ReceiverClock::default()
             };
-            let put = timing.put((nav, [1.0; NAV]), Some(&receiver), &Vector3::zeros());
+            let put = timing.put((nav, [1.0; NAV]), Some(&receiver), Vector3::zeros);
             put.is_some()
         };
         assert!(at(10.0, 0.0) && !at(10.01, 0.02) && at(10.03, 0.02));

@@ -157,9 +157,9 @@ impl Recorder {
                     let (error, std) = (node.sensor_error, node.sensor_error_std);
                     let attitude = node.vehicle_attitude();
                     let of_vehicle = of_vehicle(&node.nav, node.nav_std, attitude);
-                    let omega_n = node.nav.q_nb * node.omega_nb_b;
+                    let omega_n = || node.nav.q_nb * node.omega_nb_b;
                     let clock = Some(&node.receiver_clock);
-                    let Some((nav, nav_std)) = self.timing.put(of_vehicle, clock, &omega_n) else {
+                    let Some((nav, nav_std)) = self.timing.put(of_vehicle, clock, omega_n) else {
                         return Ok(());
                     };
                     self.record(&nav, nav_std, error, std).map(drop)
@@ -237,11 +237,9 @@ impl Observer for Recorder {
             return Ok(());
         }
         let of_vehicle = of_vehicle(filter.nav(), filter.nav_std(), filter.vehicle_attitude());
-        let (clock, omega_n) = (
-            filter.receiver_clock(),
-            filter.nav().q_nb * filter.omega_nb_b(),
-        );
-        let Some((nav, nav_std)) = self.timing.put(of_vehicle, clock.as_ref(), &omega_n) else {
+        let clock = filter.receiver_clock();
+        let omega_n = || filter.nav().q_nb * filter.omega_nb_b();
+        let Some((nav, nav_std)) = self.timing.put(of_vehicle, clock.as_ref(), omega_n) else {
             return Ok(());
         };
         let truth = self.record(
