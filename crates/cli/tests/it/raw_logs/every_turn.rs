@@ -1,4 +1,4 @@
-//! The sensor turned in every way that takes axes to axes.
+//! The sensor turned in every way that takes axes to axes: one car in all 24, the others in three each, what flies in six.
 
 use super::{
     drives::{Found, How, Shared, WITHIN_DEG, angle_deg, compared, doubt, drift, inspect, scratch},
@@ -32,11 +32,15 @@ fn turns() -> Vec<Matrix3> {
     turns
 }
 
-/// Inspects a drive in every `each`th turn; `check` has the number of the turn, the turn, what was found and the drive file.
-fn turned(shared: &Shared, each: usize, mut check: impl FnMut(usize, &Matrix3, Found, PathBuf)) {
+/// Inspects a drive in every `each`th turn from the `first` one on; `check` has the number of the turn, the turn, what was found and the drive file.
+fn turned(
+    shared: &Shared,
+    (first, each): (usize, usize),
+    mut check: impl FnMut(usize, &Matrix3, Found, PathBuf),
+) {
     let work = scratch(&format!("turns-{}", shared.name));
     let log = shared.log();
-    for (k, turn) in turns().iter().enumerate().step_by(each) {
+    for (k, turn) in turns().iter().enumerate().skip(first).step_by(each) {
         let raw = Log {
             samples: log.turned(turn),
             fixes: Vec::new(),
@@ -50,19 +54,20 @@ fn turned(shared: &Shared, each: usize, mut check: impl FnMut(usize, &Matrix3, F
     fs::remove_dir_all(&work).unwrap();
 }
 
-/// The mounting of a car is found in every `each`th turn, and the drift of every 8th is that of the drive file written by hand.
-fn car(name: &'static str, each: usize) {
+/// The mounting of a car is found in every `each`th turn from the `first` one on, and the drift in the first of them, and in every
+/// 8th after it, is that of the drive file written by hand.
+fn car(name: &'static str, (first, each): (usize, usize)) {
     let Some(shared) = Shared::find(name) else {
         return;
     };
     let work = scratch(&format!("by-hand-{name}"));
     let (by_hand, model) = shared.drift_by_hand(&work);
     let truth = shared.mounting();
-    turned(&shared, each, |k, turn, found, drive| {
+    turned(&shared, (first, each), |k, turn, found, drive| {
         let off = angle_deg(&found.mounting, &(truth * turn.transpose()));
         println!("{name}, turn {k}: {off:.2} deg off, by {:?}", found.how);
         assert!(off < WITHIN_DEG, "{name}, turn {k}: {off:.2} deg off");
-        if k % 8 == 0 {
+        if (k - first) % 8 == 0 {
             let (got, wanted, n) = compared(&drift(&drive, &model, &[]), &by_hand);
             println!("drift {got:.2} m, by hand {wanted:.2} m, of {n} outages");
             assert!(
@@ -80,7 +85,7 @@ fn aircraft(name: &'static str) {
     let Some(shared) = Shared::find(name) else {
         return;
     };
-    turned(&shared, 4, |k, turn, found, drive| {
+    turned(&shared, (0, 4), |k, turn, found, drive| {
         assert_eq!(found.how, How::Gravity, "{name}, turn {k}");
         assert!(
             found.notes.contains("assumes x forward"),
@@ -104,42 +109,38 @@ fn aircraft(name: &'static str) {
 #[test]
 #[ignore = "slow: 24 logs"]
 fn every_turn_of_the_sensor_in_a_car() {
-    car("rtk-drive", 1);
+    car("rtk-drive", (0, 1));
 }
 
-macro_rules! six_turns {
-    ($kind:ident; $($test:ident: $name:literal;)*) => { $(
+macro_rules! some_turns {
+    ($kind:expr; $($test:ident: $name:literal $(, $first:literal)?;)*) => { $(
         #[test]
-        #[ignore = "slow: 6 logs"]
+        #[ignore = "slow: several logs"]
         fn $test() {
-            $kind($name);
+            $kind($name $(, ($first, 8))?);
         }
     )* };
 }
 
-fn six(name: &'static str) {
-    car(name, 4);
+some_turns! { car;
+    simulated: "simulated", 0;
+    long_drive: "ublox-drives/mixed-road-long-drive-nominal-001", 1;
+    parking_lot: "ublox-drives/parkinglot-maneuvers", 2;
+    stop_and_go: "ublox-drives/urban-stop-go-tight-turns-nominal-001", 3;
+    figure_of_eight: "ublox-drives-more/parking-lot-figure8-nominal-001", 4;
+    long_loop: "ublox-drives-more/urban-long-turn-loop-nominal-001", 5;
+    low_speed: "ublox-drives-more/urban-low-speed-low-signal-001", 6;
+    medium_loop: "ublox-drives-more/urban-medium-turn-loop-nominal-001", 7;
+    short_loop: "ublox-drives-more/urban-short-turn-loop-nominal-001", 0;
+    car_02: "wid-car/trial02", 1;
+    car_03: "wid-car/trial03", 2;
+    car_04: "wid-car/trial04", 3;
+    car_07: "wid-car/trial07", 4;
+    car_09: "wid-car/trial09", 5;
+    car_10: "wid-car/trial10", 6;
 }
 
-six_turns! { six;
-    simulated: "simulated";
-    long_drive: "ublox-drives/mixed-road-long-drive-nominal-001";
-    parking_lot: "ublox-drives/parkinglot-maneuvers";
-    stop_and_go: "ublox-drives/urban-stop-go-tight-turns-nominal-001";
-    figure_of_eight: "ublox-drives-more/parking-lot-figure8-nominal-001";
-    long_loop: "ublox-drives-more/urban-long-turn-loop-nominal-001";
-    low_speed: "ublox-drives-more/urban-low-speed-low-signal-001";
-    medium_loop: "ublox-drives-more/urban-medium-turn-loop-nominal-001";
-    short_loop: "ublox-drives-more/urban-short-turn-loop-nominal-001";
-    car_02: "wid-car/trial02";
-    car_03: "wid-car/trial03";
-    car_04: "wid-car/trial04";
-    car_07: "wid-car/trial07";
-    car_09: "wid-car/trial09";
-    car_10: "wid-car/trial10";
-}
-
-six_turns! { aircraft;
+some_turns! { aircraft;
     aeroplane: "uav-flight";
     quadcopter: "apm-quad/quad106";
     quadcopter_with_a_glitch: "apm-quad/f450_glitch_log";
