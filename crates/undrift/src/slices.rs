@@ -36,7 +36,8 @@ pub struct Setup {
     pub estimate_mounting: bool,
     /// How it starts: by default aligned from rest and motion.
     pub align: AlignSettings,
-    /// Which of the models that describe the sensors' errors the filter carries.
+    /// In which form the filter carries the noise model. The default, [`BiasModel::Arma`], carries all of it: what
+    /// [`identify`](fn@identify) recommends, as it was recommended; the others leave something out, for comparison.
     pub bias_model: BiasModel,
     /// How much of the drive each estimate may know: by default what came before it, as while driving.
     pub hindsight: Hindsight,

@@ -404,7 +404,7 @@ fn a_bar_after_two_seconds_on_a_terminal_only() {
         let shown = on_terminal(&command)?;
         Some((shown, start.elapsed().as_secs_f64()))
     };
-    // As many runs as take four seconds here.
+    // As many runs as take three seconds here.
     let Some((short, took)) = run(2, "") else {
         println!("skipped: script is missing");
         return;
@@ -412,10 +412,10 @@ fn a_bar_after_two_seconds_on_a_terminal_only() {
     // On a busy machine even two runs take so long.
     assert!(took > 2.0 || !short.contains(" of 2 runs"), "{short:?}");
     let (_, of_40) = run(40, "").unwrap();
-    let mut runs = (40.0 * 5.0 / of_40).ceil() as usize;
+    let mut runs = (40.0 * 3.5 / of_40).ceil() as usize;
     let (mut shown, mut took) = run(runs, "").unwrap();
     // Others who kept the machine busy while forty were timed may be gone.
-    while took < 4.0 {
+    while took < 3.0 {
         runs *= 2;
         (shown, took) = run(runs, "").unwrap();
     }

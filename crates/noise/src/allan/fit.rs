@@ -63,10 +63,13 @@ pub struct Terms {
     /// Quantisation Q [u·s].
     pub quantisation: Term,
     /// White noise N [u·√s, that is u/√Hz]: angle or velocity random walk.
+    #[doc(alias = "angle random walk", alias = "velocity random walk", alias = "ARW", alias = "VRW")]
     pub white: Term,
     /// Bias instability B \[u\]; the flat of the deviation is 0.664 B.
+    #[doc(alias = "flicker", alias = "in-run bias stability")]
     pub bias_instability: Term,
     /// Rate random walk K [u/√s].
+    #[doc(alias = "rate random walk", alias = "RRW")]
     pub random_walk: Term,
     /// Rate ramp R [u/s].
     pub ramp: Term,
