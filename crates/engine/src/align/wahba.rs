@@ -52,6 +52,9 @@ const UNKNOWN_VELOCITY: f64 = 300.0;
 const UNKNOWN_PLACE: f64 = 1000.0;
 /// Attitudes within this angle are the same minimum \[rad\].
 const SAME: f64 = 0.15;
+/// Two searches whose attitudes are within this angle, at the start and at the end of a part of the window, have reached the same
+/// minimum of it \[rad\].
+const REACHED: f64 = 0.02;
 
 /// A guess that has been improved, and what it costs.
 #[derive(Clone, Copy, Debug)]
@@ -355,35 +358,47 @@ impl Problem<'_> {
         } else {
             &[0.0]
         };
-        let mut found: Vec<Minimum> = Vec::new();
+        let mut starts = Vec::new();
         for heading in 0..HEADINGS {
             let angle = core::f64::consts::TAU * heading as f64 / HEADINGS as f64;
             let q_nb = from_rotation_vector(&(up * angle)) * level;
             for drift in drifts {
-                let mut guess = Guess {
-                    q_nb,
-                    gyro: self.gyro.0 + q_nb.inverse() * Vector3::z() * (drift * turn_on),
-                    accel: self.accel.0,
-                };
-                let mean = guess.gyro;
-                // From a short part of the window to all of it: the sensors' axes must not have turned away.
-                for part in [n / 4, n / 2] {
-                    if part >= 4 {
-                        guess = self.improve(&guess, part, &mean).guess;
-                    }
-                }
-                let solution = self.refine(&guess);
-                if !solution.cost.is_finite() {
-                    continue;
-                }
-                match found
-                    .iter_mut()
-                    .find(|other| other.is_near(&solution, SAME))
+                let gyro = self.gyro.0 + q_nb.inverse() * Vector3::z() * (drift * turn_on);
+                let accel = self.accel.0;
+                starts.push((Guess { q_nb, gyro, accel }, gyro));
+            }
+        }
+        // From a short part of the window to all of it: the sensors' axes must not have turned away. Most headings lead to
+        // a few minima on the way, and each of those goes on once.
+        for part in [n / 4, n / 2].into_iter().filter(|part| *part >= 4) {
+            let mut reached: Vec<(Minimum, Vector3)> = Vec::new();
+            for (guess, mean) in starts {
+                let solution = self.improve(&guess, part, &mean);
+                if !reached
+                    .iter()
+                    .any(|(other, _)| other.is_near(&solution, REACHED))
                 {
-                    Some(same) if same.cost <= solution.cost => {}
-                    Some(same) => *same = solution,
-                    None => found.push(solution),
+                    reached.push((solution, mean));
                 }
+            }
+            let guesses = reached
+                .into_iter()
+                .map(|(solution, mean)| (solution.guess, mean));
+            starts = guesses.collect();
+        }
+        let mut found: Vec<Minimum> = Vec::new();
+        for (guess, _) in &starts {
+            let solution = self.refine(guess);
+            if !solution.cost.is_finite() {
+                continue;
+            }
+            match found
+                .iter_mut()
+                .find(|other| other.is_near(&solution, SAME))
+            {
+                Some(same) if same.cost <= solution.cost => {}
+                Some(same) => *same = solution,
+                None => found.push(solution),
             }
         }
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));

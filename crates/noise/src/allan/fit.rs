@@ -63,7 +63,12 @@ pub struct Terms {
     /// Quantisation Q [u·s].
     pub quantisation: Term,
     /// White noise N [u·√s, that is u/√Hz]: angle or velocity random walk.
-    #[doc(alias = "angle random walk", alias = "velocity random walk", alias = "ARW", alias = "VRW")]
+    #[doc(
+        alias = "angle random walk",
+        alias = "velocity random walk",
+        alias = "ARW",
+        alias = "VRW"
+    )]
     pub white: Term,
     /// Bias instability B \[u\]; the flat of the deviation is 0.664 B.
     #[doc(alias = "flicker", alias = "in-run bias stability")]
