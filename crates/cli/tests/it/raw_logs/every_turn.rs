@@ -1,4 +1,4 @@
-//! The sensor turned in every way that takes axes to axes: one car in all 24, the others in three each, what flies in six.
+//! The sensor turned in every way that takes axes to axes: one car in all 24, the others in three each, what flies in five.
 
 use super::{
     drives::{Found, How, Shared, WITHIN_DEG, angle_deg, compared, doubt, drift, inspect, scratch},
@@ -85,7 +85,7 @@ fn aircraft(name: &'static str) {
     let Some(shared) = Shared::find(name) else {
         return;
     };
-    turned(&shared, (0, 4), |k, turn, found, drive| {
+    turned(&shared, (0, 5), |k, turn, found, drive| {
         assert_eq!(found.how, How::Gravity, "{name}, turn {k}");
         assert!(
             found.notes.contains("assumes x forward"),
