@@ -20,6 +20,7 @@
 //!
 //! All keys are in `docs/drive-file.md`.
 
+mod aids;
 mod epoch;
 mod error;
 pub(crate) mod gnss;
@@ -32,6 +33,7 @@ pub(crate) mod tables;
 #[cfg(test)]
 mod tests;
 
+pub use aids::{Aids, scalars};
 pub use epoch::Beginning;
 pub(crate) use epoch::OTHER_CLOCK;
 pub use error::{ConfigError, DriveError};
@@ -259,6 +261,17 @@ impl Drive {
             }
         }
         Ok(opened)
+    }
+
+    /// Opens the logs that aid it from their start: fixes and whatever else is measured.
+    ///
+    /// # Errors
+    /// As [`Drive::open_imu`].
+    pub fn open_aids(&self) -> Result<Aids, ReadError> {
+        Ok(Aids {
+            gnss: self.open_gnss()?,
+            scalars: self.open_scalars()?,
+        })
     }
 
     /// Opens the reference from its start, if there is one.

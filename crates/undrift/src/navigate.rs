@@ -23,7 +23,7 @@ use crate::{
     mounting::{self, EstimateError, Mounting},
     outages::Rejected,
     reference::Errors,
-    replay::{Aid, Measurement, ReplayError, Settings, Summary, merge, replay},
+    replay::{Aid, Measurement, ReplayError, Settings, Summary, replay},
     settings::fix_errors::{FixErrors, FromFixes},
     smooth,
     vehicle::Constraints,
@@ -31,10 +31,8 @@ use crate::{
 use recorder::Recorder;
 use undrift_io::{
     ReadError,
-    gnss::GnssReader,
     held::Held,
     imu::{GapSummary, ThermalSummary},
-    scalar::ScalarReader,
     skipped::Skipped,
     write::solution::SolutionRow,
 };
@@ -305,17 +303,17 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
     if smooth {
         settings.start = smooth::better_start(
             &mut drive.open_imu()?,
-            &mut Aids::open(&drive)?.measurements(),
+            &mut drive.open_aids()?.measurements(),
             &settings,
         )?;
         settings.doubts = smooth::doubts(
             &mut drive.open_imu()?,
-            &mut Aids::open(&drive)?.measurements(),
+            &mut drive.open_aids()?.measurements(),
             &settings,
         )?;
     }
     let mut imu = drive.open_imu()?;
-    let mut aids = Aids::open(&drive)?;
+    let mut aids = drive.open_aids()?;
     let mut recorder = Recorder::new(wanted, drive.open_truth()?)?;
     recorder.mounted = !settings.find_mounting;
     let mut first_sample = None;
@@ -372,55 +370,8 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
         thermal: imu.thermal(),
         gaps: imu.gaps(),
         held: imu.held(),
-        scalars: aids.scalars(),
+        scalars: aids.scalars_read(),
     })
-}
-
-/// The logs that aid a drive.
-struct Aids {
-    gnss: GnssReader,
-    scalars: Vec<(ScalarLog, ScalarReader)>,
-}
-
-impl Aids {
-    fn open(drive: &Drive) -> Result<Self, ReadError> {
-        Ok(Self {
-            gnss: drive.open_gnss()?,
-            scalars: drive.open_scalars()?,
-        })
-    }
-
-    /// Fixes and all other measurements in order of time.
-    fn measurements(&mut self) -> impl Iterator<Item = Result<Measurement, ReadError>> {
-        merge(
-            self.gnss.by_ref().map(|fix| fix.map(Measurement::Gnss)),
-            scalars(&mut self.scalars),
-        )
-    }
-
-    /// Records that were skipped and gaps of the logs of one number.
-    fn scalars(&self) -> Vec<(ScalarLog, Skipped, GapSummary)> {
-        scalars_read(&self.scalars)
-    }
-}
-
-/// The measurements of these logs in order of time; of one time in the order of the logs.
-pub fn scalars(
-    logs: &mut [(ScalarLog, ScalarReader)],
-) -> Box<dyn Iterator<Item = Result<Measurement, ReadError>> + '_> {
-    let mut merged: Box<dyn Iterator<Item = _> + '_> = Box::new(std::iter::empty());
-    for (log, reader) in logs.iter_mut().rev() {
-        let of_one = reader.map(|scalar| scalar.map(|scalar| log.measurement(scalar)));
-        merged = Box::new(merge(of_one, merged));
-    }
-    merged
-}
-
-/// Records that were skipped and gaps of these logs.
-pub fn scalars_read(logs: &[(ScalarLog, ScalarReader)]) -> Vec<(ScalarLog, Skipped, GapSummary)> {
-    let logs = logs.iter();
-    logs.map(|(log, reader)| (*log, reader.skipped().clone(), reader.gaps()))
-        .collect()
 }
 
 /// NIS per degree of freedom outside of which the stated accuracy is looked into.
@@ -449,7 +400,7 @@ fn std_factors(
             adapt: true,
             ..settings.clone()
         };
-        let mut aids = Aids::open(drive)?;
+        let mut aids = drive.open_aids()?;
         let (imu, aiding) = (&mut drive.open_imu()?, &mut aids.measurements());
         replay(imu, aiding, &settings, &mut ())?.adapted
     };

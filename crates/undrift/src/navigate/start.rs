@@ -1,6 +1,6 @@
 //! Where the navigation of a drive begins, for who goes on step by step.
 
-use super::{Aids, NavigateError, look_ahead, resolve_mounting, settings, study};
+use super::{NavigateError, look_ahead, resolve_mounting, settings, study};
 use crate::{
     drive::Drive,
     estimator::{Estimator, STAMP_ROUNDING},
@@ -28,7 +28,7 @@ pub fn start(drive: &Drive, kind: BiasModel) -> Result<Started, NavigateError> {
     // Who goes on step by step has a filter whose states stay the same.
     let study = study(&drive, drive.open_gnss()?)?;
     look_ahead(&mut settings, study.as_ref());
-    let mut aids = Aids::open(&drive)?;
+    let mut aids = drive.open_aids()?;
     let begun = begin(&mut drive.open_imu()?, &mut aids.measurements(), &settings)?;
     let Some(filter) = begun else {
         // It ended with the sample that it began in.

@@ -6,11 +6,11 @@ use super::{
     schedule::{Schedule, ScheduleError, schedule},
 };
 use crate::{
-    drive::Drive,
+    drive::{Drive, scalars},
     findings::{self, Finding, Log},
     fixes::{self, FixStudy},
     mounting::Mounting,
-    navigate::{Hindsight, NavigateError, resolve_ahead, scalars},
+    navigate::{Hindsight, NavigateError, resolve_ahead},
     replay::{Measurement, Outage, merge},
     results::{self, Outages},
 };

@@ -1,0 +1,44 @@
+//! The logs that aid a drive, in order of time.
+
+use super::ScalarLog;
+use crate::replay::{Measurement, merge};
+use undrift_io::{
+    ReadError, gnss::GnssReader, imu::GapSummary, scalar::ScalarReader, skipped::Skipped,
+};
+
+/// The logs that aid a drive, opened by [`Drive::open_aids`](super::Drive::open_aids).
+pub struct Aids {
+    /// Fixes.
+    pub gnss: GnssReader,
+    /// The logs of one number that there are.
+    pub scalars: Vec<(ScalarLog, ScalarReader)>,
+}
+
+impl Aids {
+    /// Fixes and all other measurements in order of time.
+    pub fn measurements(&mut self) -> impl Iterator<Item = Result<Measurement, ReadError>> {
+        merge(
+            self.gnss.by_ref().map(|fix| fix.map(Measurement::Gnss)),
+            scalars(&mut self.scalars),
+        )
+    }
+
+    /// Records that were skipped and gaps of the logs of one number.
+    pub fn scalars_read(&self) -> Vec<(ScalarLog, Skipped, GapSummary)> {
+        let logs = self.scalars.iter();
+        logs.map(|(log, reader)| (*log, reader.skipped().clone(), reader.gaps()))
+            .collect()
+    }
+}
+
+/// The measurements of these logs in order of time; of one time in the order of the logs.
+pub fn scalars(
+    logs: &mut [(ScalarLog, ScalarReader)],
+) -> Box<dyn Iterator<Item = Result<Measurement, ReadError>> + '_> {
+    let mut merged: Box<dyn Iterator<Item = _> + '_> = Box::new(std::iter::empty());
+    for (log, reader) in logs.iter_mut().rev() {
+        let of_one = reader.map(|scalar| scalar.map(|scalar| log.measurement(scalar)));
+        merged = Box::new(merge(of_one, merged));
+    }
+    merged
+}
