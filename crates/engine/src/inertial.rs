@@ -103,8 +103,7 @@ impl AxisWatch {
     /// Takes in a value; whether the axis holds it for longer than it can.
     fn is_stuck(&mut self, (time, dt): (f64, f64), value: f64) -> bool {
         // Of a log of increments those repeat, while the rounding of its times changes the rates.
-        let is_same_increment = dt != self.dt && is_same(value * dt, self.value * self.dt);
-        if is_same_increment || is_same(value, self.value) {
+        if is_same(value, self.value) || is_same(value * dt, self.value * self.dt) {
             self.samples += 1;
         } else {
             if self.samples > 0 {

@@ -395,10 +395,8 @@ impl Sensors {
                 for k in 0..filter.order {
                     // Few models have any.
                     if filter.s[k] != 0.0 {
-                        let row = &mut p[self.start[axis] + k];
-                        for (value, gamma) in row.iter_mut().zip(&gamma[axis][..NAV]) {
-                            *value += filter.s[k] * gamma;
-                        }
+                        // Behind the navigation errors Γ has zeros.
+                        add_row(&mut p[self.start[axis] + k], filter.s[k], &gamma[axis]);
                     }
                 }
             }
