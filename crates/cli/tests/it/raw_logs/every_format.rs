@@ -1,5 +1,6 @@
-//! Drives in every format that can hold them: two in all formats with their outages, the others in a quarter of them by turns,
-//! so that each format has six or more.
+//! Drives in every format that can hold them. In the gate the simulated one is in all formats, with the outages of each, and
+//! every other drive in a sixth of them by turns, so that each format has three drives or more; each week every drive is in
+//! all of them.
 //!
 //! Left out:
 //! * ROS 2's `.db3`: SQLite's pages take a writer of their own, and its messages are those of the MCAP.
@@ -65,17 +66,17 @@ const FORMATS: [Format; 17] = [
     Format { name: "NaveGo", write: navego, time: 1e-6, sensors: EXACT, place: 1e-3, velocity: 1e-6, drift: 1.1 },
 ];
 
-/// In how many quarters the formats of most drives are.
-const QUARTERS: usize = 4;
+/// In how many parts the formats of most drives are.
+const PARTS: usize = 6;
 
 /// Formats of a drive.
 enum Which {
     /// All of them, and the outages of each.
     All,
-    /// The first with its outages, and those of this quarter.
-    Quarter(usize),
+    /// The first with its outages, and those of this part.
+    Part(usize),
 }
-use Which::{All, Quarter};
+use Which::{All, Part};
 
 fn formats(name: &'static str, which: Which) {
     let Some(shared) = Shared::find(name) else {
@@ -91,8 +92,8 @@ fn formats(name: &'static str, which: Which) {
         }
         let outages = match which {
             All => true,
-            Quarter(quarter) if k > 0 && k % QUARTERS != quarter => continue,
-            Quarter(_) => k == 0,
+            Part(part) if k > 0 && k % PARTS != part => continue,
+            Part(_) => k == 0,
         };
         let folder = work.join(k.to_string());
         fs::create_dir_all(&folder).unwrap();
@@ -228,33 +229,45 @@ fn bad_positions_show_no_forward_axis() {
 }
 
 macro_rules! drives {
-    ($($test:ident: $name:literal, $which:expr;)*) => { $(
-        #[test]
-        #[ignore = "slow: many formats"]
-        fn $test() {
-            formats($name, $which);
+    ($($test:ident: $name:literal, $which:expr;)*) => {
+        $(
+            #[test]
+            #[ignore = "slow: many formats"]
+            fn $test() {
+                formats($name, $which);
+            }
+        )*
+        /// Every drive in all formats.
+        mod weekly {
+            $(
+                #[test]
+                #[ignore = "slow: all formats"]
+                fn $test() {
+                    super::formats($name, super::All);
+                }
+            )*
         }
-    )* };
+    };
 }
 
 drives! {
     simulated: "simulated", All;
-    rtk_drive: "rtk-drive", Quarter(0);
-    long_drive: "ublox-drives/mixed-road-long-drive-nominal-001", Quarter(1);
-    parking_lot: "ublox-drives/parkinglot-maneuvers", Quarter(2);
-    stop_and_go: "ublox-drives/urban-stop-go-tight-turns-nominal-001", Quarter(3);
-    figure_of_eight: "ublox-drives-more/parking-lot-figure8-nominal-001", Quarter(0);
-    long_loop: "ublox-drives-more/urban-long-turn-loop-nominal-001", Quarter(1);
-    low_speed: "ublox-drives-more/urban-low-speed-low-signal-001", Quarter(2);
-    medium_loop: "ublox-drives-more/urban-medium-turn-loop-nominal-001", All;
-    short_loop: "ublox-drives-more/urban-short-turn-loop-nominal-001", Quarter(3);
-    car_02: "wid-car/trial02", Quarter(0);
-    car_03: "wid-car/trial03", Quarter(1);
-    car_04: "wid-car/trial04", Quarter(2);
-    car_07: "wid-car/trial07", Quarter(3);
-    car_09: "wid-car/trial09", Quarter(0);
-    car_10: "wid-car/trial10", Quarter(1);
-    aeroplane: "uav-flight", Quarter(2);
-    quadcopter: "apm-quad/quad106", Quarter(3);
-    quadcopter_with_a_glitch: "apm-quad/f450_glitch_log", Quarter(0);
+    rtk_drive: "rtk-drive", Part(0);
+    long_drive: "ublox-drives/mixed-road-long-drive-nominal-001", Part(1);
+    parking_lot: "ublox-drives/parkinglot-maneuvers", Part(2);
+    stop_and_go: "ublox-drives/urban-stop-go-tight-turns-nominal-001", Part(3);
+    figure_of_eight: "ublox-drives-more/parking-lot-figure8-nominal-001", Part(4);
+    long_loop: "ublox-drives-more/urban-long-turn-loop-nominal-001", Part(5);
+    low_speed: "ublox-drives-more/urban-low-speed-low-signal-001", Part(0);
+    medium_loop: "ublox-drives-more/urban-medium-turn-loop-nominal-001", Part(1);
+    short_loop: "ublox-drives-more/urban-short-turn-loop-nominal-001", Part(2);
+    car_02: "wid-car/trial02", Part(3);
+    car_03: "wid-car/trial03", Part(4);
+    car_04: "wid-car/trial04", Part(5);
+    car_07: "wid-car/trial07", Part(0);
+    car_09: "wid-car/trial09", Part(1);
+    car_10: "wid-car/trial10", Part(2);
+    aeroplane: "uav-flight", Part(3);
+    quadcopter: "apm-quad/quad106", Part(4);
+    quadcopter_with_a_glitch: "apm-quad/f450_glitch_log", Part(5);
 }

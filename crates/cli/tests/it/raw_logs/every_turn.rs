@@ -1,4 +1,5 @@
-//! The sensor turned in every way that takes axes to axes: one car in all 24, the others in three each, what flies in five.
+//! The sensor turned in every way that takes axes to axes. In the gate one car is in all 24, the others in two each and what
+//! flies in three; each week all are in all of them.
 
 use super::{
     drives::{Found, How, Shared, WITHIN_DEG, angle_deg, compared, doubt, drift, inspect, scratch},
@@ -81,11 +82,11 @@ fn car(name: &'static str, (first, each): (usize, usize)) {
 
 /// No motion shows the forward axis of what flies. Where gravity is along z that is shown and x taken as forward; else
 /// the drive is refused or doubted until the axes are given.
-fn aircraft(name: &'static str) {
+fn aircraft(name: &'static str, which: (usize, usize)) {
     let Some(shared) = Shared::find(name) else {
         return;
     };
-    turned(&shared, (0, 5), |k, turn, found, drive| {
+    turned(&shared, which, |k, turn, found, drive| {
         assert_eq!(found.how, How::Gravity, "{name}, turn {k}");
         assert!(
             found.notes.contains("assumes x forward"),
@@ -112,17 +113,31 @@ fn every_turn_of_the_sensor_in_a_car() {
     car("rtk-drive", (0, 1));
 }
 
-macro_rules! some_turns {
-    ($kind:expr; $($test:ident: $name:literal $(, $first:literal)?;)*) => { $(
-        #[test]
-        #[ignore = "slow: several logs"]
-        fn $test() {
-            $kind($name $(, ($first, 8))?);
+macro_rules! turns {
+    ($kind:ident, every $each:literal: $($test:ident: $name:literal, $first:literal;)*) => {
+        $(
+            #[test]
+            #[ignore = "slow: several logs"]
+            fn $test() {
+                $kind($name, ($first, $each));
+            }
+        )*
+        /// Every drive in all turns.
+        mod $kind {
+            mod weekly {
+                $(
+                    #[test]
+                    #[ignore = "slow: 24 logs"]
+                    fn $test() {
+                        super::super::$kind($name, (0, 1));
+                    }
+                )*
+            }
         }
-    )* };
+    };
 }
 
-some_turns! { car;
+turns! { car, every 12:
     simulated: "simulated", 0;
     long_drive: "ublox-drives/mixed-road-long-drive-nominal-001", 1;
     parking_lot: "ublox-drives/parkinglot-maneuvers", 2;
@@ -131,17 +146,17 @@ some_turns! { car;
     long_loop: "ublox-drives-more/urban-long-turn-loop-nominal-001", 5;
     low_speed: "ublox-drives-more/urban-low-speed-low-signal-001", 6;
     medium_loop: "ublox-drives-more/urban-medium-turn-loop-nominal-001", 7;
-    short_loop: "ublox-drives-more/urban-short-turn-loop-nominal-001", 0;
-    car_02: "wid-car/trial02", 1;
-    car_03: "wid-car/trial03", 2;
-    car_04: "wid-car/trial04", 3;
-    car_07: "wid-car/trial07", 4;
-    car_09: "wid-car/trial09", 5;
-    car_10: "wid-car/trial10", 6;
+    short_loop: "ublox-drives-more/urban-short-turn-loop-nominal-001", 8;
+    car_02: "wid-car/trial02", 9;
+    car_03: "wid-car/trial03", 10;
+    car_04: "wid-car/trial04", 11;
+    car_07: "wid-car/trial07", 0;
+    car_09: "wid-car/trial09", 1;
+    car_10: "wid-car/trial10", 2;
 }
 
-some_turns! { aircraft;
-    aeroplane: "uav-flight";
-    quadcopter: "apm-quad/quad106";
-    quadcopter_with_a_glitch: "apm-quad/f450_glitch_log";
+turns! { aircraft, every 8:
+    aeroplane: "uav-flight", 0;
+    quadcopter: "apm-quad/quad106", 3;
+    quadcopter_with_a_glitch: "apm-quad/f450_glitch_log", 6;
 }
