@@ -1,4 +1,4 @@
-"""Runs every filter over every pass of every drive and judges the answers: the tables of docs/drives.md. Use `benches/drives/run`."""
+"""Runs every filter over every pass of every drive and judges the answers: the tables of docs/lab/drives.md. Use `benches/drives/run`."""
 
 import argparse
 import json

@@ -1,5 +1,5 @@
 """sidereon: loose coupling in ECEF axes. Options: `ukf`; `car` adds its non-holonomic and stationary updates; `held` takes the mean
-rates of a stand out and leaves its gyro biases at zero (docs/drives.md, what is behind it)."""
+rates of a stand out and leaves its gyro biases at zero (docs/lab/drives.md, what is behind it)."""
 
 import numpy as np
 import sidereon as s

@@ -2,7 +2,7 @@
 //!
 //! Here are the names by which updates are counted, what is pushed, and what a filter is updated with. The rows
 //! themselves are those of [`undrift_nav::filter::Filter`]. Fixes are judged by [`crate::receiver`], what is known of a
-//! vehicle's motion is used when [`crate::constraints`] says so. How to add one: `docs/add-a-measurement.md`.
+//! vehicle's motion is used when [`crate::constraints`] says so. How to add one: `docs/lab/add-a-measurement.md`.
 
 mod gnss;
 

@@ -1,6 +1,6 @@
 //! Aiding: what each kind of measurement predicts, its innovation and its H, one file a kind.
 //!
-//! Every innovation is predicted less measured. Signs as derived in `docs/measurement-rows.md`, each
+//! Every innovation is predicted less measured. Signs as derived in `docs/lab/measurement-rows.md`, each
 //! matrix tested against a numerical derivative (`tests/it/jacobians.rs`, `tests/it/aiding.rs`).
 
 mod barometer;

@@ -19,7 +19,7 @@
 //! ARMA(2,1) it goes up to (4,3) in three of four records where 5 % are meant, and does not find its way
 //! back, since the same critical value decides on the way down. Beside it stands therefore the
 //! order of least BIC on that way down, whose penalty of ln N per parameter outgrows what a
-//! cancelling pair gains (docs/arma.md). Use BIC and the drift score to decide, and F to say what the paper
+//! cancelling pair gains (docs/lab/arma.md). Use BIC and the drift score to decide, and F to say what the paper
 //! would have said.
 //!
 //! ```

@@ -4,7 +4,7 @@
 //! fixes at the end of spans without any say of it is the objective ([`objective`]): the drive is replayed once and
 //! condensed ([`steps`]), the linear filter about that solution run under other noise with its exact gradient
 //! ([`filter`]), the most likely noise found with a prior that knows the sensor at rest ([`mod@fit`], [`prior`]), and what
-//! it buys measured on outages that the fit has not seen ([`mod@judge`]). With figures: docs/tune-lab.md.
+//! it buys measured on outages that the fit has not seen ([`mod@judge`]). With figures: docs/lab/tune.md.
 
 pub mod file;
 pub mod filter;

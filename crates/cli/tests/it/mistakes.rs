@@ -92,7 +92,7 @@ What goes wrong when a log is used for the first time, and the first line of the
 `crates/cli/tests/it/mistakes.rs` makes each mistake with the real command on a simulated drive and compares this page;
 `UNDRIFT_BLESS=1` writes it. A result begins with its verdict: `usable`; `usable with care`, where the warning must be
 looked at first; or `not usable`, where a setting or a log is certainly wrong and the numbers mean nothing. The exit codes
-are those of [every verb](terminal.md#exit-codes), without `--strict`. The last table has the kinds of logs that other programs write. Damaged files are in [reliability.md](reliability.md).
+are those of [every verb](terminal.md#exit-codes), without `--strict`. The last table has the kinds of logs that other programs write. Damaged files are in [lab/reliability.md](lab/reliability.md).
 ";
 
 #[test]

@@ -50,7 +50,7 @@ fn every_fuzz_target_is_built_by_cargo_fuzz_alone_and_is_on_its_page() {
         })
         .collect();
     assert_eq!(built, targets, "fuzz/Cargo.toml");
-    let page = text("docs/fuzzing.md");
+    let page = text("docs/lab/fuzzing.md");
     assert_eq!(in_tables(&page, "| target | reads |", |k| k == 1), targets);
 }
 

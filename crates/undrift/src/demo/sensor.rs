@@ -1,6 +1,6 @@
 //! The sensor and its drives.
 //!
-//! Random errors as the three records of a real ADIS16405 show them (docs/real-records.md): white noise N the mean of
+//! Random errors as the three records of a real ADIS16405 show them (docs/lab/real-records.md): white noise N the mean of
 //! the records, random walk K of the gyros their root mean square to half a percent. The accelerometers' K is between their
 //! least and median, since part of it there is the table's tilt: 1 mg in a quarter of an hour.
 

@@ -200,7 +200,7 @@ fn started_in_the_middle(name: &str, make: fn(f64, u64) -> Trajectory, gnss: &Gn
          in the minute after: normalised square {minute:.2}, at most {worst:.1} sigma, {:.2} deg RMS at its end",
         last.sqrt()
     );
-    // With 256 starts one is beyond 3 sigma (docs/alignment-lab.md); here one may be.
+    // With 256 starts one is beyond 3 sigma (docs/lab/alignment.md); here one may be.
     assert!(beyond <= 1.0);
     // Of 16 starts: three standard errors of a chi-squared mean of 3 are 1.8.
     assert!(nees < 4.8, "{nees}");

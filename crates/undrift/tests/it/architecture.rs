@@ -189,9 +189,9 @@ fn files_with(word: &str) -> Vec<String> {
     found
 }
 
-/// The files in the tables of a chapter of docs/add-a-measurement.md, those of its parts of their own behind.
+/// The files in the tables of a chapter of docs/lab/add-a-measurement.md, those of its parts of their own behind.
 fn files_of_page(chapter: &str) -> Vec<Vec<String>> {
-    let page = include_str!("../../../../docs/add-a-measurement.md");
+    let page = include_str!("../../../../docs/lab/add-a-measurement.md");
     let chapters = page.split("\n## ").find(|of| of.starts_with(chapter));
     let parts = chapters.unwrap().split("\n### ");
     parts

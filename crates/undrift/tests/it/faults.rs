@@ -1,5 +1,5 @@
 //! What wrong fixes do to a solution: gross outliers, jumps, spoofing, wrong accuracies, a frozen
-//! receiver, wrong times and lever arms. Figures as in docs/faults.md: those of the public drive. Each test is made on a
+//! receiver, wrong times and lever arms. Figures as in docs/lab/faults.md: those of the public drive. Each test is made on a
 //! simulated drive too.
 //!
 //! Random numbers are xoshiro256++ from the seeds given.

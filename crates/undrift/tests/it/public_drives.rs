@@ -57,7 +57,7 @@ fn cut(drive: &Drive, models: &[BiasModel], plan: &Schedule, length: f64) -> Vec
     .collect()
 }
 
-/// Outages as in docs/results.md: 15 of 10 s from 60 s, every 24 s.
+/// Outages as in docs/lab/results.md: 15 of 10 s from 60 s, every 24 s.
 fn navego_plan() -> Schedule {
     Schedule::Every {
         start: 60.0,
@@ -83,7 +83,7 @@ fn navego_outages() {
         arma[0], arma[1], arma[2], arma[9]
     );
     // The first cut falls into a turn in which the heading is being found: one fix more or less moves these maxima, north
-    // between 2.2 and 3.1 m, east between 3.6 and 5 m, the heading between 1.1 and 1.8 deg: see docs/results.md.
+    // between 2.2 and 3.1 m, east between 3.6 and 5 m, the heading between 1.1 and 1.8 deg: see docs/lab/results.md.
     assert!(arma[0] < 3.3 && arma[1] < 5.2 && arma[2] < 1.9, "{arma:?}");
     assert!(arma[9] < 1.8, "{arma:?}");
     assert!(white[0] > 8.0 * arma[0] && white[1] > 8.0 * arma[1]);

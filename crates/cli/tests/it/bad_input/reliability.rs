@@ -1,8 +1,8 @@
-//! The table of docs/reliability.md: every damage has its test.
+//! The table of docs/lab/reliability.md: every damage has its test.
 
 use std::path::{Path, PathBuf};
 
-const PAGE: &str = include_str!("../../../../../docs/reliability.md");
+const PAGE: &str = include_str!("../../../../../docs/lab/reliability.md");
 /// Damages that the page promises at least.
 const LEAST: usize = 60;
 
