@@ -23,7 +23,8 @@ use crate::{
 };
 use models::Model;
 use sensor::Ride;
-use undrift_noise::{ModelError, identify::Options, model_file::AXES, parallel};
+use undrift_base::parallel;
+use undrift_noise::{ModelError, identify::Options, model_file::AXES};
 
 /// Data sheet of the sensor.
 pub const PRESET: &str = "adis16405";

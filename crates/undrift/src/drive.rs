@@ -53,6 +53,7 @@ use crate::{
     vehicle::Constraints,
 };
 use std::path::{Path, PathBuf};
+use undrift_base::number::rounded;
 use undrift_io::{
     ReadError,
     epoch::Epoch,
@@ -64,7 +65,7 @@ use undrift_io::{
     truth::{TruthReader, TruthSource},
 };
 use undrift_nav::{Vector3, covariance::AXES, parameters::Parameters, units::Quantity};
-use undrift_noise::{ImuModel, number::rounded};
+use undrift_noise::ImuModel;
 
 /// A drive, ready to be read: from files, [`Drive::load`], or from memory, [`Drive::from_samples`].
 ///

@@ -23,11 +23,11 @@ use crate::{
     record::{Record, own_values},
     results::Used,
 };
+use undrift_base::parallel;
 use undrift_noise::{
     ImuModel, Provenance,
     identify::{Axis, IdentifyError, Options, Sampled, identify},
     model_file::AXES,
-    parallel,
     screening::Timing,
     temperature::Temperature,
 };

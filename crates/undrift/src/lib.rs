@@ -90,6 +90,7 @@ mod temperature;
 pub mod tune;
 pub mod usability;
 
+pub use undrift_base as base;
 pub use undrift_engine::{self as engine, align, estimator, fixes, settings, vehicle};
 pub use undrift_io as io;
 pub use undrift_nav as nav;

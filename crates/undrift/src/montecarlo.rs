@@ -31,6 +31,7 @@ use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::cell::Cell;
+use undrift_base::parallel;
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
     attitude::{from_rotation_vector, to_rpy},
@@ -38,7 +39,7 @@ use undrift_nav::{
     filter::Update,
     sample::{GnssFix, ImuSample, Position, TruthSample},
 };
-use undrift_noise::{ModelError, parallel};
+use undrift_noise::ModelError;
 
 /// Why there is no Monte Carlo.
 #[derive(Debug, thiserror::Error)]

@@ -6,6 +6,7 @@ use crate::{
     estimator::{Estimator, STAMP_ROUNDING},
     results::{Numbers, by_name},
 };
+use undrift_base::order_statistics;
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
     attitude::{from_rpy, to_rpy},
@@ -13,7 +14,6 @@ use undrift_nav::{
     mechanisation::NavState,
     sample::{GnssFix, Position, TruthSample},
 };
-use undrift_noise::order_statistics;
 
 /// Names of the components of [`Errors`], as in the JSON: metres, metres a second, degrees.
 pub const COMPONENTS: [&str; 10] = [

@@ -196,7 +196,7 @@ pub fn replay(
     };
     let mut aiding = aiding.fuse().peekable();
     for sample in imu {
-        undrift_noise::interrupt::check();
+        undrift_base::interrupt::check();
         let sample = sample?;
         let until = sample.time + navigator.ahead() + STAMP_ROUNDING;
         let is_due = |m: &Result<Measurement, ReadError>| match m {

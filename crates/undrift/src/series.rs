@@ -1,7 +1,7 @@
 //! Series for plots, streamed: their size is bounded whatever the length of what they show.
 
 use crate::results::{Curve, Number, numbers};
-use undrift_noise::number::rounded;
+use undrift_base::number::rounded;
 
 /// Buckets of an [`Envelope`] that fill a plot's width.
 pub const BUCKETS: usize = 1000;

@@ -1,7 +1,7 @@
 //! The unit of time stamps by their steps.
 
 use super::letters;
-use undrift_noise::order_statistics::upper_median;
+use undrift_base::order_statistics::upper_median;
 
 /// Clocks whose ticks are no usual unit of time: the letters of their names and the ticks that there are, the longest
 /// first, with their factor to seconds. Xsens counts 0.1 ms in an MTi and microseconds in a DOT.

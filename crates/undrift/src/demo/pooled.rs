@@ -7,7 +7,7 @@ use crate::{
 };
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use undrift_noise::order_statistics::quantile;
+use undrift_base::order_statistics::quantile;
 
 /// Draws of the bootstrap.
 const DRAWS: usize = 2000;

@@ -15,13 +15,14 @@ use crate::{
 use rand::{Rng, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use undrift_base::parallel;
 use undrift_nav::{
     Vector3, covariance,
     earth::STANDARD_GRAVITY,
     sample::{GnssFix, ImuSample},
     shaping::ShapingFilter,
 };
-use undrift_noise::{AxisModel, BiasModel, ImuModel, model_file::AXES, parallel};
+use undrift_noise::{AxisModel, BiasModel, ImuModel, model_file::AXES};
 
 /// White noise of the gyros [deg/√h].
 const GYRO_WHITE: [f64; 3] = [2.44, 2.54, 2.32];

@@ -18,7 +18,7 @@ use crate::{
 };
 use measures::MEASURES;
 use std::collections::BTreeMap;
-use undrift_noise::order_statistics::median;
+use undrift_base::order_statistics::median;
 
 /// One log's numbers.
 struct OneLog {

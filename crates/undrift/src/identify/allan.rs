@@ -5,10 +5,8 @@ use super::{
     result::{deviation, unit},
 };
 use crate::results::{self, Identify, SCHEMA, VERSION};
-use undrift_noise::{
-    identify::{AllanDeviation, allan_deviation},
-    parallel,
-};
+use undrift_base::parallel;
+use undrift_noise::identify::{AllanDeviation, allan_deviation};
 
 /// The Allan deviation of every axis of a recording and its terms, on all cores, as a result without tests and models.
 #[must_use]

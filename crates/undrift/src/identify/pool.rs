@@ -7,11 +7,8 @@ use super::{
 use crate::record::own_values;
 use crate::results::{self, AxisPool, Differing, Number, PooledRecord, RecordShare, by_name};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
-use undrift_noise::{
-    identify::{self as noise, Between, IdentifyError, Sampled, Share},
-    number::rounded,
-    parallel,
-};
+use undrift_base::{number::rounded, parallel};
+use undrift_noise::identify::{self as noise, Between, IdentifyError, Sampled, Share};
 
 /// Probability that records of one process are taken for different ones, of all records and axes together.
 pub const FALSE_ALARM: f64 = 0.01;

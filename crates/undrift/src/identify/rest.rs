@@ -5,11 +5,11 @@ use crate::{
     inspect::{Known, about_gravity, unit_of_rates},
     record::{Record, own_values},
 };
+use undrift_base::{number::rounded, order_statistics::upper_median};
 use undrift_nav::{
     earth::STANDARD_GRAVITY,
     units::{Quantity, unit_factor},
 };
-use undrift_noise::{number::rounded, order_statistics::upper_median};
 
 /// Rate beyond any turn-on constant [rad/s]: 20 deg/s of the cheapest sensors.
 const TURNING: f64 = 0.5;

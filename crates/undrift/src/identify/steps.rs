@@ -2,7 +2,7 @@
 
 use super::windows::{STEPS, Windows};
 use std::ops::Range;
-use undrift_noise::order_statistics::{MAD_TO_SIGMA, upper_median};
+use undrift_base::order_statistics::{MAD_TO_SIGMA, upper_median};
 
 /// Windows to either side that a line is laid through, for large steps and for small ones.
 const SIDES: [usize; 2] = [8, 32];

@@ -2,10 +2,8 @@
 
 use crate::record::Record;
 use std::ops::Range;
-use undrift_noise::{
-    order_statistics::{MAD_TO_SIGMA, upper_median},
-    temperature::{self, LEAST_CHANGE_K},
-};
+use undrift_base::order_statistics::{MAD_TO_SIGMA, upper_median};
+use undrift_noise::temperature::{self, LEAST_CHANGE_K};
 
 /// Least samples of a window, which is a second else.
 const WINDOW: f64 = 20.0;

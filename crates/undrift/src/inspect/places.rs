@@ -3,8 +3,8 @@
 
 use super::found::Found;
 use crate::columns::{FIX_STEP, time_unit};
+use undrift_base::order_statistics::upper_median;
 use undrift_nav::earth::{SEMI_MAJOR, wrap_pi};
-use undrift_noise::order_statistics::upper_median;
 
 /// Rows that show a path, at least.
 const ROWS: usize = 10;

@@ -7,13 +7,13 @@ use super::{
 };
 use crate::columns::{FIX_STEP, ordinary_step};
 use crate::drive::DEGREES_MINUTES;
+use undrift_base::order_statistics::upper_median;
 use undrift_io::angle::{are_degrees_minutes, of_degrees_minutes};
 use undrift_nav::{
     Vector3,
     earth::Geodetic,
     units::{Quantity, unit_factor},
 };
-use undrift_noise::order_statistics::upper_median;
 
 /// Integers of 1e-7 degrees.
 const INTEGERS: &str = "LSB/1e7 deg";

@@ -1,7 +1,7 @@
 //! How far a model drifts since the cut.
 
 use super::errors::OutageErrors;
-use undrift_noise::order_statistics::median;
+use undrift_base::order_statistics::median;
 
 /// Root mean square over outages of the horizontal error \[m\] at each time since the cut \[s\], at the times of the outage
 /// that was sampled most often, until the first of them ends. One that has no sample near such a time, since its fix was

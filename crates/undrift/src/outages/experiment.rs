@@ -14,7 +14,8 @@ use crate::{
     results::NoiseModelRun,
 };
 use std::collections::BTreeMap;
-use undrift_noise::{BiasModel, parallel};
+use undrift_base::parallel;
+use undrift_noise::BiasModel;
 
 /// Longest span between two nodes of the smoother \[s\]: the errors are taken at nodes.
 const NODE_SPAN: f64 = 0.2;

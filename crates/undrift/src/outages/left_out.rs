@@ -3,8 +3,8 @@
 use super::Rejected;
 use crate::replay::{Measurement, Outage, STAMP_ROUNDING};
 use serde::{Deserialize, Serialize};
+use undrift_base::order_statistics::median;
 use undrift_nav::sample::{GnssFix, ImuSample, TruthSample};
-use undrift_noise::order_statistics::median;
 
 /// Why an outage is left out of an experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]

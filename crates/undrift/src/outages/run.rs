@@ -12,12 +12,12 @@ use crate::{
     replay::{Measurement, Observer, ReplayError, Settings, Summary, replay},
     smooth::{self, History},
 };
+use undrift_base::parallel;
 use undrift_nav::{
     Vector3,
     mechanisation::NavState,
     sample::{GnssFix, ImuSample, TruthSample},
 };
-use undrift_noise::parallel;
 
 /// Samples from one report of progress to the next.
 const PROGRESS_EVERY: usize = 4096;

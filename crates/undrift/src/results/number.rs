@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use undrift_noise::OrNull;
+use undrift_base::number::OrNull;
 
 /// Numbers by name.
 pub type Numbers = BTreeMap<String, Number>;

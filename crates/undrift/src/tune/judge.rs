@@ -9,8 +9,8 @@ use crate::{
 };
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use undrift_base::{order_statistics::quantile, parallel};
 use undrift_nav::sample::TruthSample;
-use undrift_noise::{order_statistics::quantile, parallel};
 
 /// Lengths of the outages \[s\].
 const LENGTHS: [f64; 3] = [10.0, 30.0, 60.0];

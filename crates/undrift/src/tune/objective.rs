@@ -13,8 +13,8 @@ use super::{
 };
 use crate::estimator::Channel;
 use std::{iter::Sum, ops::AddAssign};
+use undrift_base::{interrupt, parallel};
 use undrift_nav::covariance::four_lanes;
-use undrift_noise::{interrupt, parallel};
 
 /// How the objective is laid out.
 #[derive(Clone, Copy, Debug)]

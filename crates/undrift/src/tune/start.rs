@@ -1,11 +1,9 @@
 //! The sensor before the drive: a model of it at rest, or what its quietest moments in the drive show.
 
 use crate::replay::{Measurement, vibration::VIBRATES_FROM};
+use undrift_base::order_statistics::upper_median;
 use undrift_nav::{covariance::AXES, sample::ImuSample};
-use undrift_noise::{
-    AxisModel, BiasModel, ImuModel, ModelError, order_statistics::upper_median,
-    temperature::Temperature,
-};
+use undrift_noise::{AxisModel, BiasModel, ImuModel, ModelError, temperature::Temperature};
 
 /// Turn-on constants of a consumer's sensor, gyro [rad/s] and accelerometer [m/s²], one standard deviation: where
 /// nothing is known.

@@ -6,15 +6,20 @@ use std::{
 };
 
 /// Every crate of the workspace with the crates of it that it may use.
-const ALLOWED: [(&str, &[&str]); 12] = [
+const ALLOWED: [(&str, &[&str]); 13] = [
+    ("undrift-base", &[]),
     ("undrift-nav", &[]),
-    ("undrift-noise", &["undrift-nav"]),
+    ("undrift-noise", &["undrift-base", "undrift-nav"]),
     ("undrift-io", &["undrift-nav"]),
     ("undrift-engine", &["undrift-nav"]),
-    ("undrift-simulate", &["undrift-nav", "undrift-noise"]),
+    (
+        "undrift-simulate",
+        &["undrift-base", "undrift-nav", "undrift-noise"],
+    ),
     (
         "undrift",
         &[
+            "undrift-base",
             "undrift-nav",
             "undrift-engine",
             "undrift-simulate",
@@ -22,7 +27,7 @@ const ALLOWED: [(&str, &[&str]); 12] = [
             "undrift-io",
         ],
     ),
-    ("undrift-report", &["undrift"]),
+    ("undrift-report", &["undrift", "undrift-base"]),
     ("undrift-cli", &["undrift", "undrift-report"]),
     ("undrift-py", &["undrift", "undrift-report"]),
     ("undrift-capi", &["undrift-nav"]),
@@ -31,6 +36,7 @@ const ALLOWED: [(&str, &[&str]); 12] = [
         "undrift-lab",
         &[
             "undrift",
+            "undrift-base",
             "undrift-io",
             "undrift-nav",
             "undrift-noise",
