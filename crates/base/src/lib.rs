@@ -1,6 +1,7 @@
-//! What the computations of undrift share and no subject owns: [`order_statistics`], the [`number`]s of results, work on all
+//! What the computations of undrift share and no subject owns: [`order_statistics`], the [`number`]s of results, [`hash`]es, work on all
 //! cores ([`parallel`]), and stopping it from outside ([`interrupt`]). It knows no sensor, no log and no result.
 
+pub mod hash;
 pub mod interrupt;
 pub mod number;
 pub mod order_statistics;

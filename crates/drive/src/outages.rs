@@ -2,15 +2,19 @@
 //! reported as in the source paper's Table 4.
 //!
 //! ```
-//! use undrift::{BiasModel, ImuModel, Logs, Schedule, Setup, navigate::Hindsight, reference::HORIZONTAL};
-//! # use undrift::{Trajectory, simulate, simulate::GnssNoise};
+//! # use undrift_drive as undrift;
+//! use undrift::{BiasModel, Drive, ImuModel, Logs, Schedule, navigate::Hindsight, reference::HORIZONTAL};
+//! # use undrift_simulate::{GnssNoise, Trajectory, simulate};
 //! # let model = ImuModel::preset("adis16465").ok_or("no such preset")?;
 //! # let noise = model.shaping(BiasModel::GaussMarkov, 0.02)?;
 //! # let log = simulate(&Trajectory::car(200.0, 1), 50.0, Some(&noise), &GnssNoise::default(), 1)?;
 //! # let (imu, fixes) = (&log.imu, &log.gnss);
 //!
-//! let model = ImuModel::preset("adis16465").ok_or("no such preset")?;
-//! let logs = Logs::load(&Setup::default().drive(imu, fixes, &model), Hindsight::Causal)?;
+//! let drive = Drive {
+//!     model: ImuModel::preset("adis16465"),
+//!     ..Drive::from_samples(imu, fixes)
+//! };
+//! let logs = Logs::load(&drive, Hindsight::Causal)?;
 //! // Two outages of 10 s after the first two minutes. Without a truth the withheld fixes are the reference.
 //! let cuts = logs.plan(&Schedule::Count { start: 120.0, count: 2 }, 10.0)?;
 //! let models = [BiasModel::White, BiasModel::Arma];

@@ -4,13 +4,13 @@ use super::Job;
 use crate::{
     drive::ConfigError,
     findings::Finding,
-    hash::hexadecimal,
     reference::COMPONENTS,
     results::{self, Axis, Cut, Navigate, Number, OutageErrors, finding, findings},
 };
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
+use undrift_base::hash::hexadecimal;
 
 /// What came of one log: numbers in rows, or why there are none. The same to the bit wherever it was
 /// worked out.

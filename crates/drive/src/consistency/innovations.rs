@@ -10,6 +10,7 @@ pub const LAGS: usize = 10;
 /// Whiteness and size of one kind of innovations, streamed: any filter can feed it.
 ///
 /// ```
+/// # use undrift_drive as undrift;
 /// use undrift::consistency::InnovationStatistics;
 /// let mut statistics = InnovationStatistics::new();
 /// for k in 0..100 {

@@ -18,8 +18,10 @@ pub mod search;
 pub mod start;
 pub mod steps;
 
+pub use crate::findings::is_tuned;
 use crate::{
     drive::Drive,
+    findings::IN_VEHICLE,
     navigate::Hindsight,
     navigate::{NavigateError, look_ahead, settings},
     outages::Logs,
@@ -112,21 +114,13 @@ impl Tuned {
     fn named(&self, mut model: ImuModel, drives: &[&str]) -> ImuModel {
         model.name = format!("{} in its vehicle", self.start.name);
         model.source = format!(
-            "identified from {} {HOW}, with {} as the sensor at rest",
+            "identified from {} {IN_VEHICLE}, with {} as the sensor at rest",
             drives.join(", "),
             self.start.name
         );
         model.provenance.program = Some(format!("undrift {}", results::VERSION));
         model
     }
-}
-
-/// How a model was identified in its vehicle, in its source.
-const HOW: &str = "by composite likelihood";
-
-/// Whether a noise model was identified from drives.
-pub fn is_tuned(model: &ImuModel) -> bool {
-    model.source.contains(HOW)
 }
 
 /// How far it is.
@@ -309,15 +303,19 @@ fn before_and_after(
 /// Identifies the noise that drives with the same sensor have in common.
 ///
 /// ```
-/// use undrift::{ImuModel, Setup, tune};
-/// # use undrift::{BiasModel, Trajectory, simulate, simulate::GnssNoise};
+/// # use undrift_drive as undrift;
+/// use undrift::{Drive, ImuModel, tune};
+/// # use undrift::BiasModel;
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
 /// # let model = ImuModel::preset("adis16465").ok_or("no such preset")?;
 /// # let noise = model.shaping(BiasModel::GaussMarkov, 0.04)?;
 /// # let log = simulate(&Trajectory::car(180.0, 1), 25.0, Some(&noise), &GnssNoise::default(), 1)?;
 /// # let (imu, fixes) = (&log.imu, &log.gnss);
 ///
-/// let at_rest = ImuModel::preset("adis16465").ok_or("no such preset")?;
-/// let drive = Setup::default().drive(imu, fixes, &at_rest);
+/// let drive = Drive {
+///     model: ImuModel::preset("adis16465"),
+///     ..Drive::from_samples(imu, fixes)
+/// };
 /// let (tuned, _) = tune::tune(&[drive], &tune::Options::default(), &|_stage| true)?;
 /// let in_the_vehicle = tuned.model(&["monday"]);
 /// assert!(in_the_vehicle.gyro[0].white > Some(0.0));

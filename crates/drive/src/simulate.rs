@@ -1,6 +1,7 @@
 //! A vehicle, its sensors and its GNSS receiver, with the truth beside them, and the files of such a log.
 //!
 //! ```
+//! # use undrift_drive as undrift;
 //! use undrift::simulate::{GnssNoise, Trajectory, simulate};
 //! let drive = Trajectory::car(120.0, 1);
 //! let log = simulate(&drive, 100.0, None, &GnssNoise::default(), 1)?;

@@ -72,8 +72,9 @@ use undrift_noise::ImuModel;
 /// All that takes a drive works with either:
 ///
 /// ```
+/// # use undrift_drive as undrift;
 /// use undrift::{BiasModel, Drive, ImuModel, Vector3, navigate::Wanted, navigate_drive};
-/// # use undrift::{Trajectory, simulate, simulate::GnssNoise};
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
 /// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, None, &GnssNoise::default(), 1)?;
 ///
 /// let drive = Drive {

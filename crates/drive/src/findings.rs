@@ -12,7 +12,7 @@ pub use collect::{
     with_axes, with_rate,
 };
 pub use cut::of_outages;
-pub use weight::{is_doubtful, is_jump, of_model, ranked, verdict};
+pub use weight::{IN_VEHICLE, is_doubtful, is_jump, is_tuned, of_model, ranked, verdict};
 
 use crate::{
     outages::WhyLeftOut,

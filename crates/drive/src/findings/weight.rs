@@ -1,10 +1,7 @@
 //! How much findings weigh, and what they conclude together.
 
 use super::{Finding, Log, Severity};
-use crate::{
-    replay::{Contradiction, Part},
-    tune,
-};
+use crate::replay::{Contradiction, Part};
 use statrs::distribution::{Binomial, DiscreteCDF};
 use std::ops::RangeInclusive;
 use undrift_noise::ImuModel;
@@ -176,9 +173,17 @@ impl Finding {
     }
 }
 
+/// How a model that was identified from drives says so in its source.
+pub const IN_VEHICLE: &str = "by composite likelihood";
+
+/// Whether a noise model was identified from drives.
+pub fn is_tuned(model: &ImuModel) -> bool {
+    model.source.contains(IN_VEHICLE)
+}
+
 /// The findings of a drive with this noise model: what was tuned on drives needs no tuning.
 pub fn of_model(mut found: Vec<Finding>, model: Option<&ImuModel>) -> Vec<Finding> {
-    let is_tuned = model.is_some_and(tune::is_tuned);
+    let is_tuned = model.is_some_and(is_tuned);
     for of in &mut found {
         if let Finding::OptimisticModel { tuned, .. }
         | Finding::CorrelatedInnovations { tuned, .. }
@@ -534,7 +539,7 @@ mod tests {
     #[test]
     fn findings_of_a_tuned_model_say_so() {
         let model = ImuModel::default();
-        assert!(!tune::is_tuned(&model));
+        assert!(!super::is_tuned(&model));
         let found = vec![drift(1, 20), late(1.0)];
         assert_eq!(super::of_model(found.clone(), None), found);
         assert_eq!(super::of_model(found.clone(), Some(&model)), found);

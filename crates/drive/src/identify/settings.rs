@@ -2,10 +2,10 @@
 
 use super::{NotStatic, part::Part, rest::static_part};
 use crate::{
-    hash,
     record::Record,
     results::{self, Number, Omitted, Used},
 };
+use undrift_base::hash;
 use undrift_noise::{Provenance, Recording, identify::Options, screening::Trend};
 
 /// Most that a stated rate may be off the time stamps, relative.

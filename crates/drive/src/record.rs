@@ -54,6 +54,7 @@ pub struct RecordFormat {
 /// A record in SI units.
 ///
 /// ```
+/// # use undrift_drive as undrift;
 /// use undrift::{Record, identify};
 ///
 /// // 20 s at 50 Hz, rows of gyro x, y, z [rad/s] and accelerometer x, y, z [m/s²]: level and at rest.
@@ -117,7 +118,7 @@ impl Record {
     }
 
     /// Without the axes that have no value at all.
-    pub(crate) fn with_values(mut self) -> Self {
+    pub fn with_values(mut self) -> Self {
         let has = |samples: &[f64]| samples.iter().any(|x| !x.is_nan());
         let axes = self.axes.iter().copied().zip(self.samples);
         (self.axes, self.samples) = axes.filter(|(_, samples)| has(samples)).unzip();

@@ -1,9 +1,10 @@
 //! What an outcome depends on, as one number.
 
 use super::{Job, Task};
-use crate::{drive, hash};
+use crate::drive;
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
+use undrift_base::hash;
 use undrift_io::Opened;
 use undrift_noise::ImuModel;
 
