@@ -40,9 +40,11 @@ pub use error::{ConfigError, DriveError};
 pub use imu::{ImuLog, load_imu};
 pub use logs::Logs;
 pub use scalars::{ScalarLog, Scalars};
+pub(crate) use section::DEGREES_MINUTES;
 pub use section::Section;
-pub(crate) use section::{DEGREES_MINUTES, parse, read_text};
-pub(crate) use tables::{AXLE_STD, read_initial, read_switch};
+pub use section::{parse, read_text};
+pub(crate) use tables::AXLE_STD;
+pub use tables::{read_initial, read_switch};
 
 use crate::{
     align::AlignSettings,
@@ -367,7 +369,7 @@ pub fn files_named(text: &str) -> Vec<(&'static str, String)> {
 }
 
 /// Tables of a drive file that name a log.
-pub(crate) fn log_tables() -> impl Iterator<Item = &'static str> {
+pub fn log_tables() -> impl Iterator<Item = &'static str> {
     let scalars = ScalarLog::ALL.map(ScalarLog::name);
     ["imu", "gnss"].into_iter().chain(scalars).chain(["truth"])
 }

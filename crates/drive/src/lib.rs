@@ -6,13 +6,10 @@
 
 pub mod columns;
 pub mod consistency;
-pub mod demo;
 pub mod drive;
 pub mod findings;
-pub mod fleet;
 pub mod identify;
 pub mod inspect;
-pub mod montecarlo;
 pub mod mounting;
 pub mod navigate;
 pub mod outages;
@@ -21,10 +18,8 @@ pub mod reference;
 pub mod replay;
 pub mod results;
 pub mod series;
-pub mod simulate;
 pub mod smooth;
-mod temperature;
-pub mod tune;
+pub mod temperature;
 pub mod usability;
 
 pub use undrift_engine::{self as engine, align, estimator, fixes, settings, vehicle};

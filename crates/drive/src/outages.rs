@@ -43,12 +43,10 @@ pub use experiment::{Experiment, UNCUT};
 pub use lead::is_clear_lead;
 pub use left_out::WhyLeftOut;
 pub use logs::Logs;
-pub(crate) use result::path;
-pub use result::{result, track};
+pub use result::{result, thinned_track, track};
 pub use run::{run, run_against};
 pub use schedule::{FIRST, Schedule, ScheduleError, schedule};
-pub(crate) use uncut::withheld;
-pub use uncut::{Reference, Rejected};
+pub use uncut::{Reference, Rejected, withheld};
 
 use undrift_noise::BiasModel;
 

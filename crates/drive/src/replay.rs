@@ -167,7 +167,7 @@ impl Observer for First<'_> {
 ///
 /// # Errors
 /// As [`replay`].
-pub(crate) fn begin(
+pub fn begin(
     imu: &mut Samples,
     aiding: &mut Measurements,
     settings: &Settings,
@@ -280,7 +280,7 @@ mod tests {
 
     #[test]
     fn an_observer_that_fails_ends_the_replay_with_its_error() {
-        use crate::simulate::{GnssNoise, Trajectory, simulate};
+        use undrift_simulate::{GnssNoise, Trajectory, simulate};
         let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
         let shaping = model.shaping(undrift_noise::BiasModel::GaussMarkov, 0.02);
         let settings = Settings::new(shaping.unwrap());

@@ -36,13 +36,12 @@ pub use identify::{
     RecordShare, Residuals, TurnOn, Used,
 };
 pub use keyed::{Key, Keyed};
-pub(crate) use known::{finding, findings};
+pub use known::{finding, findings};
 pub use montecarlo::{Group, MonteCarlo, MonteCarloDrive, MonteCarloModel, NisKind, Verdict};
 pub use navigate::{
     FixErrors, Fixes, Navigate, NavigateSeries, Nis, Parameter, StdFactors, Summary,
 };
-pub use number::{Number, Numbers};
-pub(crate) use number::{by_name, numbers};
+pub use number::{Number, Numbers, by_name, numbers};
 pub use outages::{
     Cut, Drift, LeftOutCut, ModelErrors, NisOfParts, NoiseModelRun, OutageErrors, OutageSeries,
     Outages,
@@ -62,4 +61,4 @@ pub use crate::replay::{
 pub const SCHEMA: u32 = 1;
 
 /// Version of the program.
-pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");

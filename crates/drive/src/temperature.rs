@@ -1,10 +1,11 @@
 //! The temperature of an inertial log: where it stands, and what a model makes of it.
 
 use crate::columns::{Meaning, meaning};
+use std::path::Path;
 use undrift_io::{
     Opened, ReadError,
     imu::{ImuFormat, ImuReader, ImuSource, TemperatureColumn, Thermal, ThermalAxis},
-    table::{Column, Preview},
+    table::{Column, Preview, TableOptions},
 };
 use undrift_noise::{ImuModel, temperature::ZERO_CELSIUS};
 
@@ -45,8 +46,30 @@ pub(crate) fn column(
 }
 
 /// The column of a table.
-pub(crate) fn of_table(opened: &mut Opened) -> Result<Option<TemperatureColumn>, ReadError> {
+fn of_table(opened: &mut Opened) -> Result<Option<TemperatureColumn>, ReadError> {
     Ok(of_beginning(&opened.preview(ROWS)?))
+}
+
+/// Mean of a table's column of temperatures [°C], if its header names one.
+///
+/// # Errors
+/// If the table cannot be read.
+pub fn mean(path: &Path) -> Result<Option<f64>, ReadError> {
+    let mut opened = Opened::open(path)?;
+    let Some(column) = of_table(&mut opened)? else {
+        return Ok(None);
+    };
+    let options = TableOptions {
+        columns: vec![("temperature".into(), column.column)],
+        ..TableOptions::default()
+    };
+    let mut table = opened.table(&options)?;
+    let (mut sum, mut count, mut row) = (0.0, 0u64, [0.0]);
+    while table.next_row(&mut row)?.is_some() {
+        sum += row[0];
+        count += 1;
+    }
+    Ok((count > 0).then(|| sum / count as f64 - column.zero))
 }
 
 /// A reader that takes out what the model knows of the temperature, where the log has one.

@@ -65,13 +65,16 @@
 //! attitude, [`replay`] merges samples and fixes through the filter of `undrift-nav`, and
 //! [`mod@navigate`] or [`outages`] collect what comes out. [`mod@simulate`] makes logs with a known truth.
 
+pub mod simulate;
 mod slices;
 
 pub use undrift_drive::{
-    columns, consistency, demo, drive, findings, fleet, identify, inspect, montecarlo, mounting,
-    navigate, outages, record, reference, replay, results, series, simulate, smooth, tune,
-    usability,
+    columns, consistency, drive, findings, identify, inspect, mounting, navigate, outages, record,
+    reference, replay, results, series, smooth, usability,
 };
+pub use undrift_experiments::{demo, montecarlo};
+pub use undrift_fleet as fleet;
+pub use undrift_tune as tune;
 
 pub use undrift_base as base;
 pub use undrift_engine::{self as engine, align, estimator, fixes, settings, vehicle};

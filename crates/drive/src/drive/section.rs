@@ -51,7 +51,10 @@ pub fn line_at(text: &str, offset: usize) -> usize {
 }
 
 /// The text of a configuration file and what messages call it.
-pub(crate) fn read_text(path: &Path) -> Result<(String, String), ConfigError> {
+///
+/// # Errors
+/// A file that cannot be read, is too large or no text.
+pub fn read_text(path: &Path) -> Result<(String, String), ConfigError> {
     let file = path.display().to_string();
     text_of(path)
         .map(|text| (text, file.clone()))
@@ -180,7 +183,10 @@ fn per_second(unit: &str, quantity: Quantity) -> Option<String> {
 }
 
 /// The tables of a configuration file's text; `file` is what messages call it.
-pub(crate) fn parse<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, ConfigError> {
+///
+/// # Errors
+/// Text that is not TOML, with its line.
+pub fn parse<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, ConfigError> {
     DeTable::parse(text).map_err(|e| ConfigError {
         file: file.to_owned(),
         line: e.span().map(|s| line_at(text, s.start)),

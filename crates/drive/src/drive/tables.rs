@@ -121,7 +121,11 @@ fn read_truth_columns(section: &Section) -> Result<TruthFormat, ConfigError> {
     })
 }
 
-pub(crate) fn read_initial(section: &Section) -> Result<AlignSettings, ConfigError> {
+/// The table `[initial]`: how a solution starts.
+///
+/// # Errors
+/// A key that it does not have, or a value that it cannot have.
+pub fn read_initial(section: &Section) -> Result<AlignSettings, ConfigError> {
     let mut align = AlignSettings::default();
     let degrees = |d: f64| d.to_radians();
     let attitude = section.vector("attitude", Quantity::Angle)?;
@@ -164,11 +168,11 @@ pub(crate) fn read_initial(section: &Section) -> Result<AlignSettings, ConfigErr
     Ok(align)
 }
 
-/// `gate = true`.
-pub(crate) fn read_switch<'a>(
-    section: &Section<'a>,
-    key: &'a str,
-) -> Result<Option<bool>, ConfigError> {
+/// A switch, as `gate = true`.
+///
+/// # Errors
+/// A value that is neither `true` nor `false`.
+pub fn read_switch<'a>(section: &Section<'a>, key: &'a str) -> Result<Option<bool>, ConfigError> {
     #[cfg(test)]
     section.note(key, super::section::page::Takes::Switch);
     match section.get(key) {

@@ -91,8 +91,8 @@ fn axis(name: &str, axis: &Axis) -> results::Axis {
         lines: axis.lines.clone(),
         allan: deviation(&axis.allan.points, &axis.allan_intervals, &axis.allan_terms),
         allan_terms: axis.allan_terms,
-        pandit_wu: axis.pandit_wu.as_ref().map(pandit_wu).unwrap_or_default(),
-        adequacy: axis.pandit_wu.as_ref().map(adequacy).unwrap_or_default(),
+        pandit_wu: axis.pandit_wu.as_ref().map(order_rows).unwrap_or_default(),
+        adequacy: axis.pandit_wu.as_ref().map(order_tests).unwrap_or_default(),
         pandit_wu_orders: axis.pandit_wu.as_ref().map(|table| PanditWuOrders {
             by_f: table.by_f.into(),
             by_aic: table.by_aic.into(),
@@ -157,7 +157,7 @@ pub(super) fn deviation(points: &[Point], intervals: &[Interval], terms: &Terms)
 }
 
 /// The table of orders.
-pub(crate) fn pandit_wu(table: &PanditWu) -> Vec<OrderRow> {
+pub fn order_rows(table: &PanditWu) -> Vec<OrderRow> {
     let rows = table.rows.iter();
     rows.map(|row| OrderRow {
         order: row.order().into(),
@@ -175,7 +175,7 @@ pub(crate) fn pandit_wu(table: &PanditWu) -> Vec<OrderRow> {
 }
 
 /// The tests of its neighbours.
-pub(crate) fn adequacy(table: &PanditWu) -> Vec<OrderTest> {
+pub fn order_tests(table: &PanditWu) -> Vec<OrderTest> {
     let tests = table.neighbours.iter();
     tests
         .map(|test| OrderTest {

@@ -201,7 +201,7 @@ impl Clocks {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::{GnssNoise, Trajectory, simulate};
+    use undrift_simulate::{GnssNoise, Trajectory, simulate};
 
     #[test]
     fn an_offset_is_found_by_the_turns() {

@@ -195,8 +195,8 @@ pub fn by_force(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<(Vector3, f64)> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::{GnssNoise, Trajectory, simulate};
     use undrift_nav::{attitude::from_rpy, sample::Position};
+    use undrift_simulate::{GnssNoise, Trajectory, simulate};
 
     #[test]
     fn an_imu_in_any_place_is_found_by_its_forces() {

@@ -24,7 +24,7 @@ pub fn result(outages: &[Outage], results: &[ModelOutcome], track: &[TruthSample
         outages: outages.iter().map(Into::into).collect(),
         ..Outages::default()
     };
-    result.series.track = path(track);
+    result.series.track = thinned_track(track);
     for (name, run) in results {
         let run = match run {
             Ok(run) => run,
@@ -136,7 +136,7 @@ fn way(run: &ModelRun) -> Track {
 }
 
 /// A way of bounded length.
-pub(crate) fn path(track: &[TruthSample]) -> Track {
+pub fn thinned_track(track: &[TruthSample]) -> Track {
     let mut thinned = Thinned::new(ROWS);
     for sample in track {
         let (lat, lon) = (sample.position.lat, sample.position.lon);

@@ -78,7 +78,7 @@ impl Rejected {
 }
 
 /// Positions of the fixes at times that count, and how many of them are rejected.
-pub(crate) fn withheld(
+pub fn withheld(
     aiding: &[Measurement],
     rejected: &Rejected,
     counts: impl Fn(f64) -> bool,

@@ -12,12 +12,18 @@ pub(crate) fn known<'de, D: Deserializer<'de>, T: DeserializeOwned>(
 }
 
 /// The findings of a list that this version knows.
-pub(crate) fn findings<'de, D: Deserializer<'de>>(list: D) -> Result<Vec<Finding>, D::Error> {
+///
+/// # Errors
+/// What is no list.
+pub fn findings<'de, D: Deserializer<'de>>(list: D) -> Result<Vec<Finding>, D::Error> {
     readable(list, read)
 }
 
 /// A finding, if there is one.
-pub(crate) fn finding<'de, D: Deserializer<'de>>(one: D) -> Result<Option<Finding>, D::Error> {
+///
+/// # Errors
+/// A kind that this version does not have.
+pub fn finding<'de, D: Deserializer<'de>>(one: D) -> Result<Option<Finding>, D::Error> {
     let one = Option::<Value>::deserialize(one)?;
     one.map(read).transpose().map_err(D::Error::custom)
 }

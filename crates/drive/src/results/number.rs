@@ -46,7 +46,7 @@ impl From<Option<f64>> for Number {
 }
 
 /// Values by name. Unlike `collect`, it does not sort first: one copy less of the sort in the program for each use.
-pub(crate) fn by_name<N: Into<String>, V: Into<W>, W>(
+pub fn by_name<N: Into<String>, V: Into<W>, W>(
     pairs: impl IntoIterator<Item = (N, V)>,
 ) -> BTreeMap<String, W> {
     let mut map = BTreeMap::new();
@@ -57,6 +57,6 @@ pub(crate) fn by_name<N: Into<String>, V: Into<W>, W>(
 }
 
 /// Numbers of plain values.
-pub(crate) fn numbers(values: impl IntoIterator<Item = f64>) -> Vec<Number> {
+pub fn numbers(values: impl IntoIterator<Item = f64>) -> Vec<Number> {
     values.into_iter().map(Number).collect()
 }

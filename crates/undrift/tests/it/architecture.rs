@@ -6,7 +6,7 @@ use std::{
 };
 
 /// Every crate of the workspace with the crates of it that it may use.
-const ALLOWED: [(&str, &[&str]); 14] = [
+const ALLOWED: [(&str, &[&str]); 17] = [
     ("undrift-base", &[]),
     ("undrift-nav", &[]),
     ("undrift-noise", &["undrift-base", "undrift-nav"]),
@@ -22,9 +22,42 @@ const ALLOWED: [(&str, &[&str]); 14] = [
             "undrift-base",
             "undrift-nav",
             "undrift-engine",
+            "undrift-noise",
+            "undrift-io",
+        ],
+    ),
+    (
+        "undrift-tune",
+        &[
+            "undrift-base",
+            "undrift-nav",
+            "undrift-engine",
+            "undrift-noise",
+            "undrift-drive",
+        ],
+    ),
+    // Tuning is one of the things that are done with each log.
+    (
+        "undrift-fleet",
+        &[
+            "undrift-base",
+            "undrift-nav",
+            "undrift-noise",
+            "undrift-io",
+            "undrift-drive",
+            "undrift-tune",
+        ],
+    ),
+    (
+        "undrift-experiments",
+        &[
+            "undrift-base",
+            "undrift-nav",
+            "undrift-engine",
             "undrift-simulate",
             "undrift-noise",
             "undrift-io",
+            "undrift-drive",
         ],
     ),
     (
@@ -33,9 +66,13 @@ const ALLOWED: [(&str, &[&str]); 14] = [
             "undrift-base",
             "undrift-nav",
             "undrift-engine",
+            "undrift-simulate",
             "undrift-noise",
             "undrift-io",
             "undrift-drive",
+            "undrift-tune",
+            "undrift-fleet",
+            "undrift-experiments",
         ],
     ),
     ("undrift-report", &["undrift", "undrift-base"]),
@@ -152,7 +189,16 @@ pub fn sources(folder: &Path, all: &mut Vec<PathBuf>) {
 fn no_result_is_serialised_by_hand() {
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut files = Vec::new();
-    for name in ["undrift", "drive", "report", "cli", "py"] {
+    for name in [
+        "undrift",
+        "drive",
+        "tune",
+        "fleet",
+        "experiments",
+        "report",
+        "cli",
+        "py",
+    ] {
         sources(&crates.join(name).join("src"), &mut files);
     }
     // The one place where text is made of a result.

@@ -2,10 +2,10 @@
 
 use super::super::inspect_held;
 use super::*;
-use crate::simulate::{GnssNoise, Trajectory, simulate};
 use std::fmt::Write as _;
 use undrift_io::Memory;
 use undrift_nav::sample::Position;
+use undrift_simulate::{GnssNoise, Trajectory, simulate};
 
 /// The IMU of a drive, in rad/s and g, z up, with `alter` on each of its samples, and its fixes, with velocities that are
 /// alternately so much too large and too small [m/s].

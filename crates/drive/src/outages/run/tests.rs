@@ -1,15 +1,11 @@
 //! Which statistic is of what, and which noise the errors are judged by.
 
 use super::*;
-use crate::{
-    outages::result::result,
-    replay::Outage,
-    results::Number,
-    simulate::{GnssNoise, Trajectory, simulate},
-};
+use crate::{outages::result::result, replay::Outage, results::Number};
 use undrift_nav::{
     Matrix3, Quaternion, Vector3, covariance::AXES, earth::Geodetic, shaping::ShapingFilter,
 };
+use undrift_simulate::{GnssNoise, Trajectory, simulate};
 
 const RATE: f64 = 50.0;
 
