@@ -1,4 +1,4 @@
-"""Golden mixed models for crates/undrift/src/fleet/mixed/tests.rs, by statsmodels' MixedLM (REML).
+"""Golden mixed models for crates/fleet/src/mixed/tests.rs, by statsmodels' MixedLM (REML).
 
 python3 -m venv venv && venv/bin/pip install statsmodels==0.15.0 scipy==1.17.1 && venv/bin/python testdata/golden/mixed.py
 

@@ -1,8 +1,9 @@
 //! The presets of noise models as a table.
 
 use undrift::{
+    base::number::rounded,
     nav::units::{Quantity, unit_factor},
-    noise::{AxisModel, ImuModel, number::rounded},
+    noise::{AxisModel, ImuModel},
 };
 
 const HEADS: [[&str; 2]; 8] = [

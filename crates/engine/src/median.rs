@@ -1,4 +1,4 @@
-//! Medians. As `undrift_noise::order_statistics`, which this crate may not depend on.
+//! Medians. As `undrift_base::order_statistics`, which this crate may not depend on.
 
 use alloc::vec::Vec;
 

@@ -23,13 +23,13 @@ use crate::{
     correlation::{self, Partial},
     drift_score::{self, HORIZONS_S, Scored},
     normality::{self, Normality},
-    number::rounded,
     screening::{DeadBand, RecordError, Trend, bridge::inflation},
     spectrum,
     stationarity::{self, Adf, Deterministic, Kpss, KpssLags, Lags, PhillipsPerron},
     temperature::{self, Regressors},
     whiteness,
 };
+use undrift_base::number::rounded;
 use undrift_nav::earth::STANDARD_GRAVITY;
 
 /// Lags of the autocorrelations reported.

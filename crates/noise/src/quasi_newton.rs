@@ -81,7 +81,7 @@ impl<'a> Objective<'a> {
     }
 
     pub(crate) fn at_all(&mut self, z: &[Vec<f64>]) -> Vec<f64> {
-        crate::interrupt::check();
+        undrift_base::interrupt::check();
         self.evaluations += z.len();
         let mut values = (self.function)(z);
         for value in values.iter_mut().filter(|value| value.is_nan()) {

@@ -20,9 +20,9 @@ pub use lift::{Lifted, lift};
 
 use crate::arma::{ArmaError, ArmaFit, FitOptions, fit};
 use crate::composite::{CompositeError, average_in_blocks};
-use crate::number::OrNull;
-use crate::parallel;
 use serde::{Deserialize, Serialize};
+use undrift_base::number::OrNull;
+use undrift_base::parallel;
 use undrift_nav::shaping::ShapingFilter;
 
 /// Block lengths tried, in samples.

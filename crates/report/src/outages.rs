@@ -18,10 +18,10 @@ use crate::{
 use drift::drift;
 use undrift::{
     findings::{Severity, verdict},
-    noise::order_statistics::quantile,
     outages::is_clear_lead,
     results::{ModelErrors, Numbers, Outages},
 };
+use undrift_base::order_statistics::quantile;
 pub(crate) use way::{models_way, way};
 
 const HORIZONTAL: &str = "horizontal_m";

@@ -3,8 +3,8 @@
 use crate::{Block, PlotAxis, Series, say};
 use undrift::findings::{self, Finding};
 use undrift::nav::earth::Geodetic;
-use undrift::noise::order_statistics::quantile;
 use undrift::results::{Curve, Number, Track};
+use undrift_base::order_statistics::quantile;
 
 /// A result with its name; the name of a single one is empty.
 pub type Run<'a, T> = (String, &'a T);

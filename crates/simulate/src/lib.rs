@@ -114,7 +114,7 @@ pub fn simulate(
     let mut truth = Vec::with_capacity(samples as usize + 1);
     truth.push(walk.state().truth());
     for (ideal, reference) in walk {
-        undrift_noise::interrupt::check();
+        undrift_base::interrupt::check();
         imu.push(match &mut errors {
             Some(errors) => errors.apply(&ideal),
             None => ideal,

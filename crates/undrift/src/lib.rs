@@ -61,35 +61,22 @@
 //! `examples/` has a short program for each of the first three (`identify_record`, `navigate_slices`, `real_time`), and
 //! longer ones on files (`identify`, `navigate`, `outages`).
 //!
-//! A log's way through this crate: [`drive`] names files and columns, [`align`] finds the first
+//! A log's way through the house: [`drive`] names files and columns, [`align`] finds the first
 //! attitude, [`replay`] merges samples and fixes through the filter of `undrift-nav`, and
 //! [`mod@navigate`] or [`outages`] collect what comes out. [`mod@simulate`] makes logs with a known truth.
 
-pub mod columns;
-pub mod consistency;
-pub mod demo;
-pub mod drive;
-pub mod findings;
-pub mod fleet;
-mod hash;
-pub mod identify;
-pub mod inspect;
-pub mod montecarlo;
-pub mod mounting;
-pub mod navigate;
-pub mod outages;
-pub mod record;
-pub mod reference;
-pub mod replay;
-pub mod results;
-pub mod series;
 pub mod simulate;
 mod slices;
-pub mod smooth;
-mod temperature;
-pub mod tune;
-pub mod usability;
 
+pub use undrift_drive::{
+    columns, consistency, drive, findings, identify, inspect, mounting, navigate, outages, record,
+    reference, replay, results, series, smooth, usability,
+};
+pub use undrift_experiments::{demo, montecarlo};
+pub use undrift_fleet as fleet;
+pub use undrift_tune as tune;
+
+pub use undrift_base as base;
 pub use undrift_engine::{self as engine, align, estimator, fixes, settings, vehicle};
 pub use undrift_io as io;
 pub use undrift_nav as nav;

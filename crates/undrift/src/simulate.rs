@@ -8,7 +8,5 @@
 //! # Ok::<(), undrift::simulate::SimulationError>(())
 //! ```
 
-pub mod files;
-
-pub use files::SimulatedLog;
+pub use undrift_experiments::{SimulatedLog, simulated_log as files};
 pub use undrift_simulate::*;

@@ -3,19 +3,16 @@
 //! Both functions are the commands of their names on numbers in memory. What they do not ask for is set in a
 //! [`Drive`] built by [`Drive::from_samples`], or in [`identify::Settings`] and a [`Record`].
 
-use crate::{
-    align::AlignSettings,
+use undrift_drive::{
     drive::Drive,
-    engine::Navigator,
     findings::{self, Finding},
     identify::{self, Identified, RecordingError},
     navigate::{self, Hindsight, NavigateError, Report, Wanted},
     record::Record,
     results::AxisDoubt,
-    settings::Settings,
     usability::Usability,
-    vehicle::Profile,
 };
+use undrift_engine::{Navigator, align::AlignSettings, settings::Settings, vehicle::Profile};
 use undrift_io::write::solution::SolutionRow;
 use undrift_nav::{
     Vector3,

@@ -8,9 +8,9 @@
 
 use super::deviation::{Curve, DeviationKind, Point};
 use super::noise_type::noise_types;
-use crate::parallel;
 use crate::screening::record::RecordError;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
+use undrift_base::parallel;
 
 /// Terms of the sum over lags; with more it is an integral, or where that is not smooth, a sum on a
 /// coarser grid of lags.

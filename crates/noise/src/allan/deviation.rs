@@ -5,8 +5,8 @@
 //! to `S`, which none of them sees; without it `S` stays small and keeps its digits.
 
 use super::{every_factor, octaves};
-use crate::parallel;
 use crate::screening::record::{RecordError, check, check_rate, mean, prefix_sums};
+use undrift_base::parallel;
 
 /// Which deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -281,7 +281,7 @@ fn shared_pass(sums: &[f64], samples: usize, kind: DeviationKind, factors: &[usi
 
 /// Sum of squared differences of one factor.
 fn energy(sums: &[f64], samples: usize, kind: DeviationKind, m: usize) -> f64 {
-    crate::interrupt::check();
+    undrift_base::interrupt::check();
     match kind {
         DeviationKind::Overlapping | DeviationKind::Hadamard => {
             let terms = kind.terms(samples, m);
@@ -297,7 +297,7 @@ fn energy(sums: &[f64], samples: usize, kind: DeviationKind, m: usize) -> f64 {
 
 /// Sum of squared second (Allan) or third (Hadamard) differences that start in `start..end`.
 fn stretch_energy(sums: &[f64], kind: DeviationKind, m: usize, start: usize, end: usize) -> f64 {
-    crate::interrupt::check();
+    undrift_base::interrupt::check();
     let at = |shift: usize| &sums[start + shift * m..end + shift * m];
     if kind == DeviationKind::Hadamard {
         return third_energy(at(0), at(1), at(2), at(3));

@@ -21,8 +21,8 @@
 //! differences at their period, and where that is short, half of all factors are such.
 
 use super::sliding_products::Plan;
-use crate::parallel;
 use crate::screening::record::{mean, prefix_sums, sum_of};
+use undrift_base::parallel;
 
 /// Relative error up to which an energy is taken. The deviation has half of it, of which a record's
 /// chance is at least 1 / √(2N): 10⁵ times as much at 10⁸ samples.
@@ -149,7 +149,7 @@ fn pass(sums: &[f64], limit: usize, length: usize) -> Energies {
 
 /// The energies up to `limit` of one record or block.
 fn record(sums: &[f64], plan: &Plan) -> Energies {
-    crate::interrupt::check();
+    undrift_base::interrupt::check();
     let (mut x, squares) = less_line(sums);
     let whole = plan.whole(&x);
     let mut ends = Vec::new();

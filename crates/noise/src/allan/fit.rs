@@ -11,11 +11,11 @@ use super::confidence::edf;
 use super::covariance::Covariance;
 use super::deviation::{Curve, DeviationKind, Point};
 use super::nnls;
-use crate::number::OrNull;
 use crate::screening::record::RecordError;
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::{LN_2, PI};
+use undrift_base::number::OrNull;
 
 /// Least ratio of averaging times that the fit uses: an octave, a little less for rounding. Closer
 /// points are so correlated that they add nothing.

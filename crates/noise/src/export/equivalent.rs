@@ -5,7 +5,7 @@ use super::poles;
 use crate::bias_model::{HORIZON, SLOW, Slow, UNIT_ROOT_TAU};
 use crate::composite::GaussMarkov;
 use crate::model_file::{Arma, AxisModel, ImuModel, ModelError};
-use crate::number::rounded;
+use undrift_base::number::rounded;
 
 /// A density below this share of the innovations' is rounding: a bias alone has none.
 const ROUNDING: f64 = 1e-9;

@@ -9,7 +9,6 @@ use crate::{
     drift_score::HorizonScore,
     model_file::{self, AxisModel},
     normality::Normality,
-    number::rounded,
     pandit_wu::PanditWu,
     scales::Scales,
     screening::{Hanging, Motion, Outlier, Saturation},
@@ -18,6 +17,7 @@ use crate::{
     temperature::Estimate,
     whiteness::Portmanteau,
 };
+use undrift_base::number::rounded;
 
 /// One candidate model.
 #[derive(Clone, Debug)]

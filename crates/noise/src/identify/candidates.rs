@@ -19,13 +19,13 @@ use crate::{
     drift_score::{self, HorizonScore},
     model_file::{Arma, AxisModel},
     pandit_wu::{self, PanditWu, PanditWuOptions},
-    parallel,
     scales::{self, Scales},
     screening::bridge::bridge,
     temperature::Regressors,
     whiteness,
 };
 use folds::{Fold, TrainingSet};
+use undrift_base::parallel;
 use undrift_nav::shaping::ShapingFilter;
 
 /// Effort of the search over orders.

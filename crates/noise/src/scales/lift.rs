@@ -2,8 +2,8 @@
 
 use crate::arma::ArmaFit;
 use crate::composite::{CompositeTerms, GaussMarkov};
-use crate::number::OrNull;
 use serde::{Deserialize, Serialize};
+use undrift_base::number::OrNull;
 
 /// 1 − φ below which the averages' process is a random walk.
 const UNIT_ROOT: f64 = 1e-12;

@@ -1,8 +1,8 @@
 //! A record that is not static: it moves, or its sensor stands still.
 
 use super::record::{RecordError, check, mean_and_squares};
-use crate::order_statistics::upper_median;
 use serde::{Deserialize, Serialize};
+use undrift_base::order_statistics::upper_median;
 
 /// When a record counts as moving.
 #[derive(Clone, Copy, Debug, PartialEq)]

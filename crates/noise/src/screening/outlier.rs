@@ -3,8 +3,8 @@
 
 use super::record::{RecordError, check};
 use super::tail;
-use crate::order_statistics::{MAD_TO_SIGMA, upper_median};
 use serde::{Deserialize, Serialize};
+use undrift_base::order_statistics::{MAD_TO_SIGMA, upper_median};
 
 /// Median deviations at which squares are capped.
 const CAP: f64 = 5.0;

@@ -1,8 +1,8 @@
 //! What the time stamps of a record say: rate, jitter, gaps.
 
 use super::record::{RecordError, check};
-use crate::order_statistics::upper_median;
 use serde::{Deserialize, Serialize};
+use undrift_base::order_statistics::upper_median;
 
 /// Intervals longer than so many times the median are gaps.
 const GAP: f64 = 1.5;

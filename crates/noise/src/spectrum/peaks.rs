@@ -1,7 +1,7 @@
 //! Peaks of a density that stand out of the local median.
 
 use super::welch::Density;
-use crate::order_statistics::upper_median;
+use undrift_base::order_statistics::upper_median;
 
 /// Bins on either side of the one looked at that the median is taken over.
 const REACH: usize = 25;

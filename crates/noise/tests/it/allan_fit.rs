@@ -4,6 +4,7 @@ use crate::common::{self, close, number, reference, series};
 use rand_distr::{ChiSquared, Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng;
+use undrift_base::order_statistics::median;
 use undrift_noise::allan::confidence::{edf, intervals, intervals_of};
 use undrift_noise::allan::gauss_markov::gauss_markov_variance;
 use undrift_noise::allan::noise_types;
@@ -11,7 +12,6 @@ use undrift_noise::allan::{
     Curve, DeviationKind, Grid, deviations, deviations_at, fit_gauss_markov, fit_gauss_markov_from,
     fit_terms,
 };
-use undrift_noise::order_statistics::median;
 
 /// White noise `n` [u·√s] plus a random walk `k` [u/√s] at `rate` [Hz].
 fn white_and_walk(seed: u64, samples: usize, rate: f64, n: f64, k: f64) -> Vec<f64> {

@@ -191,7 +191,7 @@ fn the_parameters_of_simulated_records_are_recovered() {
     }
     let middle = |list: &[[f64; 3]], j: usize| {
         let values: Vec<f64> = list.iter().map(|v| v[j]).collect();
-        undrift_noise::order_statistics::median(&values)
+        undrift_base::order_statistics::median(&values)
     };
     let [by_lags, bounds, lowest] = &found;
     println!("{found:.3?}");

@@ -6,7 +6,7 @@ use crate::{
     numbers::short,
     parts::{Clock, axis_for, coinciding, model_pattern, quartiles, run_colour},
 };
-use undrift::noise::order_statistics::quantile;
+use undrift_base::order_statistics::quantile;
 
 /// What a caption says of lines with several names.
 const ONE: &str = "; models that differ by less than 1 % throughout are one line";

@@ -11,11 +11,11 @@
 mod random_starts;
 
 use rayon::prelude::*;
+use undrift_base::order_statistics::median;
 use undrift_nav::shaping::ShapingFilter;
 use undrift_noise::arma::{
     ArmaFit, FitOptions, Mean, ProfileInterval, Root, fit, profile_interval,
 };
-use undrift_noise::order_statistics::median;
 use undrift_noise::synthesis::NoiseGenerator;
 
 const PHI: f64 = 0.99995;

@@ -4,8 +4,8 @@
 //! `cargo run --release -p undrift-lab --bin demo_seeds -- [SETS] [FIRST SEED]`
 
 use undrift::{
+    base::order_statistics::{median, quantile},
     demo::{self, CUTS, DRIVES, Experiment, RECOMMENDED, Source},
-    noise::order_statistics::{median, quantile},
 };
 
 type Failure = Box<dyn std::error::Error>;

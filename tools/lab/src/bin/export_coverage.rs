@@ -8,11 +8,11 @@
 //! σ √(2/τ).
 
 use rayon::prelude::*;
+use undrift_base::order_statistics::median;
 use undrift_noise::{
     AxisModel, ImuModel, ModelFormat,
     composite::{CompositeFit, CompositeTerms, GaussMarkov, Parameter},
     identify::{Axis, Options, identify},
-    order_statistics::median,
     synthesis::NoiseGenerator,
 };
 

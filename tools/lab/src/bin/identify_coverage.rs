@@ -13,13 +13,13 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use undrift_base::order_statistics::median;
 use undrift_nav::shaping::ShapingFilter;
 use undrift_noise::{
     BiasModel,
     composite::{CompositeFit, CompositeTerms, GaussMarkov, Parameter, ParameterInterval},
     drift_score,
     identify::{Axis, Candidate, Options, identify},
-    order_statistics::median,
     screening::Trend,
     synthesis::NoiseGenerator,
 };

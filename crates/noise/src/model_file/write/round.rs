@@ -2,8 +2,8 @@
 //! near 1 mean their difference from it.
 
 use super::super::Arma;
-use crate::number::rounded;
 use std::f64::consts::PI;
+use undrift_base::number::rounded;
 use undrift_nav::shaping::ShapingFilter;
 
 /// Most that the power spectrum may change by rounded coefficients, relative: as six digits do.

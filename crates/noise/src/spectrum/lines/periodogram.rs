@@ -1,9 +1,9 @@
 //! The periodogram of a whole record, and the peaks of it that chance does not make.
 
-use crate::order_statistics::upper_median;
 use crate::screening::record::mean;
 use realfft::RealFftPlanner;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use undrift_base::order_statistics::upper_median;
 
 /// Bins of a band at each width looked at: each fits a resonance about as broad.
 const BANDS: [usize; 6] = [1, 4, 16, 64, 256, 1024];

@@ -1,0 +1,384 @@
+//! `DRIVE.toml`: which files make up a drive, what their columns mean, how the IMU sits, how to start.
+//!
+//! ```toml
+//! model = "adis16405"              # preset, file, or a [model] table
+//! [imu]
+//! file = "imu.csv.gz"
+//! time = "t_s"                     # column by name or number; without it, rate = "100 Hz"
+//! gyro = ["gx", "gy", "gz"]
+//! gyro_unit = "deg/s"
+//! accel = ["fx", "fy", "fz"]
+//! accel_unit = "g"
+//! axes = "x,-y,-z"                 # body forward, right, down from the sensor's axes
+//! [gnss]
+//! file = "gnss.csv.gz"
+//! time = "t_s"
+//! position = ["lat_deg", "lon_deg", "height_m"]
+//! position_std = "5, 5, 10 m"      # north, east, down
+//! lever_arm = "0.1, 0, -1.2 m"     # IMU to antenna, forward, right, down
+//! ```
+//!
+//! All keys are in `docs/drive-file.md`.
+
+mod aids;
+mod epoch;
+mod error;
+pub(crate) mod gnss;
+pub(crate) mod imu;
+mod logs;
+mod memory;
+mod scalars;
+mod section;
+pub(crate) mod tables;
+#[cfg(test)]
+mod tests;
+
+pub use aids::{Aids, scalars};
+pub use epoch::Beginning;
+pub(crate) use epoch::OTHER_CLOCK;
+pub use error::{ConfigError, DriveError};
+pub use imu::{ImuLog, load_imu};
+pub use logs::Logs;
+pub use scalars::{ScalarLog, Scalars};
+pub(crate) use section::DEGREES_MINUTES;
+pub use section::Section;
+pub use section::{parse, read_text};
+pub(crate) use tables::AXLE_STD;
+pub use tables::{read_initial, read_switch};
+
+use crate::{
+    align::AlignSettings,
+    columns::{IMU_STEP, time_unit},
+    replay::{GnssUse, QualityStd},
+    settings::fix_errors::{Correlation, StdFactors},
+    temperature,
+    vehicle::Constraints,
+};
+use std::path::{Path, PathBuf};
+use undrift_base::number::rounded;
+use undrift_io::{
+    ReadError,
+    epoch::Epoch,
+    gnss::{GnssReader, GnssSource},
+    imu::{ImuFormat, ImuReader, ImuSource},
+    reader::{Kind, Reader},
+    scalar::ScalarReader,
+    source::BytesRead,
+    truth::{TruthReader, TruthSource},
+};
+use undrift_nav::{Vector3, covariance::AXES, parameters::Parameters, units::Quantity};
+use undrift_noise::ImuModel;
+
+/// A drive, ready to be read: from files, [`Drive::load`], or from memory, [`Drive::from_samples`].
+///
+/// All that takes a drive works with either:
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{BiasModel, Drive, ImuModel, Vector3, navigate::Wanted, navigate_drive};
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, None, &GnssNoise::default(), 1)?;
+///
+/// let drive = Drive {
+///     model: ImuModel::preset("adis16465"),
+///     adapt: true,
+///     ..Drive::from_samples(&log.imu, &log.gnss)
+/// }
+/// .with_lever_arm(Vector3::new(0.3, 0.0, -1.2))
+/// .with_truth(&log.truth);
+/// let report = navigate_drive(&drive, BiasModel::Arma, Wanted::default())?;
+/// assert!(report.summary.fixes > 0 && report.rmse.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Drive {
+    /// Inertial log.
+    pub imu: (PathBuf, ImuFormat),
+    /// Bytes read of the inertial log since it was opened last, for progress bars.
+    pub imu_read: BytesRead,
+    /// Whether the IMU's mounting is to be estimated from the log ([`crate::mounting`]): until then
+    /// body axes are the sensor's own.
+    pub estimate_mounting: bool,
+    /// Where the sensors' white noise follows their vibration: the factors of its standard deviation, axis by axis.
+    pub vibration: Option<[f64; AXES]>,
+    /// GNSS log.
+    pub gnss: (PathBuf, GnssSource),
+    /// Logs of sensors that measure one number, where there are such.
+    pub scalars: Scalars,
+    /// Which parts of a fix are used.
+    pub gnss_use: GnssUse,
+    /// Reference solution, if there is one.
+    pub truth: Option<(PathBuf, TruthSource)>,
+    /// IMU → antenna, body axes \[m\].
+    pub lever_arm: Vector3,
+    /// How to start.
+    pub align: AlignSettings,
+    /// Constants that are estimated beside the sensors' errors.
+    pub parameters: Parameters,
+    /// What is known of the vehicle.
+    pub constraints: Constraints,
+    /// Whether fixes pass a gate.
+    pub gating: bool,
+    /// Whether the stated standard deviations of the fixes are corrected by the innovations.
+    pub adapt: bool,
+    /// How the kind of solution bears on the standard deviation of a position.
+    pub quality: QualityStd,
+    /// The time-correlated part of the position's error.
+    pub correlation: Correlation,
+    /// Factors on the standard deviations of the two parts of the fixes' errors.
+    pub std_factors: StdFactors,
+    /// Noise model of the IMU, if the file names one.
+    pub model: Option<ImuModel>,
+    /// What the times of the samples count from, where a log or the drive file tells it.
+    pub epoch: Option<Epoch>,
+    /// How the inertial log begins.
+    pub beginning: Beginning,
+    /// Where its logs are.
+    pub logs: Logs,
+}
+
+impl Drive {
+    /// Reads `DRIVE.toml`. File names in it are relative to `data` or, without it, to its own
+    /// folder; a model file always to its own folder.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or as [`Drive::from_toml`].
+    pub fn load(path: &Path, data: Option<&Path>) -> Result<Self, DriveError> {
+        let (text, file) = read_text(path)?;
+        let home = path.parent().unwrap_or(Path::new(""));
+        Self::from_toml(&text, &file, home, data.unwrap_or(home))
+    }
+
+    /// Reads the text of a `DRIVE.toml`; `file` is what messages call it, `home` where a model file
+    /// lies, `data` where the logs lie.
+    ///
+    /// # Errors
+    /// [`DriveError::Config`] where the text is no TOML, or a key is missing, unknown or has a wrong value, with
+    /// its line; [`DriveError::Model`] for the model; [`DriveError::Read`] where a log has to be looked into
+    /// and cannot be read.
+    pub fn from_toml(text: &str, file: &str, home: &Path, data: &Path) -> Result<Self, DriveError> {
+        let folder = data.to_path_buf();
+        let logs = Logs {
+            folder,
+            ..Logs::default()
+        };
+        Self::with_logs(text, file, home, logs)
+    }
+
+    /// As [`Drive::from_toml`], of logs that are held already.
+    ///
+    /// # Errors
+    /// As [`Drive::from_toml`].
+    pub fn with_logs(
+        text: &str,
+        file: &str,
+        home: &Path,
+        mut logs: Logs,
+    ) -> Result<Self, DriveError> {
+        let table = parse(text, file)?;
+        let top = Section::top(table.get_ref(), text, file);
+        let tables = ["model", "epoch", "initial", "span", "vehicle", "states"];
+        top.only(&Vec::from_iter(tables.into_iter().chain(log_tables())))?;
+        logs.span = tables::read_span(&top.section("span")?)?;
+        let gnss = top.section("gnss")?;
+        let gnss_use = gnss::read_use(&gnss)?;
+        let antenna = gnss.vector("lever_arm", Quantity::Length)?;
+        let lever_arm = antenna.unwrap_or_else(Vector3::zeros);
+        if lever_arm.norm() > MOST_LEVER_ARM {
+            let message = format!(
+                "{:.0} m is longer than any vehicle: check the unit",
+                lever_arm.norm()
+            );
+            return Err(gnss.error("lever_arm", message).into());
+        }
+        let (constraints, parameters) = tables::read_vehicle(&top.section("vehicle")?)?;
+        let (imu, options) = imu::read_imu(&top.section("imu")?, &mut logs)?;
+        let parameters =
+            tables::read_states(&top.section("states")?, parameters, antenna.is_some())?;
+        let (scalars, parameters) = scalars::read(&top, &mut logs, parameters)?;
+        let mut drive = Self {
+            parameters,
+            scalars,
+            constraints,
+            gating: tables::read_switch(&gnss, "gate")?.unwrap_or(true),
+            imu,
+            imu_read: BytesRead::default(),
+            estimate_mounting: options.estimate_mounting,
+            vibration: options.vibration,
+            adapt: tables::read_switch(&gnss, "adapt")?.unwrap_or(false),
+            quality: gnss::read_quality(&gnss)?,
+            correlation: gnss::read_correlation(&gnss)?,
+            std_factors: gnss::read_std_factors(&gnss)?,
+            gnss: gnss::read_gnss(&gnss, &mut logs)?,
+            truth: tables::read_truth(&top.section("truth")?, &mut logs)?,
+            gnss_use,
+            lever_arm,
+            align: tables::read_initial(&top.section("initial")?)?,
+            model: top.model("model", home)?,
+            epoch: None,
+            beginning: Beginning::default(),
+            logs,
+        };
+        drive.date(epoch::read_epoch(&top)?);
+        Ok(drive)
+    }
+
+    /// The logs that the drive reads.
+    pub fn logs(&self) -> Vec<&Path> {
+        let scalars = self.scalars.iter().flatten().map(|(path, _)| path);
+        let truth = self.truth.iter().map(|(path, _)| path);
+        let logs = [&self.imu.0, &self.gnss.0].into_iter();
+        logs.chain(scalars)
+            .chain(truth)
+            .map(PathBuf::as_path)
+            .collect()
+    }
+
+    /// Opens the inertial log from its start; its samples are without the bias that the model has over temperature, where the log
+    /// has one.
+    ///
+    /// # Errors
+    /// If the file cannot be opened, is not of its format or lacks a column or stream.
+    pub fn open_imu(&self) -> Result<ImuReader, ReadError> {
+        let (path, format) = &self.imu;
+        let opened = self.logs.open(path, &self.imu_read)?;
+        temperature::corrected(opened, format, self.model.as_ref())
+    }
+
+    /// Opens the GNSS log from its start.
+    ///
+    /// # Errors
+    /// As [`Drive::open_imu`].
+    pub fn open_gnss(&self) -> Result<GnssReader, ReadError> {
+        self.logs.read(&self.gnss.0, &self.gnss.1)
+    }
+
+    /// Opens the logs of one number that there are from their start.
+    ///
+    /// # Errors
+    /// As [`Drive::open_imu`].
+    pub fn open_scalars(&self) -> Result<Vec<(ScalarLog, ScalarReader)>, ReadError> {
+        let mut opened = Vec::new();
+        for log in ScalarLog::ALL {
+            if let Some(reader) = self.open_optional(&self.scalars[log])? {
+                opened.push((log, reader));
+            }
+        }
+        Ok(opened)
+    }
+
+    /// Opens the logs that aid it from their start: fixes and whatever else is measured.
+    ///
+    /// # Errors
+    /// As [`Drive::open_imu`].
+    pub fn open_aids(&self) -> Result<Aids, ReadError> {
+        Ok(Aids {
+            gnss: self.open_gnss()?,
+            scalars: self.open_scalars()?,
+        })
+    }
+
+    /// Opens the reference from its start, if there is one.
+    ///
+    /// # Errors
+    /// As [`Drive::open_imu`].
+    pub fn open_truth(&self) -> Result<Option<TruthReader>, ReadError> {
+        self.open_optional(&self.truth)
+    }
+
+    fn open_optional<K: Kind>(
+        &self,
+        log: &Option<(PathBuf, K::Options)>,
+    ) -> Result<Option<Reader<K>>, ReadError> {
+        let log = log.as_ref();
+        log.map(|(path, options)| self.logs.read(path, options))
+            .transpose()
+    }
+
+    /// The log's sample interval \[s\]: stated by `imu.rate`, else the mean over its first samples,
+    /// gaps left out.
+    ///
+    /// # Errors
+    /// If the log cannot be read, is too short, or is at another rate than stated, by a fifth or
+    /// more, or at one that no IMU has.
+    pub fn sample_interval(&self) -> Result<f64, ReadError> {
+        let interval = self.any_interval()?;
+        if INTERVALS.contains(&interval) {
+            return Ok(interval);
+        }
+        let rate = 1.0 / interval;
+        let wrong = match interval > *INTERVALS.end() {
+            true => "slow",
+            false => "fast",
+        };
+        let unit = time_unit(&[0.0, interval], IMU_STEP).filter(|(unit, _)| *unit != "s");
+        let is_table = matches!(self.imu.1.source, ImuSource::Table { .. });
+        let mend = match (self.imu.1.has_times(), unit) {
+            _ if !is_table => "choose another log, or another topic of it".to_owned(),
+            (true, Some((unit, _))) => {
+                format!("the times look like {unit}: set imu.time_unit = \"{unit}\"")
+            }
+            (true, None) => "correct imu.time_unit".to_owned(),
+            (false, _) => "correct imu.rate".to_owned(),
+        };
+        let problem = format!(
+            "{} Hz is too {wrong} for an IMU",
+            rounded(rate, RATE_DIGITS)
+        );
+        Err(ReadError::new(&self.imu.0, problem).mend(mend))
+    }
+
+    fn any_interval(&self) -> Result<f64, ReadError> {
+        let stated = self.imu.1.rate_hz.map(|rate| 1.0 / rate);
+        if let (Some(interval), false) = (stated, self.imu.1.has_times()) {
+            return Ok(interval);
+        }
+        match (stated, self.beginning.interval) {
+            (Some(stated), Some(measured)) if !(0.8..1.25).contains(&(measured / stated)) => {
+                let problem = format!(
+                    "the time column gives {} Hz, but imu.rate is {} Hz",
+                    rounded(1.0 / measured, RATE_DIGITS),
+                    rounded(1.0 / stated, RATE_DIGITS)
+                );
+                Err(ReadError::new(&self.imu.0, problem).mend("correct imu.rate or remove it"))
+            }
+            (Some(interval), _) | (None, Some(interval)) => Ok(interval),
+            (None, None) => {
+                // As short as it is, or as far as it can be read.
+                let unreadable = self.open_imu()?.find_map(Result::err);
+                let few = "has too few samples to determine the sample rate";
+                Err(unreadable.unwrap_or_else(|| ReadError::new(&self.imu.0, few)))
+            }
+        }
+    }
+}
+
+/// The files that a drive file's text names, by their tables: "imu", "gnss" and so on, and "model", which
+/// may be a preset as well. Of a text that is no drive file, those that can be told.
+pub fn files_named(text: &str) -> Vec<(&'static str, String)> {
+    let Ok(table) = parse(text, "") else {
+        return Vec::new();
+    };
+    let top = Section::top(table.get_ref(), text, "");
+    let mut named: Vec<_> = log_tables()
+        .filter_map(|log| Some((log, top.section(log).ok()?.text("file").ok()??.to_owned())))
+        .collect();
+    let model = top.text("model").ok().flatten();
+    named.extend(model.map(|name| ("model", name.to_owned())));
+    named
+}
+
+/// Tables of a drive file that name a log.
+pub fn log_tables() -> impl Iterator<Item = &'static str> {
+    let scalars = ScalarLog::ALL.map(ScalarLog::name);
+    ["imu", "gnss"].into_iter().chain(scalars).chain(["truth"])
+}
+
+/// Longest lever arm \[m\]: the largest ships are 400 m long.
+const MOST_LEVER_ARM: f64 = 100.0;
+
+/// Sample intervals that a log of an IMU may have \[s\].
+const INTERVALS: std::ops::RangeInclusive<f64> = 2e-5..=1.0;
+
+/// Digits of a rate in a message.
+const RATE_DIGITS: usize = 4;

@@ -1,0 +1,241 @@
+//! Whether a record is one of a sensor at rest, in the units that it is said to be in.
+
+use super::part::{Part, part_at_rest};
+use crate::{
+    inspect::{Known, about_gravity, unit_of_rates},
+    record::{Record, own_values},
+};
+use undrift_base::{number::rounded, order_statistics::upper_median};
+use undrift_nav::{
+    earth::STANDARD_GRAVITY,
+    units::{Quantity, unit_factor},
+};
+
+/// Rate beyond any turn-on constant [rad/s]: 20 deg/s of the cheapest sensors.
+const TURNING: f64 = 0.5;
+/// Rates that scatter by more than this from sample to sample [rad/s], 2.9 deg/s, three times what the noisiest sensor has,
+/// are no rad/s.
+const SCATTERING: f64 = 0.05;
+/// Whole numbers in more levels than this, called deg/s or rad/s, are counts.
+const LEVELS: usize = 4;
+/// Samples that a size is taken from.
+const PROBE: usize = 10_000;
+
+/// What the accelerometers' numbers are, more likely than what they are said to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Likely {
+    /// Specific forces in this unit.
+    Unit(&'static str),
+    /// Accelerations without gravity.
+    GravityRemoved,
+    /// Velocity increments.
+    Increments,
+    /// None of those.
+    Unknown,
+}
+
+/// Why a record is no static recording.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NotStatic {
+    /// Gravity has a wrong size.
+    #[error("the specific force is {} m/s², not 9.81", rounded(*force, 4))]
+    Force {
+        /// Median magnitude [m/s²].
+        force: f64,
+        /// What the numbers are instead.
+        likely: Likely,
+        /// Unit of the gyros as stated, if they have one.
+        gyro_unit: String,
+    },
+    /// Raw counts called a unit.
+    #[error("{axis} has whole numbers alone, from {} to {}, which are raw counts and not {unit}", range[0], range[1])]
+    Counts {
+        /// The axis.
+        axis: &'static str,
+        /// Unit as stated.
+        unit: String,
+        /// Unit of the accelerometers as stated.
+        accel_unit: String,
+        /// Least and largest number.
+        range: [f64; 2],
+    },
+    /// An axis turns faster than a constant of the sensor explains.
+    #[error("{axis} reads {} deg/s on average, more than any sensor at rest", rounded(rate.to_degrees(), 4))]
+    Turning {
+        /// The axis.
+        axis: &'static str,
+        /// Mean rate [rad/s].
+        rate: f64,
+    },
+    /// Rates called rad/s that scatter as deg/s do.
+    #[error("{axis} scatters by {} deg/s from sample to sample, more than any sensor at rest", rounded(scatter.to_degrees(), 3))]
+    Scattering {
+        /// The axis.
+        axis: &'static str,
+        /// Its quietest scatter [rad/s].
+        scatter: f64,
+        /// Unit of the accelerometers as stated.
+        accel_unit: String,
+    },
+    /// The sensor moves.
+    #[error("the IMU moves in {moving_s:.0} of {length_s:.0} s")]
+    Moving {
+        /// Time in motion \[s\].
+        moving_s: f64,
+        /// Length of the record \[s\].
+        length_s: f64,
+        /// Longest rest, from its start to its end after the record's first sample \[s\].
+        rest: Option<(f64, f64)>,
+    },
+}
+
+/// Why a record at a rate \[Hz\] is no static recording, if it is none. Of the axes that there are, those that
+/// tell are looked at: gravity takes three accelerometers. One that was handled before or after it lay still is
+/// static: that part is left out ([`super::prepare`]).
+pub fn not_static(record: &Record, rate_hz: f64) -> Option<NotStatic> {
+    static_part(record, rate_hz).err()
+}
+
+/// The part of a record at a rate \[Hz\] in which its sensor lies still.
+///
+/// # Errors
+/// Why it is no static recording.
+pub(super) fn static_part(record: &Record, rate_hz: f64) -> Result<Part, NotStatic> {
+    match wrong_numbers(record, rate_hz) {
+        Some(problem) => Err(problem),
+        None => part_at_rest(record, rate_hz),
+    }
+}
+
+/// What in a record's numbers no sensor at rest reads in the units stated.
+fn wrong_numbers(record: &Record, rate_hz: f64) -> Option<NotStatic> {
+    // Of a sensor that is slower than the record its own samples.
+    let own = record.samples.iter().map(|samples| own_values(samples));
+    let own: Vec<_> = own.collect();
+    let named = |sensor: &str| -> (Vec<(&'static str, &[f64])>, f64) {
+        let axes = record.axes.iter().zip(record.samples.iter().zip(&own));
+        let axes = axes.filter(|(name, _)| name.starts_with(sensor));
+        let mut own_hz = rate_hz;
+        let axes = axes.map(|(name, (samples, own))| match own {
+            Some((values, _, every)) => {
+                own_hz = rate_hz / every;
+                (*name, values.as_slice())
+            }
+            None => (*name, samples.as_slice()),
+        });
+        let axes = axes.collect();
+        (axes, own_hz)
+    };
+    let ((gyros, _), (accels, accel_hz)) = (named("gyro"), named("accel"));
+    let (gyro_unit, accel_unit) = record.units.clone().unwrap_or_default();
+    force(&accels, &accel_unit, &gyro_unit, accel_hz)
+        .or_else(|| counts(&gyros, &gyro_unit, &accel_unit))
+        .or_else(|| scattering(&gyros, &gyro_unit, &accel_unit))
+        .or_else(|| turning(&gyros))
+}
+
+fn force(
+    accels: &[(&'static str, &[f64])],
+    unit: &str,
+    gyro_unit: &str,
+    rate_hz: f64,
+) -> Option<NotStatic> {
+    let [(_, x), (_, y), (_, z)] = accels else {
+        return None;
+    };
+    let stride = (x.len() / PROBE).max(1);
+    let triples = x.iter().zip(*y).zip(*z).step_by(stride);
+    let mut sizes: Vec<f64> = triples
+        .map(|((x, y), z)| (x * x + y * y + z * z).sqrt())
+        .filter(|size| size.is_finite())
+        .collect();
+    if sizes.is_empty() {
+        return None;
+    }
+    let force = upper_median(&mut sizes);
+    if about_gravity([0.0, 0.0, force]) {
+        return None;
+    }
+    let number = force / unit_factor(unit, Quantity::Acceleration).unwrap_or(1.0);
+    let near = |value: f64| (0.85..1.15).contains(&(number / value));
+    const SIZES: [(&str, f64); 9] = [
+        ("m/s^2", STANDARD_GRAVITY),
+        ("g", 1.0),
+        ("mg", 1e3),
+        ("ug", 1e6),
+        ("LSB/16384 g", 16384.0),
+        ("LSB/8192 g", 8192.0),
+        ("LSB/4096 g", 4096.0),
+        ("LSB/2048 g", 2048.0),
+        ("LSB/256 g", 256.0),
+    ];
+    let likely = match SIZES.iter().find(|(_, gravity)| near(*gravity)) {
+        Some((unit, _)) => Likely::Unit(unit),
+        None if near(STANDARD_GRAVITY / rate_hz) => Likely::Increments,
+        None if force < 0.1 * STANDARD_GRAVITY => Likely::GravityRemoved,
+        None => Likely::Unknown,
+    };
+    Some(NotStatic::Force {
+        force,
+        likely,
+        gyro_unit: gyro_unit.to_owned(),
+    })
+}
+
+/// Gyros of whole numbers: a step of 1 deg/s is coarser than any has.
+fn counts(gyros: &[(&'static str, &[f64])], unit: &str, accel_unit: &str) -> Option<NotStatic> {
+    let factor = unit_factor(unit, Quantity::AngularRate).ok()?;
+    if factor < 1f64.to_radians() * (1.0 - 1e-9) {
+        return None;
+    }
+    gyros.iter().find_map(|(axis, samples)| {
+        let numbers = samples.iter().filter(|x| !x.is_nan());
+        let numbers = numbers.map(|x| x / factor);
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        for number in numbers {
+            // Turned from the unit into SI and back.
+            if (number - number.round()).abs() > 1e-9 * number.abs().max(1.0) {
+                return None;
+            }
+            range = [range[0].min(number.round()), range[1].max(number.round())];
+        }
+        (range[1] - range[0] >= LEVELS as f64).then(|| NotStatic::Counts {
+            axis,
+            unit: unit.to_owned(),
+            accel_unit: accel_unit.to_owned(),
+            range,
+        })
+    })
+}
+
+fn scattering(gyros: &[(&'static str, &[f64])], unit: &str, accel_unit: &str) -> Option<NotStatic> {
+    let radians = unit_factor(unit, Quantity::AngularRate).ok()? == 1.0;
+    gyros
+        .iter()
+        .filter(|_| radians)
+        .find_map(|(axis, samples)| {
+            let begin = samples.iter().take(PROBE).map(|rate| [*rate; 3]);
+            match unit_of_rates(&Vec::from_iter(begin)) {
+                (_, Known::LargeScatter(scatter)) if scatter > SCATTERING => {
+                    Some(NotStatic::Scattering {
+                        axis,
+                        scatter,
+                        accel_unit: accel_unit.to_owned(),
+                    })
+                }
+                _ => None,
+            }
+        })
+}
+
+fn turning(gyros: &[(&'static str, &[f64])]) -> Option<NotStatic> {
+    gyros.iter().find_map(|(axis, samples)| {
+        let finite = samples.iter().filter(|x| !x.is_nan());
+        let (sum, count) = finite.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
+        let rate: f64 = sum / count;
+        (rate.abs() > TURNING).then_some(NotStatic::Turning { axis, rate })
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,130 @@
+//! Drives whose sensors are altered, and what the inspection makes of them.
+
+use super::super::inspect_held;
+use super::*;
+use std::fmt::Write as _;
+use undrift_io::Memory;
+use undrift_nav::sample::Position;
+use undrift_simulate::{GnssNoise, Trajectory, simulate};
+
+/// The IMU of a drive, in rad/s and g, z up, with `alter` on each of its samples, and its fixes, with velocities that are
+/// alternately so much too large and too small [m/s].
+fn files(alter: impl Fn(&mut Vector3, &mut Vector3), off: f64) -> [Inspection; 2] {
+    let noise = GnssNoise::default();
+    let log = simulate(&Trajectory::car(180.0, 3), 50.0, None, &noise, 3).unwrap();
+    let mut imu = "time_s,gx,gy,gz,ax,ay,az\n".to_owned();
+    for (k, sample) in log.imu.iter().enumerate() {
+        let up = Vector3::new(1.0, -1.0, -1.0) / sample.dt;
+        // As much white noise as tells rad/s from deg/s.
+        let white = 0.002 * f64::from(k as u32 % 2 * 2) - 0.002;
+        let mut gyro = sample.dtheta.component_mul(&up).add_scalar(white);
+        let mut accel = sample.dvel.component_mul(&up) / STANDARD_GRAVITY;
+        alter(&mut gyro, &mut accel);
+        let ([p, q, r], [x, y, z]) = (gyro.into(), <[f64; 3]>::from(accel));
+        let _ = writeln!(imu, "{:.3},{p},{q},{r},{x},{y},{z}", sample.time);
+    }
+    let mut gnss = "time_s,lat_deg,lon_deg,height_m,vn_mps,ve_mps,vd_mps\n".to_owned();
+    for (fix, off) in log.gnss.iter().zip([off, -off].into_iter().cycle()) {
+        let (Some((Position::Geodetic(place), _)), Some((v, _))) = (fix.position, fix.velocity)
+        else {
+            panic!("{fix:?}");
+        };
+        let (lat, lon) = (place.lat.to_degrees(), place.lon.to_degrees());
+        let height = place.height;
+        let _ = writeln!(
+            gnss,
+            "{},{lat},{lon},{height},{},{},{}",
+            fix.time,
+            v.x + off,
+            v.y + off,
+            v.z
+        );
+    }
+    [("imu.csv", imu), ("gnss.csv", gnss)].map(|(name, text)| {
+        let held = Memory::Bytes(text.into_bytes().into());
+        inspect_held(Path::new(name), held).unwrap()
+    })
+}
+
+/// The lines and notes of the IMU of a drive with `alter` on each of its samples.
+fn inspected(
+    alter: impl Fn(&mut Vector3, &mut Vector3),
+) -> (Vec<(&'static str, String)>, Vec<Note>) {
+    let mut of = files(alter, 0.0);
+    motion(&mut of);
+    let [imu, _] = of;
+    let lines = imu.parts[0].lines.iter();
+    let lines = lines.map(|line| (line.key, line.value.clone())).collect();
+    (lines, imu.found)
+}
+
+#[track_caller]
+fn units(alter: impl Fn(&mut Vector3, &mut Vector3)) -> [String; 2] {
+    let (lines, found) = inspected(alter);
+    assert!(
+        lines.iter().any(|(key, _)| SITS.contains(key)) && found.is_empty(),
+        "{lines:?} {found:?}"
+    );
+    ["gyro_unit", "accel_unit"].map(|of| {
+        let line = lines.iter().find(|(key, _)| *key == of);
+        line.unwrap().1.trim_matches('"').to_owned()
+    })
+}
+
+#[test]
+fn axes_with_a_wrong_sign_are_found_by_the_motion() {
+    assert_eq!(units(|_, _| ()), ["rad/s", "g"]);
+    let turned = units(|gyro, _| gyro.z = -gyro.z);
+    assert_eq!(turned, ["rad/s, rad/s, -rad/s", "g"]);
+    let forward = units(|_, accel| accel.y = -accel.y);
+    assert_eq!(forward, ["rad/s", "g, -g, g"]);
+    // Whichever of the axes of a left-handed triad is reversed is the same but for a rotation.
+    let mirrored = units(|gyro, accel| {
+        gyro.y = -gyro.y;
+        accel.y = -accel.y;
+    });
+    assert_eq!(mirrored, ["rad/s, -rad/s, rad/s", "g, -g, g"]);
+    let mirrored = units(|gyro, accel| {
+        gyro.swap_rows(0, 1);
+        accel.swap_rows(0, 1);
+    });
+    assert_eq!(mirrored, ["rad/s, -rad/s, rad/s", "g, -g, g"]);
+}
+
+#[test]
+fn forces_without_gravity_show_no_mounting() {
+    let (lines, found) = inspected(|_, accel| accel.z -= 1.0);
+    assert!(
+        !lines.iter().any(|(key, _)| SITS.contains(key)),
+        "{lines:?}"
+    );
+    assert!(
+        matches!(found[..], [Note::NoGravity { ratio }] if ratio < 0.05),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn a_drive_fits_whose_velocities_differ_by_no_more_than_is_stated() {
+    let of = |off: f64| {
+        let files = files(|_, _| (), off);
+        let mut logs = Logs::default();
+        let mut text = format!("model = \"{GUESS}\"\n");
+        for Inspection {
+            file, held, parts, ..
+        } in &files
+        {
+            text += &section(file, &parts[0]);
+            let held = held.iter().map(|held| (file.clone(), held.clone()));
+            logs.memory.extend(held);
+        }
+        let drive = Drive::with_logs(&text, "", Path::new(""), logs).unwrap();
+        let resolved = resolve_mounting(&drive).unwrap();
+        // Neither implausible nor with fixes that are rejected.
+        assert!(fit(resolved.clone()).is_some(), "{off}");
+        is_fitting(resolved)
+    };
+    // Half of σ, and one and a half.
+    assert!(of(0.1));
+    assert!(!of(0.3));
+}

@@ -1,0 +1,274 @@
+//! Which columns of a table are a receiver's position, velocity and accuracy, and in which units.
+
+use super::{
+    columns::{Columns, NAMES, all, three_of},
+    known::Known,
+    parts::Line,
+};
+use crate::columns::{FIX_STEP, ordinary_step};
+use crate::drive::DEGREES_MINUTES;
+use undrift_base::order_statistics::upper_median;
+use undrift_io::angle::{are_degrees_minutes, of_degrees_minutes};
+use undrift_nav::{
+    Vector3,
+    earth::Geodetic,
+    units::{Quantity, unit_factor},
+};
+
+/// Integers of 1e-7 degrees.
+const INTEGERS: &str = "LSB/1e7 deg";
+/// Standard deviations to begin with.
+const POSITION_STD: &str = "3, 3, 6 m";
+const VELOCITY_STD: &str = "0.2, 0.2, 0.4 m/s";
+/// The same where the vertical velocity is not known.
+const LEVEL_VELOCITY_STD: &str = "0.2, 0.2, 20 m/s";
+/// Whole numbers from here on, as standard deviations of fixes, are mm or mm/s.
+const LARGE_STD: f64 = 50.0;
+/// Most that a speed in the right unit differs from that of the positions.
+const ALIKE: std::ops::Range<f64> = 0.7..1.4;
+
+impl Columns {
+    /// The lines of a place: columns and their units.
+    pub(super) fn place(&self, place: [usize; 3]) -> Vec<Line> {
+        if all(&self.found.place).is_none() {
+            return vec![self.three("ecef", place)];
+        }
+        let mut lines = vec![self.three("position", place)];
+        let angles = three_of(&self.table.rows, place);
+        let small = angles.iter().all(|[lat, lon, _]| {
+            lat.abs() <= std::f64::consts::FRAC_PI_2 && lon.abs() <= std::f64::consts::PI
+        });
+        match self.unit(place[0]) {
+            Some(unit) if unit == "deg" => {}
+            Some(unit) => lines.push(Line::text("position_unit", &unit, NAMES)),
+            None if self.are_degrees_minutes(place) => {
+                let known = Known::Numbers { several: true };
+                lines.push(Line::text("position_unit", DEGREES_MINUTES, known));
+            }
+            None if self.are_integers(place) => {
+                lines.push(Line::text("position_unit", INTEGERS, Known::Integers));
+            }
+            None if small && !angles.is_empty() => {
+                lines.push(Line::text("position_unit", "rad", Known::SmallPlaces));
+            }
+            None => {}
+        }
+        lines
+    }
+
+    /// The unit of the heights: receivers that count 1e-7 degrees count millimetres.
+    fn height_unit(&self, place: [usize; 3]) -> Option<Line> {
+        match self.unit(place[2]) {
+            Some(unit) if unit == "m" => None,
+            Some(unit) => Some(Line::text("height_unit", &unit, NAMES)),
+            None => self
+                .are_integers(place)
+                .then(|| Line::text("height_unit", "mm", Known::Integers)),
+        }
+    }
+
+    /// Whether latitudes and longitudes are integers of 1e-7 degrees, and heights integers too.
+    fn are_integers(&self, place: [usize; 3]) -> bool {
+        let places = three_of(&self.table.rows, place);
+        let whole = places.iter().flatten().all(|number| number.fract() == 0.0);
+        let beyond = places
+            .iter()
+            .any(|[lat, lon, _]| lat.abs() > 360.0 || lon.abs() > 360.0);
+        let within = places
+            .iter()
+            .all(|[lat, lon, _]| lat.abs() <= 90e7 && lon.abs() <= 180e7);
+        whole && beyond && within
+    }
+
+    /// Whether latitudes and longitudes are degrees times 100 and minutes.
+    fn are_degrees_minutes(&self, place: [usize; 3]) -> bool {
+        let places = three_of(&self.table.rows, place);
+        !places.is_empty()
+            && places
+                .iter()
+                .all(|[lat, lon, _]| are_degrees_minutes(*lat, *lon))
+    }
+
+    /// Whether velocities beside places that are counted are integers too: mm/s.
+    fn are_thousandths(&self, place: [usize; 3], velocity: [usize; 3]) -> bool {
+        let velocities = three_of(&self.table.rows, velocity);
+        let mut numbers = velocities.iter().flatten();
+        self.are_integers(place)
+            && !velocities.is_empty()
+            && numbers.all(|number| number.fract() == 0.0)
+    }
+
+    /// The lines of a velocity along axes.
+    pub(super) fn velocity(&self) -> Vec<Line> {
+        let Some(velocity) = all(&self.found.velocity) else {
+            let Some(velocity) = all(&self.found.ecef_velocity) else {
+                return Vec::new();
+            };
+            let axes = Line::text("velocity_axes", "ecef", NAMES);
+            return vec![self.three("velocity", velocity), axes];
+        };
+        let mut lines = vec![self.three("velocity", velocity)];
+        if self.found.up {
+            let known = match self.found.known {
+                Known::Name { .. } => NAMES,
+                _ => Known::Numbers { several: true },
+            };
+            lines.push(Line::text("velocity_axes", "north,east,up", known));
+        }
+        lines
+    }
+
+    pub(super) fn gnss(&self, place: [usize; 3]) -> Vec<Line> {
+        let (mut lines, _) = self.time(FIX_STEP);
+        lines.extend(self.place(place));
+        if all(&self.found.place).is_some() {
+            lines.extend(self.height_unit(place));
+        }
+        let [across, up, fast] = self.found.accuracy;
+        let accuracy = across.map(|across| [across, across, up.unwrap_or(across)]);
+        let std = all(&self.found.position_std).or(accuracy);
+        lines.extend(match std {
+            Some(std) => self.stds(
+                "position_std",
+                std,
+                Quantity::Length,
+                self.are_integers(place),
+            ),
+            None => vec![Line::text("position_std", POSITION_STD, Known::NoColumns)],
+        });
+        let velocity = self.velocity();
+        let is_level = velocity.is_empty();
+        let (velocity, unit) = match self.found.polar {
+            // Their unit takes a look at the numbers.
+            [Some(speed), Some(course)] if is_level && !self.table.rows.is_empty() => {
+                let polar = [("speed", speed), ("course", course)];
+                let line =
+                    |(key, place)| Line::new(key, self.name(place), self.found.known.clone());
+                (Vec::from(polar.map(line)), self.speed_unit(place, speed))
+            }
+            _ => {
+                let unit = self.found.velocity[0].and_then(|place| self.unit(place));
+                let counts = all(&self.found.velocity)
+                    .filter(|velocity| unit.is_none() && self.are_thousandths(place, *velocity));
+                let unit = match (unit, counts) {
+                    (None, Some(_)) => Some(Line::text("velocity_unit", "mm/s", Known::Integers)),
+                    (unit, _) => unit
+                        .filter(|unit| unit != "m/s")
+                        .map(|unit| Line::text("velocity_unit", &unit, NAMES)),
+                };
+                (velocity, unit)
+            }
+        };
+        if velocity.is_empty() {
+            return lines;
+        }
+        lines.extend(velocity);
+        lines.extend(unit);
+        let std = all(&self.found.velocity_std).or(fast.map(|fast| [fast; 3]));
+        lines.extend(match std.filter(|_| !is_level) {
+            Some(std) => self.stds(
+                "velocity_std",
+                std,
+                Quantity::Velocity,
+                self.are_integers(place),
+            ),
+            None => {
+                let level = if is_level {
+                    LEVEL_VELOCITY_STD
+                } else {
+                    VELOCITY_STD
+                };
+                vec![Line::text("velocity_std", level, Known::NoColumns)]
+            }
+        });
+        lines
+    }
+
+    /// The lines of standard deviations in columns; those of a receiver that counts are in thousandths.
+    fn stds(&self, key: &'static str, std: [usize; 3], of: Quantity, counts: bool) -> Vec<Line> {
+        let (columns, factor) = match key {
+            "position_std" => ("position_std_columns", "position_std_factor"),
+            _ => ("velocity_std_columns", "velocity_std_factor"),
+        };
+        let mut lines = vec![self.three(columns, std)];
+        let named = self
+            .unit(std[0])
+            .and_then(|unit| unit_factor(&unit, of).ok());
+        let whole = three_of(&self.table.rows, std)
+            .iter()
+            .flatten()
+            .all(|number| number.fract() == 0.0);
+        // Of metres they would say that there is no fix.
+        let mut sizes: Vec<f64> = three_of(&self.table.rows, std)
+            .iter()
+            .map(|std| std[0])
+            .collect();
+        let large = !sizes.is_empty() && upper_median(&mut sizes) >= LARGE_STD;
+        match named {
+            Some(1.0) => {}
+            Some(scale) => lines.push(Line::new(factor, scale.to_string(), NAMES)),
+            None if counts && whole => {
+                lines.push(Line::new(factor, "0.001".into(), Known::Integers));
+            }
+            None if large && whole => {
+                lines.push(Line::new(factor, "0.001".into(), Known::Thousandths));
+            }
+            None => {}
+        }
+        lines
+    }
+
+    /// The unit of a speed: by its name, else that in which it fits the positions.
+    fn speed_unit(&self, place: [usize; 3], speed: usize) -> Option<Line> {
+        let line =
+            |unit: &str, known| (unit != "m/s").then(|| Line::text("velocity_unit", unit, known));
+        if let Some(unit) = self.unit(speed) {
+            return line(&unit, NAMES);
+        }
+        let by_positions = self.speed_by_positions(place, speed)?;
+        let fits = |unit: &&'static str| {
+            unit_factor(unit, Quantity::Velocity)
+                .is_ok_and(|factor| ALIKE.contains(&(factor * by_positions)))
+        };
+        let unit = ["m/s", "km/h", "kn", "cm/s", "mm/s"]
+            .into_iter()
+            .find(fits)?;
+        line(unit, Known::Numbers { several: false })
+    }
+
+    /// How many times as large the speeds are as those that the positions show \[m/s\].
+    fn speed_by_positions(&self, place: [usize; 3], speed: usize) -> Option<f64> {
+        let (lines, step) = self.time(FIX_STEP);
+        let time = lines.first().and(self.found.time)?;
+        let scale = step? / ordinary_step(&self.stamps(time))?;
+        let degrees = match self.unit(place[0]).as_deref() {
+            None if self.are_integers(place) => unit_factor(INTEGERS, Quantity::Angle).ok()?,
+            unit => unit_factor(unit.unwrap_or("deg"), Quantity::Angle).ok()?,
+        };
+        let packed = self.unit(place[0]).is_none() && self.are_degrees_minutes(place);
+        let fix = |row: &Vec<f64>| {
+            let at = |k: usize| row.get(k).copied().filter(|number| number.is_finite());
+            let [lat, lon] = [at(place[0])?, at(place[1])?].map(|angle| match packed {
+                true => of_degrees_minutes(angle) * degrees,
+                false => angle * degrees,
+            });
+            let height = 0.0;
+            Some((
+                at(time)? * scale,
+                Geodetic { lat, lon, height }.to_ecef(),
+                at(speed)?,
+            ))
+        };
+        let fixes: Vec<_> = self.table.rows.iter().filter_map(fix).collect();
+        // Over so many fixes, as far as the rounding of the positions is far below it.
+        let ratio = |pair: &[(f64, Vector3, f64)]| {
+            let (first, last) = (pair.first()?, pair.last()?);
+            let moved = (last.1 - first.1).norm();
+            let mean = pair.iter().map(|fix| fix.2).sum::<f64>() / pair.len() as f64;
+            (moved > 2.0 && last.0 > first.0).then(|| moved / (last.0 - first.0) / mean)
+        };
+        let mut ratios: Vec<f64> = fixes.windows(5).filter_map(ratio).collect();
+        ratios.retain(|ratio| ratio.is_finite());
+        (ratios.len() >= 10).then(|| 1.0 / upper_median(&mut ratios))
+    }
+}

@@ -1,0 +1,459 @@
+//! Errors of a solution: against a truth file, or against the fixes it was not shown.
+//!
+//! Error = solution less reference. Angles are wrapped to ±180°.
+
+use crate::{
+    estimator::{Estimator, STAMP_ROUNDING},
+    results::{Numbers, by_name},
+};
+use undrift_base::order_statistics;
+use undrift_nav::{
+    Matrix3, Quaternion, Vector3,
+    attitude::{from_rpy, to_rpy},
+    earth::{Geodetic, wrap_pi},
+    mechanisation::NavState,
+    sample::{GnssFix, Position, TruthSample},
+};
+
+/// Names of the components of [`Errors`], as in the JSON: metres, metres a second, degrees.
+pub const COMPONENTS: [&str; 10] = [
+    "north_m",
+    "east_m",
+    "down_m",
+    "horizontal_m",
+    "vn_mps",
+    "ve_mps",
+    "vd_mps",
+    "roll_deg",
+    "pitch_deg",
+    "yaw_deg",
+];
+
+/// Index of the horizontal error in [`Errors`].
+pub const HORIZONTAL: usize = 3;
+
+/// One value per component of [`COMPONENTS`]; NaN where the reference does not have it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Errors(pub [f64; 10]);
+
+impl Errors {
+    /// By component.
+    pub fn numbers(&self) -> Numbers {
+        by_name(COMPONENTS.into_iter().zip(self.0))
+    }
+
+    /// Nothing known.
+    pub const UNKNOWN: Self = Self([f64::NAN; 10]);
+
+    fn new(dr: &Vector3, dv: Option<Vector3>, rpy: Option<Vector3>) -> Self {
+        let missing = Vector3::repeat(f64::NAN);
+        let dv = dv.unwrap_or(missing);
+        let angle = rpy.map_or(missing, |a| a.map(|x| wrap_pi(x).to_degrees()));
+        Self([
+            dr.x,
+            dr.y,
+            dr.z,
+            dr.xy().norm(),
+            dv.x,
+            dv.y,
+            dv.z,
+            angle.x,
+            angle.y,
+            angle.z,
+        ])
+    }
+
+    /// Of a navigation state against the truth at its time.
+    pub fn against_truth(nav: &NavState, truth: &TruthSample) -> Self {
+        let dr = truth.position.offset_to(&nav.position);
+        let dv = truth.v_n.map(|v| nav.v_n - v);
+        let rpy = truth.rpy.map(|rpy| to_rpy(&nav.q_nb) - rpy);
+        Self::new(&dr, dv, rpy)
+    }
+
+    /// Of the predicted antenna against a fix; the attitude stays unknown.
+    pub fn against_fix(filter: &dyn Estimator, fix: &GnssFix, lever_b: &Vector3) -> Self {
+        let antenna = filter.antenna_position(lever_b);
+        Self::of_antenna(&antenna, &filter.antenna_velocity(lever_b), fix)
+    }
+
+    /// Of an antenna's position and velocity [m/s] against a fix; the attitude stays unknown.
+    pub fn of_antenna(antenna: &Geodetic, velocity: &Vector3, fix: &GnssFix) -> Self {
+        let dr = match fix.position {
+            Some((Position::Geodetic(measured), _)) => measured.offset_to(antenna),
+            Some((Position::Baseline { base, ned }, _)) => base.ned_to(antenna) - ned,
+            None => Vector3::repeat(f64::NAN),
+        };
+        let dv = fix.velocity.map(|(v, _)| velocity - v);
+        Self::new(&dr, dv, None)
+    }
+
+    /// These, and the others where they are unknown.
+    #[must_use]
+    pub fn or(self, others: Self) -> Self {
+        Self(std::array::from_fn(|i| match self.0[i].is_finite() {
+            true => self.0[i],
+            false => others.0[i],
+        }))
+    }
+
+    /// Component by component, the larger magnitude; unknown only where both are.
+    pub fn max_abs(self, other: Self) -> Self {
+        Self(std::array::from_fn(|i| {
+            self.0[i].abs().max(other.0[i].abs())
+        }))
+    }
+}
+
+/// Covariances that a solution gives its position \[m²\], velocity \[m²/s²\] and misalignment \[rad²\],
+/// north-east-down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Predicted(pub [Matrix3; 3]);
+
+/// The groups of components that [`Predicted`] tells of: name, and place of the first of three in [`Errors`].
+pub const GROUPS: [(&str, usize); 3] = [("position", 0), ("velocity", 4), ("attitude", 7)];
+
+impl Predicted {
+    /// By a filter as it stands.
+    pub fn of(filter: &dyn Estimator) -> Self {
+        let p = filter.covariance();
+        Self([0, 3, 6].map(|at| p.fixed_view::<3, 3>(at, at).into_owned()))
+    }
+
+    /// Of the difference to a fix, which has noise of its own.
+    #[must_use]
+    pub fn against_fix(mut self, fix: &GnssFix) -> Self {
+        let noise = [fix.position.map(|p| p.1), fix.velocity.map(|v| v.1)];
+        for (own, noise) in self.0.iter_mut().zip(noise) {
+            *own += noise.unwrap_or_default();
+        }
+        self
+    }
+
+    /// The same of the components of [`Errors`], in their units; `q_nb` is the attitude.
+    fn of_components(&self, q_nb: &Quaternion) -> [Matrix3; 3] {
+        let rpy = to_rpy(q_nb);
+        let ((sin_y, cos_y), (sin_p, cos_p)) = (rpy.z.sin_cos(), rpy.y.sin_cos());
+        // Rates of roll, pitch and yaw by a rate about north, east and down.
+        let angles = Matrix3::new(
+            cos_y / cos_p,
+            sin_y / cos_p,
+            0.0,
+            -sin_y,
+            cos_y,
+            0.0,
+            cos_y * sin_p / cos_p,
+            sin_y * sin_p / cos_p,
+            1.0,
+        ) * 1f64.to_degrees();
+        let [position, velocity, attitude] = self.0;
+        [position, velocity, angles * attitude * angles.transpose()]
+    }
+
+    /// Standard deviations by component; of the horizontal error its predicted root mean square.
+    pub fn std(&self, q_nb: &Quaternion) -> Errors {
+        let mut std = Errors::UNKNOWN;
+        for ((_, at), p) in GROUPS.iter().zip(self.of_components(q_nb)) {
+            for i in 0..3 {
+                std.0[at + i] = p[(i, i)].max(0.0).sqrt();
+            }
+        }
+        std.0[HORIZONTAL] = std.0[0].hypot(std.0[1]);
+        std
+    }
+
+    /// Normalised error squared of each of [`GROUPS`] per degree of freedom, 1 on the average when the
+    /// covariance is right; NaN where an error is unknown.
+    pub fn nees(&self, q_nb: &Quaternion, errors: &Errors) -> [f64; 3] {
+        let all = self.of_components(q_nb);
+        std::array::from_fn(|group| {
+            let e = Vector3::from_column_slice(&errors.0[GROUPS[group].1..][..3]);
+            let factor = nalgebra::Cholesky::new(all[group]);
+            factor.map_or(f64::NAN, |factor| e.dot(&factor.solve(&e)) / 3.0)
+        })
+    }
+}
+
+/// How many errors lie inside one, two and three predicted standard deviations, by group of [`GROUPS`]: each
+/// component counts by itself. Of normal errors with the right covariance 0.683, 0.954 and 0.997 of all.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Coverage {
+    inside: [[u64; 3]; 3],
+    all: [u64; 3],
+}
+
+impl Coverage {
+    /// Counts errors against their standard deviations; those that are unknown count for nothing.
+    pub fn add(&mut self, errors: &Errors, std: &Errors) {
+        for (group, (_, at)) in GROUPS.iter().enumerate() {
+            for i in *at..at + 3 {
+                let scaled = errors.0[i].abs() / std.0[i];
+                if scaled.is_finite() {
+                    self.all[group] += 1;
+                    for (k, inside) in self.inside[group].iter_mut().enumerate() {
+                        *inside += u64::from(scaled <= (k + 1) as f64);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Shares of a group of [`GROUPS`] inside one, two and three standard deviations; `None` without errors.
+    pub fn shares(&self, group: usize) -> Option<[f64; 3]> {
+        let all = self.all[group];
+        (all > 0).then(|| self.inside[group].map(|inside| inside as f64 / all as f64))
+    }
+}
+
+/// A statistic of the magnitudes of each component; unknown where any is.
+fn by_component(values: &[Errors], statistic: fn(&[f64]) -> f64) -> Errors {
+    Errors(std::array::from_fn(|i| {
+        let sizes: Vec<f64> = values.iter().map(|e| e.0[i].abs()).collect();
+        if !sizes.is_empty() && sizes.iter().all(|size| size.is_finite()) {
+            statistic(&sizes)
+        } else {
+            f64::NAN
+        }
+    }))
+}
+
+/// A statistic of each component over the values that have it.
+pub fn where_known(values: &[Errors], statistic: fn(&[Errors]) -> Errors) -> Errors {
+    Errors(std::array::from_fn(|i| {
+        let known = values.iter().filter(|e| e.0[i].is_finite()).copied();
+        statistic(&known.collect::<Vec<_>>()).0[i]
+    }))
+}
+
+/// Root mean square of each component; unknown where any value is.
+pub fn rms(values: &[Errors]) -> Errors {
+    by_component(values, |sizes| {
+        (sizes.iter().map(|e| e * e).sum::<f64>() / sizes.len() as f64).sqrt()
+    })
+}
+
+/// Median of the magnitudes of each component; unknown where any is.
+pub fn median(values: &[Errors]) -> Errors {
+    by_component(values, order_statistics::median)
+}
+
+/// Largest magnitude of each component; unknown where any is.
+pub fn max(values: &[Errors]) -> Errors {
+    by_component(values, |sizes| sizes.iter().copied().fold(0.0, f64::max))
+}
+
+/// The truth between two of its samples: position by the cubic through positions and velocities
+/// where there are velocities, else straight; velocity straight; attitude by the shortest turn.
+pub fn interpolate(a: &TruthSample, b: &TruthSample, time: f64) -> TruthSample {
+    let span = b.time - a.time;
+    let s = if span > 0.0 {
+        ((time - a.time) / span).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    let chord = a.position.offset_to(&b.position);
+    let offset = match (a.v_n, b.v_n) {
+        (Some(va), Some(vb)) => {
+            let (s2, s3) = (s * s, s * s * s);
+            va * (span * (s3 - 2.0 * s2 + s))
+                + chord * (3.0 * s2 - 2.0 * s3)
+                + vb * (span * (s3 - s2))
+        }
+        _ => chord * s,
+    };
+    TruthSample {
+        time,
+        position: displaced_towards(&a.position, &b.position, &chord, &offset),
+        v_n: a.v_n.zip(b.v_n).map(|(va, vb)| va + (vb - va) * s),
+        rpy: a.rpy.zip(b.rpy).map(|(ra, rb)| {
+            let (qa, qb) = (from_rpy(&ra), from_rpy(&rb));
+            let turn = (qa.inverse() * qb).scaled_axis();
+            to_rpy(&(qa * undrift_nav::attitude::from_rotation_vector(&(turn * s))))
+        }),
+    }
+}
+
+/// `a` displaced by `offset`, such that an offset of `chord` ends at `b` without rounding.
+fn displaced_towards(a: &Geodetic, b: &Geodetic, chord: &Vector3, offset: &Vector3) -> Geodetic {
+    if offset == chord {
+        *b
+    } else {
+        a.displaced(offset)
+    }
+}
+
+/// The truth at any time, from samples in order of time; asked in order of time, so that only two
+/// samples are held.
+pub struct TruthCursor<I> {
+    samples: I,
+    before: Option<TruthSample>,
+    after: Option<TruthSample>,
+}
+
+impl<I: Iterator<Item = TruthSample>> TruthCursor<I> {
+    /// Over samples in order of time.
+    pub fn new(mut samples: I) -> Self {
+        let after = samples.next();
+        Self {
+            samples,
+            before: None,
+            after,
+        }
+    }
+
+    /// The truth at `time` \[s\]; `None` outside the samples or where they are more than 2 s apart.
+    pub fn at(&mut self, time: f64) -> Option<TruthSample> {
+        const LONGEST: f64 = 2.0;
+        while let Some(after) = self.after.filter(|s| s.time <= time + STAMP_ROUNDING) {
+            self.before = Some(after);
+            self.after = self.samples.next();
+        }
+        let before = self.before?;
+        if (before.time - time).abs() <= STAMP_ROUNDING {
+            return Some(TruthSample { time, ..before });
+        }
+        let after = self.after?;
+        (before.time <= time && after.time - before.time <= LONGEST)
+            .then(|| interpolate(&before, &after, time))
+    }
+
+    /// The reader below.
+    pub fn into_inner(self) -> I {
+        self.samples
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use undrift_nav::sample::FixQuality;
+
+    fn sample(time: f64, north: f64, v: f64, yaw_deg: f64) -> TruthSample {
+        TruthSample {
+            time,
+            position: Geodetic::from_degrees(45.0, 7.0, 0.0)
+                .displaced(&Vector3::new(north, 0.0, 0.0)),
+            v_n: Some(Vector3::new(v, 0.0, 0.0)),
+            rpy: Some(Vector3::new(0.0, 0.0, f64::to_radians(yaw_deg))),
+        }
+    }
+
+    #[test]
+    fn truth_is_interpolated_through_acceleration_and_north() {
+        // 2 m/s²: north = t², v = 2 t. The cubic is exact for it.
+        let truth = [
+            sample(0.0, 0.0, 0.0, 350.0),
+            sample(1.0, 1.0, 2.0, 10.0),
+            sample(2.0, 4.0, 4.0, 30.0),
+        ];
+        let mut cursor = TruthCursor::new(truth.iter().copied());
+        assert!(cursor.at(-0.1).is_none());
+        let back = cursor.at(0.5).unwrap();
+        assert!(
+            back.rpy.unwrap().z.abs() < 1e-12,
+            "through north, not round by south"
+        );
+        let at = cursor.at(1.5).unwrap();
+        let origin = Geodetic::from_degrees(45.0, 7.0, 0.0);
+        // Curvature over metres and rounding of a latitude, 1.5e-9 m.
+        assert!((origin.offset_to(&at.position).x - 2.25).abs() < 1e-6);
+        assert!((at.v_n.unwrap().x - 3.0).abs() < 1e-12);
+        assert!(cursor.at(2.1).is_none());
+    }
+
+    #[test]
+    fn coverage_counts_errors_up_to_one_two_and_three_sigma() {
+        let std = Errors(std::array::from_fn(|i| 0.5 * (1.0 + i as f64)));
+        // Ten errors on either side of each bound, in every component.
+        let mut coverage = Coverage::default();
+        let sigmas = [0.2, 0.99, -1.01, 1.14, -1.99, 2.01, 2.2, 2.99, 3.01, -3.4];
+        for sigmas in sigmas {
+            coverage.add(&Errors(std.0.map(|std| sigmas * std)), &std);
+        }
+        coverage.add(&Errors::UNKNOWN, &std);
+        for group in 0..GROUPS.len() {
+            assert_eq!(coverage.shares(group), Some([0.2, 0.5, 0.8]));
+        }
+        assert_eq!(Coverage::default().shares(0), None);
+    }
+
+    #[test]
+    fn predicted_standard_deviations_are_the_roots_of_the_covariance() {
+        let variances = [[4.0, 9.0, 16.0], [0.25, 0.36, 0.49], [1e-4, 4e-4, 9e-4]];
+        let diagonal = |v: [f64; 3]| Matrix3::from_diagonal(&Vector3::from(v));
+        let predicted = Predicted(variances.map(diagonal));
+        // Level and facing north the angles are those about north, east and down.
+        let std = predicted.std(&Quaternion::identity());
+        let degrees = |rad: f64| rad.to_degrees();
+        let expected = [
+            2.0,
+            3.0,
+            4.0,
+            13f64.sqrt(),
+            0.5,
+            0.6,
+            0.7,
+            degrees(0.01),
+            degrees(0.02),
+            degrees(0.03),
+        ];
+        for (i, (found, expected)) in std.0.into_iter().zip(expected).enumerate() {
+            assert!((found / expected - 1.0).abs() < 1e-12, "{i}: {found}");
+        }
+        // Facing east, roll is about east and pitch about south.
+        let east = from_rpy(&Vector3::new(0.0, 0.0, std::f64::consts::FRAC_PI_2));
+        let turned = predicted.std(&east);
+        assert!(
+            (turned.0[7] - degrees(0.02)).abs() < 1e-9
+                && (turned.0[8] - degrees(0.01)).abs() < 1e-9
+        );
+        // Errors of one, two and three standard deviations: (1 + 4 + 9)/3.
+        let errors = Errors(std::array::from_fn(|i| {
+            let place = GROUPS
+                .iter()
+                .rev()
+                .find(|(_, at)| i >= *at)
+                .map_or(0, |(_, at)| i - at);
+            (1.0 + place as f64) * std.0[i]
+        }));
+        for nees in predicted.nees(&Quaternion::identity(), &errors) {
+            assert!((nees - 14.0 / 3.0).abs() < 1e-9, "{nees}");
+        }
+        // A fix adds its own covariance to position and velocity, not to the attitude.
+        let place = Position::Geodetic(Geodetic::from_degrees(45.0, 7.0, 0.0));
+        let fix = GnssFix {
+            time: 0.0,
+            position: Some((place, diagonal([12.0, 16.0, 9.0]))),
+            velocity: Some((Vector3::zeros(), diagonal([0.75, 0.64, 0.51]))),
+            quality: FixQuality::Unknown,
+        };
+        let against = predicted.against_fix(&fix).std(&Quaternion::identity());
+        for (i, expected) in [4.0, 5.0, 5.0, 41f64.sqrt(), 1.0, 1.0, 1.0]
+            .into_iter()
+            .enumerate()
+        {
+            assert!(
+                (against.0[i] - expected).abs() < 1e-12,
+                "{i}: {}",
+                against.0[i]
+            );
+        }
+        assert_eq!(against.0[7..], std.0[7..]);
+    }
+
+    #[test]
+    fn statistics_of_known_values() {
+        let row = |x: f64| Errors([x; 10]);
+        let values = [row(-3.0), row(1.0), row(2.0)];
+        assert_eq!(max(&values).0[0], 3.0);
+        assert_eq!(median(&values).0[0], 2.0);
+        assert!((rms(&values).0[0] - (14.0f64 / 3.0).sqrt()).abs() < 1e-15);
+        assert!(max(&[row(1.0), Errors::UNKNOWN]).0[0].is_nan());
+        let mut north = Errors::UNKNOWN;
+        north.0[0] = -4.0;
+        let known = where_known(&[row(1.0), north, Errors::UNKNOWN], max);
+        assert_eq!((known.0[0], known.0[1]), (4.0, 1.0));
+        assert!(where_known(&[Errors::UNKNOWN], rms).0[0].is_nan());
+        assert!(median(&[]).0[0].is_nan());
+    }
+}

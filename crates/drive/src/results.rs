@@ -1,0 +1,64 @@
+//! The one shape of every result: plain structs, written as JSON under one head,
+//! `{"undrift": version, "kind": "navigate", "schema": 1, …}`, and read back from it. Filled from what
+//! the verbs found; tables, reports, fleets and other languages read these and nothing else.
+//!
+//! What is missing in a file that is read stays empty; a number that is null is NaN.
+
+mod any;
+mod curve;
+mod demo;
+mod drive;
+mod fleet;
+mod identify;
+mod keyed;
+mod known;
+mod montecarlo;
+mod navigate;
+mod number;
+mod outages;
+mod text;
+mod tune;
+
+pub use any::{ReportFiles, Results};
+pub use curve::{Curve, Track};
+pub use demo::{
+    CutLength, Demo, DemoModel, Estimate, OneOne, Paper, PaperSolution, PooledErrors, ScanPoint,
+};
+pub use drive::{Drive, Start, name, names, parts_used};
+pub use fleet::{
+    Bin, Effect, Fleet, FleetEffects, FleetGroup, FleetLabel, FleetLog, FleetMeasure, FleetOutlier,
+    FleetPart, LeftOut, Level, Scatter, Slope, Trouble, Warned,
+};
+pub use identify::{
+    Adf, Allan, ArmaOrigin, Axis, AxisDoubt, AxisPool, AxisSeries, AxisTemperature, BoxJenkins,
+    Candidate, Differing, GridFit, Histogram, Identify, NotFitted, Omission, Omitted, Order,
+    OrderRow, OrderTest, Origin, PanditWuOrders, ParameterInterval, Pool, PooledRecord, Psd,
+    RecordShare, Residuals, TurnOn, Used,
+};
+pub use keyed::{Key, Keyed};
+pub use known::{finding, findings};
+pub use montecarlo::{Group, MonteCarlo, MonteCarloDrive, MonteCarloModel, NisKind, Verdict};
+pub use navigate::{
+    FixErrors, Fixes, Navigate, NavigateSeries, Nis, Parameter, StdFactors, Summary,
+};
+pub use number::{Number, Numbers, by_name, numbers};
+pub use outages::{
+    Cut, Drift, LeftOutCut, ModelErrors, NisOfParts, NoiseModelRun, OutageErrors, OutageSeries,
+    Outages,
+};
+pub use text::text;
+pub use tune::{Tune, TunedDrift, TunedParameter, TunedVibration};
+
+pub use undrift_noise::{allan::Term, identify::Detrend};
+
+pub use crate::{drive::ScalarLog, replay::Aid};
+
+pub use crate::replay::{
+    Contradiction, CovarianceHealth, Implausible, Innovations, Lean, Part, Restart,
+};
+
+/// Version of the schema of results.
+pub const SCHEMA: u32 = 1;
+
+/// Version of the program.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -1,0 +1,554 @@
+//! The most likely noise of some drives, and how sure that is.
+
+use super::{
+    filter::Fixed,
+    noise::{COUNT, Noise, Vector},
+    objective::{Objective, Plan, Score},
+    prior::Prior,
+    search::minimise,
+    start::Start,
+    steps::{Followed, condense},
+};
+use nalgebra::{DMatrix, DVector};
+use undrift_drive::replay::{Measurement, ReplayError, replay};
+use undrift_engine::{
+    estimator::{LogTo, Logged},
+    settings::Settings,
+    vehicle::NonHolonomic,
+};
+use undrift_nav::{
+    covariance::{AXES, NAV},
+    filter::FilterError,
+    parameters::Parameter,
+    sample::ImuSample,
+    shaping::ShapingFilter,
+};
+
+/// A drive in memory.
+pub struct FitLog<'a> {
+    /// Inertial samples.
+    pub imu: &'a [ImuSample],
+    /// Fixes and what else there is.
+    pub aiding: &'a [Measurement],
+    /// How it is navigated, whatever the noise.
+    pub settings: Settings,
+    /// Nothing later than this is looked at \[s\].
+    pub until: f64,
+}
+
+/// What the drives say.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The most likely noise.
+    pub noise: Noise,
+    /// Standard deviations of its logarithms; those of the prior where the drives say nothing.
+    pub std: Vector,
+    /// Windows that were scored.
+    pub windows: usize,
+    /// Evaluations of the objective.
+    pub evaluations: usize,
+    /// Whether nothing more was to be gained.
+    pub converged: bool,
+}
+
+/// An interval that has shrunk to less than this share of the prior's is the drives' doing.
+const DETERMINED: f64 = 0.5;
+
+impl Fit {
+    /// Whether the drives determine a parameter.
+    pub fn determines(&self, prior: &Prior, i: usize) -> bool {
+        self.std[i] < DETERMINED * prior.std(i, self.noise.ln()[i])
+    }
+}
+
+/// Most replays about a better solution each.
+const REPLAYS: usize = 3;
+/// Most evaluations of the objective about one.
+const EVALUATIONS: usize = 60;
+/// A logarithm that changes by less from one replay to the next has come to rest.
+const SETTLED: f64 = 0.1;
+/// Length of the spans of which only neighbours depend on each other \[s\].
+const BLOCK: f64 = 45.0;
+/// A parameter is seen where the log-likelihood, its spans no more than they are worth, falls by so much (99 % of the
+/// χ² distribution with one degree of freedom) when it is made smaller by this factor: of one that is too small to
+/// matter the curvature says nothing, and where it passes by chance it is found several times too large.
+const SEEN: (f64, f64) = (3.32, 4.0);
+/// Difference step for the curvature.
+const STEP: f64 = 0.05;
+/// The inverse of the first curvature.
+const FIRST: f64 = 0.05;
+
+/// Whether logarithms have come to rest from one replay to the next.
+fn is_at_rest(before: &Vector, now: &Vector) -> bool {
+    let moved = before.iter().zip(now).map(|(a, b)| (a - b).abs());
+    moved.fold(0.0, f64::max) < SETTLED
+}
+
+/// The settings of a replay under a noise.
+///
+/// # Errors
+/// [`FilterError::BadMeasurement`] for a density that is negative or not finite.
+pub fn under(settings: &Settings, noise: &Noise, start: &Start) -> Result<Settings, FilterError> {
+    let mut settings = settings.clone();
+    let bad = |_| FilterError::BadMeasurement;
+    let white = match &mut settings.vibration {
+        Some(factors) => {
+            *factors = noise.white;
+            start.white
+        }
+        None => noise.white,
+    };
+    for (axis, sensor) in settings.sensors.iter_mut().enumerate() {
+        let interval = sensor.interval;
+        let white = ShapingFilter::white(white[axis], interval).map_err(bad)?;
+        let walk = ShapingFilter::random_walk(noise.walk[axis], interval).map_err(bad)?;
+        *sensor = white.plus(&walk).map_err(bad)?;
+        sensor.p0[0][0] = start.turn_on[axis] * start.turn_on[axis];
+    }
+    settings.fix_errors = settings.fix_errors.scaled(&noise.factors);
+    if let Some(rule) = &mut settings.constraints.non_holonomic {
+        [rule.right, rule.down, rule.slip] = noise.rule;
+    }
+    Ok(settings)
+}
+
+/// Objectives of the drives about their solutions under a noise.
+struct Linear<const N: usize> {
+    drives: Vec<Objective<N>>,
+    about: Noise,
+}
+
+impl<const N: usize> Linear<N> {
+    fn new(logs: &[FitLog], about: Noise, start: &Start) -> Result<Self, ReplayError> {
+        let drive = |log: &FitLog| {
+            let (sender, receiver) = std::sync::mpsc::channel::<Logged>();
+            let settings = Settings {
+                log: Some(LogTo::new(move |logged| drop(sender.send(logged)))),
+                restart: false,
+                ..under(&log.settings, &about, start)?
+            };
+            let behind = NAV + settings.sensors.iter().map(|s| s.order).sum::<usize>();
+            let parameters = settings.parameters;
+            let at = |kind| parameters.start(kind).map(|at| behind + at);
+            let fixed = Fixed {
+                lasting: [at(Parameter::PositionError), at(Parameter::VelocityError)],
+                scale: parameters
+                    .prior(Parameter::GyroScale)
+                    .and_then(|prior| Some((at(Parameter::GyroScale)?, prior.walk * prior.walk))),
+                rule: settings
+                    .constraints
+                    .non_holonomic
+                    .unwrap_or(NonHolonomic::CAR),
+                white: match settings.vibration {
+                    Some(_) => start.white.map(|white| white * white),
+                    None => [0.0; AXES],
+                },
+            };
+            let followed = settings.vibration.map(|factors| Followed {
+                white: settings.sensors.map(|sensor| sensor.r),
+                interval: settings.sensors[0].interval,
+                factors,
+            });
+            let within = |sample: &&ImuSample| sample.time <= log.until;
+            let samples = &mut log.imu.iter().take_while(within).copied().map(Ok);
+            let aiding = &mut log.aiding.iter().copied().map(Ok);
+            replay(samples, aiding, &settings, &mut ())?;
+            drop(settings);
+            Ok(Objective::new(
+                condense(receiver, followed.as_ref()),
+                fixed,
+                Plan::default(),
+            ))
+        };
+        let drives = logs.iter().map(drive).collect::<Result<_, ReplayError>>()?;
+        Ok(Self { drives, about })
+    }
+
+    fn score(&self, z: &Vector) -> Score {
+        let noise = Noise::new(z).against(&self.about);
+        self.drives.iter().map(|drive| drive.score(&noise)).sum()
+    }
+
+    /// Gradients of spans of the drives that are taken as independent.
+    fn by_block(&self, z: &Vector) -> Vec<Vector> {
+        let noise = Noise::new(z).against(&self.about);
+        let mut blocks = Vec::new();
+        for drive in &self.drives {
+            let Some((first, last)) = drive.span() else {
+                continue;
+            };
+            let count = ((last - first) / BLOCK).ceil().max(1.0) as usize;
+            let length = (last - first) / count as f64;
+            for k in 0..count {
+                let from = first + k as f64 * length;
+                let to = if k + 1 == count {
+                    f64::INFINITY
+                } else {
+                    from + length
+                };
+                blocks.push(drive.score_between(&noise, from, to).gradient);
+            }
+        }
+        blocks
+    }
+}
+
+/// What the search makes small: minus the logarithm of the drives' likelihood times the prior's density, each with its
+/// full weight, and the derivatives.
+fn cost(score: &Score, prior: &Prior, z: &Vector) -> (f64, DVector<f64>) {
+    let (penalty, slope) = prior.penalty(z);
+    let by = |i: usize, _| slope[i] - score.gradient[i];
+    (penalty - score.value, DVector::from_fn(COUNT, by))
+}
+
+/// The function of the least size that has room for the drives' states.
+macro_rules! by_size {
+    ($logs:expr, $of:ident) => {
+        match $logs.iter().map(states).max().unwrap_or(0) {
+            ..=24 => $of::<24>,
+            25..=32 => $of::<32>,
+            33..=40 => $of::<40>,
+            _ => $of::<56>,
+        }
+    };
+}
+
+/// Number of states of a drive's filter.
+fn states(log: &FitLog) -> usize {
+    NAV + 6 + log.settings.parameters.states()
+}
+
+/// Finds the most likely noise, beginning with `from`; `goes_on` gets the objective before each iteration and says
+/// whether to make it: the fit ends with the best so far.
+///
+/// # Errors
+/// A drive that cannot be navigated.
+pub fn fit(
+    logs: &[FitLog],
+    start: &Start,
+    prior: &Prior,
+    from: Noise,
+    sure: bool,
+    goes_on: &dyn Fn(f64) -> bool,
+) -> Result<Fit, ReplayError> {
+    let fit = by_size!(logs, fit_sized);
+    fit(logs, start, prior, from, sure, goes_on)
+}
+
+fn fit_sized<const N: usize>(
+    logs: &[FitLog],
+    start: &Start,
+    prior: &Prior,
+    from: Noise,
+    sure: bool,
+    goes_on: &dyn Fn(f64) -> bool,
+) -> Result<Fit, ReplayError> {
+    let mut fit = Fit {
+        noise: from,
+        std: std::array::from_fn(|i| prior.above[i]),
+        windows: 0,
+        evaluations: 0,
+        converged: false,
+    };
+    let mut before: Option<Noise> = None;
+    let mut inverse = DMatrix::from_diagonal_element(COUNT, COUNT, FIRST);
+    let mut linear = Linear::<N>::new(logs, fit.noise, start)?;
+    for replays in 1.. {
+        fit.windows = linear.drives.iter().map(Objective::windows).sum();
+        let z = fit.noise.ln();
+        let rest = before.is_some_and(|before| is_at_rest(&before.ln(), &z));
+        fit.converged |= rest;
+        if rest || fit.windows == 0 || replays > REPLAYS {
+            break;
+        }
+        let least = minimise(
+            |z| {
+                let z = std::array::from_fn(|i| z[i]);
+                cost(&linear.score(&z), prior, &z)
+            },
+            DVector::from_row_slice(&z),
+            &inverse,
+            EVALUATIONS,
+            goes_on,
+        );
+        inverse = least.inverse;
+        before = Some(fit.noise);
+        fit.noise = Noise::new(&std::array::from_fn(|i| least.z[i]));
+        fit.evaluations += least.evaluations;
+        fit.converged = least.converged;
+        // Under the noise found the drive may be too short to align: then it is judged about what there is.
+        match Linear::<N>::new(logs, fit.noise, start) {
+            Ok(next) => linear = next,
+            Err(_) => {
+                fit.converged = false;
+                break;
+            }
+        }
+    }
+    if sure {
+        fit.std = uncertainty(&linear, prior, &fit.noise.ln());
+    }
+    Ok(fit)
+}
+
+/// Standard deviations by Godambe's sandwich `A⁻¹ (J + Λ) A⁻¹`, `A = −∂²ℓ + Λ`: Λ the prior's precision, J the scatter
+/// of the gradients of spans, with half of the products of neighbours (Newey & West 1987). Varin, Reid & Firth 2011,
+/// section 2.3. The windows overlap, so that J is λ times the curvature; λ of all parameters together (section 2.4 there)
+/// is known better than what the few spans say of a single one, which may scatter less than they ought to: no less than
+/// that says, `A⁻¹ (−λ ∂²ℓ + Λ) A⁻¹`, and a fall of ℓ counts divided by λ.
+fn uncertainty<const N: usize>(linear: &Linear<N>, prior: &Prior, z: &Vector) -> Vector {
+    let Score {
+        value,
+        gradient: at,
+    } = linear.score(z);
+    let precision = |i: usize| prior.std(i, z[i]).powi(-2);
+    let mut a = DMatrix::<f64>::zeros(COUNT, COUNT);
+    for j in (0..COUNT).filter(|j| prior.used[*j]) {
+        let mut moved = *z;
+        moved[j] += STEP;
+        let there = linear.score(&moved).gradient;
+        for i in 0..COUNT {
+            a[(i, j)] = -(there[i] - at[i]) / STEP;
+        }
+    }
+    a = (&a + a.transpose()) * 0.5;
+    let blocks = linear.by_block(z);
+    let n = blocks.len() as f64;
+    let mut j = DMatrix::<f64>::zeros(COUNT, COUNT);
+    let mut before = DVector::<f64>::zeros(COUNT);
+    for block in &blocks {
+        let off = DVector::from_fn(COUNT, |i, _| block[i] - at[i] / n);
+        let across = &off * before.transpose() * 0.5;
+        j += &off * off.transpose() + &across + across.transpose();
+        before = off;
+    }
+    let of_data = a.clone();
+    for i in 0..COUNT {
+        a[(i, i)] += precision(i);
+    }
+    let Some(inverse) = a.try_inverse() else {
+        return std::array::from_fn(|i| prior.std(i, z[i]));
+    };
+    // The gradients are taken where their sum vanishes. Of their scatter that took one span's where all tell of the same
+    // parameters, and one for each parameter where each tells of its own; here it is half of the parameters.
+    let told = (&inverse * &of_data).trace();
+    let fitted = 0.5 * told;
+    j *= n / (n - fitted.clamp(1.0, 0.75 * n.max(2.0)));
+    let worth = ((&inverse * &j).trace() / told).max(1.0);
+    let sandwich = |mut filling: DMatrix<f64>| {
+        for i in 0..COUNT {
+            filling[(i, i)] += precision(i);
+        }
+        &inverse * filling * &inverse
+    };
+    let (single, together) = (sandwich(j), sandwich(of_data * worth));
+    std::array::from_fn(|i| {
+        let before = prior.std(i, z[i]);
+        let std = single[(i, i)].max(together[(i, i)]).max(0.0).sqrt();
+        let mut smaller = *z;
+        smaller[i] -= SEEN.1.ln();
+        let fall = (value - linear.score(&smaller).value) / worth;
+        if !prior.used[i] || std >= before || fall < SEEN.0 {
+            return before;
+        }
+        std
+    })
+}
+
+/// Log-likelihood of what the fit of a noise has not seen, from the first of these times of each drive on \[s\].
+///
+/// # Errors
+/// A drive that cannot be navigated.
+pub fn unseen_likelihood(
+    logs: &[FitLog],
+    start: &Start,
+    noise: &Noise,
+    spans: &[(f64, f64)],
+) -> Result<f64, ReplayError> {
+    let whole = logs.iter().map(|log| FitLog {
+        until: f64::INFINITY,
+        settings: log.settings.clone(),
+        ..*log
+    });
+    let whole: Vec<FitLog> = whole.collect();
+    let of_unseen = by_size!(logs, of_unseen);
+    of_unseen(&whole, start, noise, spans)
+}
+
+fn of_unseen<const N: usize>(
+    logs: &[FitLog],
+    start: &Start,
+    noise: &Noise,
+    spans: &[(f64, f64)],
+) -> Result<f64, ReplayError> {
+    let linear = Linear::<N>::new(logs, *noise, start)?;
+    let own = noise.against(noise);
+    let each = linear.drives.iter().zip(spans);
+    Ok(each
+        .map(|(drive, span)| drive.score_between(&own, span.0, f64::INFINITY).value)
+        .sum())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Drives whose likelihood is normal about another value with a quarter of the prior's variance weigh four times as
+    /// much as the prior: the best lies at four fifths of the way to it.
+    #[test]
+    fn the_prior_weighs_as_much_as_its_variance_says() {
+        let settings = Settings::new([ShapingFilter::white(0.0, 0.01).unwrap(); AXES]);
+        let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
+        let prior = Prior::new(&Start::of_model(&model, 0.01).unwrap(), &[&settings]);
+        let best = |side: f64| -> Vector {
+            std::array::from_fn(|i| {
+                prior.centre[i] + 0.8 * side * prior.std(i, prior.centre[i] + side)
+            })
+        };
+        for side in [-1.0, 1.0] {
+            let z = best(side);
+            let (mut value, mut gradient) = (0.0, [0.0; COUNT]);
+            for i in 0..COUNT {
+                let std = prior.std(i, z[i]);
+                let off = z[i] - (prior.centre[i] + side * std);
+                value -= 0.5 * 4.0 * (off / std).powi(2);
+                gradient[i] = -4.0 * off / (std * std);
+            }
+            let (least, slope) = cost(&Score { value, gradient }, &prior, &z);
+            // Σ ½ (0.8² + 4 · 0.2²).
+            assert!((least - 0.4 * COUNT as f64).abs() < 1e-9, "{least}");
+            assert!(slope.amax() < 1e-9, "{slope}");
+        }
+    }
+
+    #[test]
+    fn a_noise_is_at_rest_when_no_logarithm_moves_by_a_tenth() {
+        let before: Vector = std::array::from_fn(|i| i as f64 - 9.0);
+        assert!(is_at_rest(&before, &before));
+        for i in 0..COUNT {
+            for side in [-1.0, 1.0] {
+                let moved = |by: f64| {
+                    let mut now = before;
+                    now[i] += side * by;
+                    is_at_rest(&before, &now)
+                };
+                assert!(moved(0.99 * SETTLED) && !moved(1.01 * SETTLED), "{i}");
+            }
+        }
+        // As far as that, to the last bit, is not at rest.
+        assert!(!is_at_rest(&[0.0; COUNT], &[SETTLED; COUNT]));
+    }
+
+    /// Half of the prior's standard deviation.
+    #[test]
+    fn a_parameter_is_determined_by_an_interval_that_has_shrunk_by_half() {
+        let settings = Settings::new([ShapingFilter::white(0.0, 0.01).unwrap(); AXES]);
+        let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
+        let prior = Prior::new(&Start::of_model(&model, 0.01).unwrap(), &[&settings]);
+        let noise = Noise::new(&prior.centre);
+        let fit = |share: f64| Fit {
+            noise,
+            std: std::array::from_fn(|i| share * prior.std(i, noise.ln()[i])),
+            windows: 1,
+            evaluations: 1,
+            converged: true,
+        };
+        for i in 0..COUNT {
+            assert!(fit(0.49).determines(&prior, i) && !fit(0.51).determines(&prior, i));
+        }
+    }
+
+    /// White noise by its density, a random walk beside it, a turn-on constant at the start.
+    #[test]
+    fn a_replay_under_a_noise_has_its_sensors_and_its_rule() {
+        let interval = 0.01;
+        let mut settings = Settings::new([ShapingFilter::white(0.0, interval).unwrap(); AXES]);
+        settings.constraints.non_holonomic = Some(NonHolonomic::CAR);
+        let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
+        let start = Start::of_model(&model, interval).unwrap();
+        let noise = Noise::new(&std::array::from_fn(|i| 0.1 * i as f64 - 5.0));
+        let made = under(&settings, &noise, &start).unwrap();
+        for axis in 0..AXES {
+            let sensor = &made.sensors[axis];
+            let known = ShapingFilter::white(noise.white[axis], interval).unwrap();
+            assert_eq!(
+                (sensor.interval, sensor.r, sensor.order),
+                (interval, known.r, 1)
+            );
+            assert_eq!(sensor.p0[0][0], start.turn_on[axis].powi(2));
+            let walk = ShapingFilter::random_walk(noise.walk[axis], interval).unwrap();
+            assert_eq!(sensor.q[0][0], walk.q[0][0]);
+        }
+        let rule = made.constraints.non_holonomic.unwrap();
+        assert_eq!([rule.right, rule.down, rule.slip], noise.rule);
+        // Where the white noise follows the vibration the noise is the factor on it.
+        settings.vibration = Some([1.0; AXES]);
+        let made = under(&settings, &noise, &start).unwrap();
+        assert_eq!(made.vibration, Some(noise.white));
+        for axis in 0..AXES {
+            let known = ShapingFilter::white(start.white[axis], interval).unwrap();
+            assert_eq!(made.sensors[axis].r, known.r);
+        }
+        let odd = Noise {
+            walk: [f64::NAN; AXES],
+            ..noise
+        };
+        assert!(under(&settings, &odd, &start).is_err());
+    }
+    /// As few spans as are at most 45 s long.
+    #[test]
+    fn blocks_are_spans_of_one_length_that_add_up_to_the_drive() {
+        use undrift_simulate::{GnssNoise, Trajectory, simulate};
+        let interval = 0.02;
+        let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
+        let start = Start::of_model(&model, interval).unwrap();
+        let plain = || Settings {
+            parameters: undrift_nav::parameters::Parameters::none(),
+            ..Settings::new([ShapingFilter::white(0.0, interval).unwrap(); AXES])
+        };
+        let prior = Prior::new(&start, &[&plain()]);
+        let noise = Noise::new(&prior.centre);
+        let settings = under(&plain(), &noise, &start).unwrap();
+        let receiver = GnssNoise {
+            rate_hz: 1.0,
+            start: 0.2,
+            ..GnssNoise::default()
+        };
+        let car = Trajectory::car(240.0, 3);
+        let log = simulate(&car, 50.0, Some(&settings.sensors), &receiver, 3).unwrap();
+        let fixes: Vec<Measurement> = log.gnss.iter().copied().map(Measurement::Gnss).collect();
+        let logs = [FitLog {
+            imu: &log.imu,
+            aiding: &fixes,
+            settings: plain(),
+            until: f64::INFINITY,
+        }];
+        let linear = Linear::<24>::new(&logs, noise, &start).unwrap();
+        let z = prior.centre;
+        let blocks = linear.by_block(&z);
+        let (first, last) = linear.drives[0].span().unwrap();
+        let count = blocks.len() as f64;
+        assert!((last - first) / count <= 45.0 && (last - first) / (count - 1.0) > 45.0);
+        let whole = linear.score(&z).gradient;
+        for i in 0..COUNT {
+            let sum: f64 = blocks.iter().map(|block| block[i]).sum();
+            assert!(
+                (sum - whole[i]).abs() < 1e-6 * (1.0 + whole[i].abs()),
+                "{i}: {sum} {}",
+                whole[i]
+            );
+        }
+        for block in &blocks {
+            assert!(block.iter().any(|slope| slope.abs() > 1e-3), "{block:?}");
+        }
+        // Two drives have the blocks of both.
+        let logs = [&log, &log].map(|log| FitLog {
+            imu: &log.imu,
+            aiding: &fixes,
+            settings: plain(),
+            until: f64::INFINITY,
+        });
+        let twice = Linear::<24>::new(&logs, noise, &start).unwrap();
+        assert_eq!(twice.by_block(&z).len(), 2 * blocks.len());
+    }
+}

@@ -1,0 +1,215 @@
+//! What was found as a result.
+
+use super::{
+    Tuned,
+    noise::{COUNT, FIX, LASTING, RULE, WALK, WHITE},
+};
+use std::path::Path;
+use undrift_drive::{
+    drive::Drive,
+    results::{self, Number, SCHEMA, Tune, TunedDrift, TunedParameter, TunedVibration, VERSION},
+};
+use undrift_noise::model_file::AXES;
+
+/// Standard deviations to the ends of a 95 % interval.
+const INTERVAL: f64 = 1.96;
+
+/// Key of a parameter in the model or drive file, and its unit; of white noise that `follows` the vibration or not.
+fn named(i: usize, follows: bool) -> (String, &'static str) {
+    const REST: [(&str, &str); COUNT - FIX] = [
+        ("gnss.std_factors.position", ""),
+        ("gnss.std_factors.velocity", ""),
+        ("gnss.std_factors.position_correlated", ""),
+        ("gnss.std_factors.velocity_correlated", ""),
+        ("vehicle.non_holonomic", "m/s"),
+        ("vehicle.non_holonomic_down", "m/s"),
+        ("vehicle.side_slip", "s"),
+    ];
+    let axis = |i: usize| AXES[i];
+    match i {
+        WHITE..WALK if follows => (format!("imu.vibration_factors.{}", axis(i)), ""),
+        WHITE..WALK if i < 3 => (format!("{}.white_noise", axis(i)), "rad/s/√Hz"),
+        WHITE..WALK => (format!("{}.white_noise", axis(i)), "m/s²/√Hz"),
+        WALK..FIX if i - WALK < 3 => (format!("{}.random_walk", axis(i - WALK)), "rad/s/√s"),
+        WALK..FIX => (format!("{}.random_walk", axis(i - WALK)), "m/s²/√s"),
+        _ => (REST[i - FIX].0.to_owned(), REST[i - FIX].1),
+    }
+}
+
+const _: () = assert!(LASTING == FIX + 2 && RULE == FIX + 4 && COUNT == RULE + 3);
+
+impl Tuned {
+    /// The result; `drives` are the drive files.
+    pub fn result<'a>(&self, drives: impl IntoIterator<Item = (&'a Path, &'a Drive)>) -> Tune {
+        let z = self.fit.noise.ln();
+        let at_rest = |i: usize| match i {
+            WHITE..WALK if self.follows => Some(1.0),
+            WHITE..WALK => Some(self.start.white[i - WHITE]),
+            WALK..FIX => Some(self.start.walk[i - WALK]).filter(|walk| *walk > 0.0),
+            FIX..RULE => Some(1.0),
+            _ => Some(self.prior.centre[i].exp()),
+        };
+        let parameter = |i: usize| {
+            let (name, unit) = named(i, self.follows);
+            let (prior, std) = (&self.prior, self.fit.std[i]);
+            TunedParameter {
+                name,
+                unit: unit.into(),
+                start: at_rest(i).into(),
+                prior: prior.centre[i].exp().into(),
+                prior_low: (prior.centre[i] - INTERVAL * prior.below[i]).exp().into(),
+                prior_high: (prior.centre[i] + INTERVAL * prior.above[i]).exp().into(),
+                value: z[i].exp().into(),
+                low: (z[i] - INTERVAL * std).exp().into(),
+                high: (z[i] + INTERVAL * std).exp().into(),
+                determined: self.fit.determines(&self.prior, i),
+            }
+        };
+        let drift = |judged: &super::Judged| {
+            let [before, after] = judged.rms();
+            let [ratio, low, high] = judged.ratio();
+            TunedDrift {
+                length_s: judged.length.into(),
+                outages: judged.drift.len() as u64,
+                before_m: before.into(),
+                after_m: after.into(),
+                ratio: ratio.into(),
+                ratio_low: low.into(),
+                ratio_high: high.into(),
+                before_within: judged.within[0].map(Number),
+                after_within: judged.within[1].map(Number),
+            }
+        };
+        let drives: Vec<_> = drives
+            .into_iter()
+            .map(|(file, drive)| results::Drive::of(file, drive))
+            .collect();
+        let unaligned = drives
+            .iter()
+            .zip(&self.aligns)
+            .filter(|(_, aligns)| !**aligns);
+        Tune {
+            undrift: VERSION.into(),
+            schema: SCHEMA,
+            unaligned: unaligned
+                .filter_map(|(drive, _)| drive.file.clone())
+                .collect(),
+            drives,
+            start: self.start.name.clone(),
+            guessed: self.start.guessed,
+            unseen: self.unseen.into(),
+            held_out: self.held_out,
+            parameters: (0..COUNT)
+                .filter(|i| self.prior.used[*i])
+                .map(parameter)
+                .collect(),
+            drift: self.judged.iter().map(drift).collect(),
+            vibration: self.following.map(|following| TunedVibration {
+                length_s: following.length.into(),
+                ratio: following.ratio[0].into(),
+                ratio_low: following.ratio[1].into(),
+                ratio_high: following.ratio[2].into(),
+                likelihood_gain: following.gain.into(),
+                kept: following.kept,
+            }),
+            tuned: None,
+            withheld: self.withheld[0],
+            rejected: self.withheld[1],
+            windows: self.fit.windows as u64,
+            evaluations: self.fit.evaluations as u64,
+            converged: self.fit.converged,
+            stopped: self.stopped,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{fit::Fit, noise::Noise, prior::Prior, start::Start};
+    use super::*;
+    use undrift_engine::settings::Settings;
+    use undrift_nav::{covariance::AXES as COUNT_OF_AXES, shaping::ShapingFilter};
+
+    /// Twice the centre of the prior, to a twentieth.
+    fn tuned(follows: bool) -> Tuned {
+        let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
+        let start = Start::of_model(&model, 0.01).unwrap();
+        let settings = Settings::new([ShapingFilter::white(0.0, 0.01).unwrap(); COUNT_OF_AXES]);
+        let prior = Prior::new(&start, &[&settings]);
+        let twice = std::array::from_fn(|i| prior.centre[i] + 2f64.ln());
+        Tuned {
+            start,
+            prior,
+            fit: Fit {
+                noise: Noise::new(&twice),
+                std: [0.05; COUNT],
+                windows: 120,
+                evaluations: 45,
+                converged: true,
+            },
+            follows,
+            unseen: 0.3,
+            held_out: true,
+            judged: Vec::new(),
+            following: None,
+            withheld: [600, 12],
+            aligns: Vec::new(),
+            stopped: false,
+        }
+    }
+
+    #[test]
+    fn parameters_have_their_intervals_of_ninety_five_percent() {
+        let tuned = tuned(false);
+        let result = tuned.result([]);
+        let used: Vec<usize> = (0..COUNT).filter(|i| tuned.prior.used[*i]).collect();
+        assert_eq!(result.parameters.len(), used.len());
+        let near = |a: Number, b: f64| assert!((a.0 / b - 1.0).abs() < 1e-9, "{a:?} {b}");
+        for (found, i) in result.parameters.iter().zip(used) {
+            let (name, unit) = named(i, false);
+            assert_eq!((&found.name, &*found.unit), (&name, unit));
+            let centre = tuned.prior.centre[i].exp();
+            near(found.prior, centre);
+            near(
+                found.prior_low,
+                centre / (1.96 * tuned.prior.below[i]).exp(),
+            );
+            near(
+                found.prior_high,
+                centre * (1.96 * tuned.prior.above[i]).exp(),
+            );
+            near(found.value, 2.0 * centre);
+            near(found.low, 2.0 * centre / 0.098f64.exp());
+            near(found.high, 2.0 * centre * 0.098f64.exp());
+            assert!(found.determined);
+        }
+        for axis in 0..AXES.len() {
+            near(result.parameters[axis].start, tuned.start.white[axis]);
+        }
+        assert_eq!(
+            (result.windows, result.evaluations, result.converged),
+            (120, 45, true)
+        );
+        assert_eq!((result.withheld, result.rejected), (600, 12));
+        assert_eq!(
+            (result.unseen, result.held_out, result.stopped),
+            (Number(0.3), true, false)
+        );
+    }
+
+    #[test]
+    fn factors_on_the_vibration_begin_at_one() {
+        let result = tuned(true).result([]);
+        for (found, axis) in result.parameters.iter().zip(AXES) {
+            assert_eq!(found.name, format!("imu.vibration_factors.{axis}"));
+            assert_eq!((&*found.unit, found.start), ("", Number(1.0)));
+        }
+        let constant = tuned(false).result([]);
+        let units: Vec<(&str, &str)> = constant.parameters[..6]
+            .iter()
+            .map(|of| (&*of.name, &*of.unit))
+            .collect();
+        assert_eq!(units[2], ("gyro_z.white_noise", "rad/s/√Hz"));
+        assert_eq!(units[3], ("accel_x.white_noise", "m/s²/√Hz"));
+    }
+}
