@@ -1,7 +1,6 @@
 //! `undrift fleet`: many logs, on all cores.
 
 use crate::{
-    outages::Plan,
     output::{self, Files},
     progress::Bar,
     report::{ResultOutput, write_drawn},
@@ -45,7 +44,7 @@ enum Task {
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift fleet fleet.toml -o out
-  undrift fleet \"logs/*/drive.toml\" -o out --unit {folder} --length 10 --every 30 --bias-models white,arma
+  undrift fleet \"logs/*/drive.toml\" -o out --unit {folder} --bias-models white,arma
   undrift fleet fleet.toml -o out --shard 3/16
   undrift fleet fleet.toml -o out --gather --report fleet.html")]
 pub struct Arguments {
@@ -82,8 +81,6 @@ pub struct Arguments {
     /// Bias models to compare
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     bias_models: Option<Vec<BiasModel>>,
-    #[command(flatten)]
-    plan: Plan,
     #[command(flatten)]
     result: ResultOutput,
 }
@@ -275,13 +272,6 @@ fn override_by(choice: &mut Choice, arguments: &Arguments) {
     }
     if let Some(models) = &arguments.bias_models {
         choice.bias_models.clone_from(models);
-    }
-    let (plan, stated) = (&mut choice.plan, &arguments.plan);
-    plan.length_s = stated.length.unwrap_or(plan.length_s);
-    plan.start_s = stated.start.unwrap_or(plan.start_s);
-    if stated.every.is_some() || stated.count.is_some() {
-        (plan.every_s, plan.count) = (stated.every, stated.count);
-        plan.at_s = None;
     }
 }
 

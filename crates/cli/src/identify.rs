@@ -81,9 +81,6 @@ pub struct Arguments {
     /// Identify a recording although it moves or has implausible units; the model file records this
     #[arg(long)]
     force: bool,
-    /// Largest n of ARMA(2n, 2n-1) that the Pandit-Wu search may choose
-    #[arg(long, value_name = "N", default_value_t = 2)]
-    n_max: usize,
     /// What is removed from each axis before its noise is identified. Default: temperature where the recording has one, else
     /// constant
     #[arg(long, value_name = "TREND", value_parser = trends())]
@@ -93,7 +90,7 @@ pub struct Arguments {
     #[arg(long, value_name = "PRESET|FILE")]
     base: Option<String>,
     /// The Allan deviations alone, in a second: no tests, no models
-    #[arg(long, conflicts_with_all = ["output", "base", "n_max"])]
+    #[arg(long, conflicts_with_all = ["output", "base"])]
     allan: bool,
     /// Write the model file; without --base it has the recording's axes only
     #[arg(short, long, value_name = "imu.toml", help_heading = "Output")]
@@ -156,8 +153,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let settings = Settings {
         rate_hz: arguments.rate,
         span: arguments.span,
-        n_max: arguments.n_max,
         trend: arguments.detrend.unwrap_or_default(),
+        ..Settings::default()
     };
     let base = arguments.base.as_ref();
     let base = base

@@ -2,9 +2,9 @@
 
 use crate::{
     drives::Source,
-    navigate, output, print,
+    navigate, print,
     progress::Bar,
-    report::{ResultOutput, write_drawn},
+    report::ResultOutput,
     style,
     terminal::{Invalid, note, say, stage, warn},
 };
@@ -20,7 +20,7 @@ use undrift::{
     replay::{Outage, STAMP_ROUNDING},
     results,
 };
-use undrift_report::{figures, say as sentences, text};
+use undrift_report::{say as sentences, text};
 
 /// Cut GNSS repeatedly on a drive and measure how far each bias model drifts.
 ///
@@ -31,7 +31,7 @@ use undrift_report::{figures, say as sentences, text};
 #[command(after_help = "Examples:
   undrift outages imu.csv gnss.pos --length 30
   undrift outages examples/rtk-drive.toml --data logs --length 10 --every 30 --start 40
-  undrift outages examples/navego-adis16405.toml --data logs --every 24 --count 15 --out out
+  undrift outages examples/navego-adis16405.toml --data logs --every 24 --count 15
   undrift outages examples/drive30.toml --data target/drive30/seed1 --count 10 --bias-models white,arma
   undrift outages drive.toml --model rest.toml --model tuned.toml
 
@@ -60,9 +60,6 @@ pub struct Arguments {
     /// Look ahead: study the errors of all fixes first, and find the mounting. Default: as while driving, from the log so far
     #[arg(long)]
     look_ahead: bool,
-    /// Write outages.json and outages.svg into this folder
-    #[arg(short, long, value_name = "DIR", help_heading = "Output")]
-    out: Option<PathBuf>,
     /// Write the truth, or the fixes, with the outages marked: kml, geojson or gpx by extension
     #[arg(long, value_name = "track.kml")]
     track: Option<PathBuf>,
@@ -72,19 +69,19 @@ pub struct Arguments {
 
 /// When GNSS is cut.
 #[derive(Args)]
-pub struct Plan {
+struct Plan {
     /// Length of an outage [s]. Default: 10
     #[arg(long, value_name = "S", help_heading = "Outages")]
-    pub length: Option<f64>,
-    /// Number of outages in each drive; evenly spread without --every. Default: as many as fit
+    length: Option<f64>,
+    /// Number of outages; evenly spread without --every. Default: as many as fit
     #[arg(long, value_name = "N", help_heading = "Outages")]
-    pub count: Option<usize>,
+    count: Option<usize>,
     /// From the start of one outage to the start of the next [s]. Default: three times the length
     #[arg(long, value_name = "S", help_heading = "Outages")]
-    pub every: Option<f64>,
+    every: Option<f64>,
     /// Start of the first outage [s], counted from the first fix. Default: 60, sooner in a log of less than 180 s
     #[arg(long, value_name = "S", help_heading = "Outages")]
-    pub start: Option<f64>,
+    start: Option<f64>,
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -140,16 +137,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let failed = result.failed.iter();
     failed.for_each(|(name, why)| warn(format!("{name}: {why}")));
     result.warnings.iter().for_each(warn);
-    if let Some(folder) = &arguments.out {
-        output::make_folder(folder)?;
-        files.write(&folder.join("outages.json"), &json)?;
-        write_drawn(
-            &files,
-            &folder.join("outages.svg"),
-            &json,
-            figures::experiment,
-        )?;
-    }
     if let Some(path) = &arguments.track {
         write_track(path, &logs, &experiment.cuts, &file)
             .with_context(|| format!("cannot write {}", path.display()))?;

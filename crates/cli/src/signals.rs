@@ -1,20 +1,5 @@
 //! Signals that end the command: INT, TERM and HUP. Unfinished files are removed, then the process ends by the signal, so
-//! that a shell sees it. A verb that can end early with what it has may ask to be told of the first INT instead.
-
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-
-static ENDS_EARLY: AtomicBool = AtomicBool::new(false);
-static ASKED: AtomicBool = AtomicBool::new(false);
-
-/// From here on the first INT does not end the process but makes [`asked_to_end`] true.
-pub fn end_early() {
-    ENDS_EARLY.store(true, Relaxed);
-}
-
-/// Whether the first INT has come after [`end_early`].
-pub fn asked_to_end() -> bool {
-    ASKED.load(Relaxed)
-}
+//! that a shell sees it.
 
 /// Watches for the signals, but for those that the caller has the process ignore (`nohup`).
 #[cfg(unix)]
@@ -36,10 +21,6 @@ pub fn watch() {
     };
     std::thread::spawn(move || {
         for signal in signals.forever() {
-            if signal == SIGINT && ENDS_EARLY.swap(false, Relaxed) {
-                ASKED.store(true, Relaxed);
-                continue;
-            }
             undrift::io::write::remove_unfinished();
             let _ = emulate_default_handler(signal);
         }

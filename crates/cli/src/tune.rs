@@ -6,7 +6,7 @@ use crate::{
     output::{Files, shown},
     progress::Bar,
     report::ResultOutput,
-    signals, style,
+    style,
     terminal::{self, Invalid, detail, note, say, stage},
 };
 use anyhow::{Context, Result, anyhow, bail};
@@ -53,9 +53,6 @@ pub struct Arguments {
     /// Write the model of the sensor in its vehicle
     #[arg(long, value_name = "IMU.toml", help_heading = "Output")]
     model_out: Option<PathBuf>,
-    /// On Ctrl-C, stop the fit and write the best so far; a second Ctrl-C ends the run
-    #[arg(long, help_heading = "Output")]
-    keep_best: bool,
     #[command(flatten)]
     kept: Kept,
     #[command(flatten)]
@@ -96,9 +93,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         start,
         hold_out: arguments.hold_out,
     };
-    if arguments.keep_best {
-        signals::end_early();
-    }
     let (found, logs) = stage("tuning", || {
         let bar = Bar::new("evaluated", 0, "iterations");
         let progress = |at: Stage| {
@@ -108,7 +102,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
                 Stage::Fitting(value) => format!("fitting: objective {value:.2}"),
                 Stage::Judging => "measuring the drift on the held-out part".to_owned(),
             });
-            !signals::asked_to_end()
+            true
         };
         tune::tune(&drives, &options, &progress)
             .map_err(|error| anyhow!(sentences::unsolved(error)))

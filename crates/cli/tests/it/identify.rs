@@ -57,7 +57,7 @@ const HEADER: &str = "gx_dps,gy_dps,gz_dps,ax_g,ay_g,az_g";
 #[test]
 fn standard_input_and_pipes_are_read_like_the_file() {
     let folder = folder("pipe");
-    let arguments = ["--rate", "100", "--n-max", "1", "--json"];
+    let arguments = ["--rate", "100", "--json"];
     let text = record(HEADER, 3000);
     let file = identify(&folder, &text, &[&arguments[..], &["file.json"]].concat());
     assert!(file.status.success(), "{file:?}");
@@ -94,16 +94,7 @@ fn standard_input_and_pipes_are_read_like_the_file() {
 #[test]
 fn a_record_becomes_a_model_that_makes_filters() {
     let folder = folder("model");
-    let arguments = [
-        "--rate",
-        "100",
-        "--n-max",
-        "1",
-        "-o",
-        "imu.toml",
-        "--json",
-        "found.json",
-    ];
+    let arguments = ["--rate", "100", "-o", "imu.toml", "--json", "found.json"];
     let output = identify(&folder, &record(HEADER, 6000), &arguments);
     assert!(output.status.success(), "{output:?}");
     let model = ImuModel::load(&folder.join("imu.toml")).unwrap();
@@ -191,11 +182,7 @@ fn a_record_becomes_a_model_that_makes_filters() {
 fn a_record_becomes_a_kalibr_yaml_in_two_commands() {
     let folder = folder("kalibr");
     let record = record(HEADER, 6000);
-    let output = identify(
-        &folder,
-        &record,
-        &["--rate", "100", "--n-max", "1", "-o", "imu.toml"],
-    );
+    let output = identify(&folder, &record, &["--rate", "100", "-o", "imu.toml"]);
     assert!(output.status.success(), "{output:?}");
     let output = Command::new(env!("CARGO_BIN_EXE_undrift"))
         .current_dir(&folder)
@@ -226,7 +213,7 @@ fn a_record_becomes_a_kalibr_yaml_in_two_commands() {
 fn one_axis_becomes_a_model_of_one_axis_or_fills_a_base() {
     let folder = folder("one");
     let text = record(HEADER, 3000);
-    let one = ["--rate", "100", "--columns", "gz_dps", "--n-max", "1"];
+    let one = ["--rate", "100", "--columns", "gz_dps"];
     // It only reports…
     let output = identify(&folder, &text, &one);
     assert!(
@@ -287,14 +274,7 @@ fn stamped(text: &str, interval: f64, shift: f64) -> String {
 #[test]
 fn stamps_that_are_not_even_are_said_and_reported() {
     let folder = folder("uneven");
-    let arguments = [
-        "--n-max",
-        "1",
-        "--columns",
-        "gz_dps",
-        "--json",
-        "found.json",
-    ];
+    let arguments = ["--columns", "gz_dps", "--json", "found.json"];
     let found = |text: &str| -> (String, serde_json::Value) {
         let output = identify(&folder, text, &arguments);
         assert!(output.status.success(), "{output:?}");
@@ -349,16 +329,7 @@ fn a_trend_is_removed_and_reported() {
             }
         })
         .collect();
-    let arguments = [
-        "--rate",
-        "100",
-        "--n-max",
-        "1",
-        "--columns",
-        "gz_dps",
-        "--json",
-        "-",
-    ];
+    let arguments = ["--rate", "100", "--columns", "gz_dps", "--json", "-"];
     let axis = |options: &[&str]| {
         let output = identify(&folder, &text, &[&arguments[..], options].concat());
         assert!(output.status.success(), "{output:?}");
@@ -415,9 +386,7 @@ fn a_bad_axis_does_not_spoil_the_others() {
             }
         })
         .collect();
-    let arguments = [
-        "--rate", "100", "--n-max", "1", "-v", "--force", "-o", "imu.toml",
-    ];
+    let arguments = ["--rate", "100", "-v", "--force", "-o", "imu.toml"];
     let output = identify(&folder, &text, &arguments);
     assert!(output.status.success(), "{output:?}");
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -523,15 +492,7 @@ fn two(folder: &Path, loud: bool) {
 }
 
 /// With the record itself, of these.
-const WITH_OTHER: [&str; 7] = [
-    "other.csv",
-    "--rate",
-    "100",
-    "--n-max",
-    "1",
-    "-o",
-    "imu.toml",
-];
+const WITH_OTHER: [&str; 5] = ["other.csv", "--rate", "100", "-o", "imu.toml"];
 
 /// What is shown of both records.
 fn of_two(folder: &Path) -> String {

@@ -93,7 +93,7 @@ fn record(folder: &Path, rows: usize) -> String {
 }
 
 fn identify<'a>(record: &'a str, more: &[&'a str]) -> Vec<&'a str> {
-    let arguments = ["identify", record, "--rate", "100", "--n-max", "1"];
+    let arguments = ["identify", record, "--rate", "100"];
     let columns = ["--columns", "gz_dps", "--axis", "gyro_z"];
     [&arguments[..], &columns, &["--units", "deg/s"], more].concat()
 }
@@ -286,7 +286,7 @@ fn exit_codes() {
     }
     let half = folder.join("half.csv").display().to_string();
     std::fs::write(&half, six).unwrap();
-    let arguments = ["identify", &half, "--rate", "100", "--n-max", "1", "-q"];
+    let arguments = ["identify", &half, "--rate", "100", "-q"];
     assert_eq!(code(&arguments), Some(0));
     let strict = said(&mut undrift(&[&arguments[..], &["--strict"]].concat()));
     assert_eq!(strict.code, Some(3), "{}", strict.stderr);

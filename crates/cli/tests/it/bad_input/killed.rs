@@ -133,18 +133,22 @@ fn a_killed_navigate_leaves_no_half_solution() {
 #[ignore = "slow: 18 killed runs"]
 fn a_killed_outages_leaves_no_half_result() {
     let case = Log::good().write("killed_outages");
-    let cuts = ["--length", "5", "--at", "40,60", "--out", "out"];
+    let cuts = [
+        "--length",
+        "5",
+        "--at",
+        "40,60",
+        "--json",
+        "outages.json",
+        "--report",
+        "outages.html",
+    ];
     let arguments = [
         &["outages", "drive.toml", "--bias-models", "white"],
         &cuts[..],
     ]
     .concat();
-    kill(
-        &case,
-        &arguments,
-        &["out/outages.json", "out/outages.svg"],
-        2,
-    );
+    kill(&case, &arguments, &["outages.json", "outages.html"], 2);
 }
 
 #[test]
@@ -153,7 +157,7 @@ fn a_killed_identify_leaves_no_half_model() {
     let case = Log::good().write("killed_identify");
     case.put("record.csv", static_record(1000).as_bytes());
     // One axis of the shortest record that is taken: it is run many times.
-    let arguments = "identify record.csv --rate 50 --n-max 1 --columns 1 --axis gyro_x --units rad/s \
+    let arguments = "identify record.csv --rate 50 --columns 1 --axis gyro_x --units rad/s \
         -o imu.toml --json found.json";
     let arguments: Vec<&str> = arguments.split_whitespace().collect();
     kill(&case, &arguments, &["imu.toml", "found.json"], 3);

@@ -19,7 +19,7 @@ fn folder(name: &str) -> PathBuf {
 fn identify(folder: &Path, arguments: &[&str]) -> (Output, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_undrift"))
         .current_dir(folder)
-        .args(["identify", "--n-max", "1"])
+        .arg("identify")
         .args(arguments)
         .output()
         .unwrap();

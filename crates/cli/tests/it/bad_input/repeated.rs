@@ -98,8 +98,6 @@ fn identify() {
         "record.csv",
         "--rate",
         "50",
-        "--n-max",
-        "1",
         "-o",
         "imu.toml",
         "--json",

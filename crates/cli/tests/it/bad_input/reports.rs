@@ -95,7 +95,7 @@ fn the_report_of_a_verb_is_that_of_its_json() {
         ),
         (
             "identify",
-            &["identify", "record.csv", "--rate", "100", "--n-max", "1"],
+            &["identify", "record.csv", "--rate", "100"],
             "Gyro z",
         ),
     ] {
