@@ -111,7 +111,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             !signals::asked_to_end()
         };
         tune::tune(&drives, &options, &progress)
-            .map_err(|error| anyhow!(sentences::unsolved(error)))
+            .map_err(|error| anyhow!(sentences::unsolved(error.findings(), error)))
     })?;
     for logs in &logs {
         if let Some(mounting) = &logs.mounting {
