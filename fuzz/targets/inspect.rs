@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use undrift::inspect::{Inspection, Motion, inspect};
+use undrift::inspect::{Inspection, Motion, inspect, model};
 use undrift_fuzz::with_file;
 use undrift_report::inspect::{drive_file, fill};
 
@@ -32,8 +32,10 @@ fn check(inspection: &Inspection) {
         ];
         assert!(numbers.iter().all(|x| x.is_finite()), "{measured:?}");
     }
+    let inspections = std::slice::from_ref(inspection);
     let text = drive_file(
-        std::slice::from_ref(inspection),
+        &model(inspections),
+        inspections,
         Path::new("/"),
         None,
         Motion::default(),

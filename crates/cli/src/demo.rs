@@ -99,7 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         })
     })?;
     drop(bar);
-    let result = undrift_report::say::demo(&demo);
+    let result = undrift_report::concluded(demo.result(), &demo.record.name);
     let json = results::text(&result);
     let shown = arguments.result.write(&files, &json)?;
     if !shown {

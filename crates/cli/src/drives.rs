@@ -118,7 +118,8 @@ impl Source {
         inspect::complete(&inspections, None)?;
         let file = kept.file().unwrap_or(Path::new(UNSAVED));
         let folder = file.parent().unwrap_or(Path::new(""));
-        let text = report::drive_file(&inspections, folder, None, motion);
+        let model = undrift::inspect::model(&inspections);
+        let text = report::drive_file(&model, &inspections, folder, None, motion);
         let held = inspections.iter();
         let held = held.filter_map(|log| Some((log.file.clone(), log.held.clone()?)));
         let logs = Logs {
@@ -133,7 +134,7 @@ impl Source {
         };
         let names: Vec<_> = files.iter().map(|file| shown(file)).collect();
         note(format!("drive of {}; {keep}", names.join(" and ")));
-        report::guesses(&inspections).iter().for_each(note);
+        report::guesses(&model, &inspections).iter().for_each(note);
         Ok(Self {
             file: file.to_path_buf(),
             drive,

@@ -115,7 +115,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let done = stage("processing", || {
         let bar = Bar::new("processed", jobs.len() as u64, "logs");
         let lines = Lines::new(jobs.len());
-        fleet::run(&jobs, folder, options, sentences::outcome, |outcome| {
+        let fill = |outcome: &mut fleet::FleetOutcome| outcome.fill(sentences::say);
+        fleet::run(&jobs, folder, options, fill, |outcome| {
             bar.add(1);
             lines.add();
             let Some(outcome) = outcome else { return };

@@ -249,10 +249,16 @@ fn prepare(record: Record, settings: &Settings, force: bool) -> Result<Prepared>
     }
     let prepared = identify::prepare(record, settings).with_context(|| name.clone())?;
     let record = &prepared.record;
-    sentences::stamps(record).into_iter().for_each(warn);
-    sentences::repeated(record).into_iter().for_each(note);
+    sentences::stamps(record.uneven())
+        .into_iter()
+        .for_each(warn);
+    sentences::repeated(&record.repeated)
+        .into_iter()
+        .for_each(note);
     match &prepared.not_static {
-        Some(problem) if !force => bail!("{name}: {}", sentences::refused(record, problem)),
+        Some(problem) if !force => {
+            bail!("{name}: {}", sentences::refused(&record.guessed, problem))
+        }
         Some(problem) => {
             terminal::doubt();
             warn(format!("{name}: {problem}"));
@@ -302,7 +308,10 @@ fn read(path: &Path, format: &RecordFormat) -> Result<Record> {
     let opened = Opened::open(path)?;
     details::opened("record", &opened);
     let record = record::read(opened, format)?;
-    let notes = [sentences::guessed(&record), sentences::slower(&record)];
+    let notes = [
+        sentences::guessed(&record.guessed),
+        sentences::slower(record.slower()),
+    ];
     notes.into_iter().flatten().for_each(note);
     Ok(record)
 }

@@ -61,11 +61,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     if let Some(file) = &arguments.output {
         let home = file.parent().unwrap_or(Path::new(""));
-        let text = report::drive_file(&inspections, home, arguments.vehicle, motion);
+        let model = inspect::model(&inspections);
+        let text = report::drive_file(&model, &inspections, home, arguments.vehicle, motion);
         files.write(file, &text)?;
         terminal::say(format!("drive file: {}", output::shown(file)))?;
         complete(&inspections, Some(file))?;
-        terminal::say(report::next(&inspections, file))?;
+        terminal::say(report::next(&model, file))?;
     }
     if inspections.len() < arguments.files.len() {
         bail!("not every file could be read");

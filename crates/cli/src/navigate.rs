@@ -130,10 +130,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             ..navigate::Wanted::default()
         };
         navigate::navigate(&drive, arguments.bias_model, wanted)
-            .map_err(|error| anyhow!(sentences::unsolved(error)))
+            .map_err(|error| anyhow!(sentences::unsolved(error.findings(), error)))
     })?;
-    let drive = results::Drive::of(&file, &drive);
-    let result = sentences::navigated(&report, arguments.bias_model, drive);
+    let result = report.result(arguments.bias_model, drive.result(&file));
+    let result = sentences::navigated(result, &report.summary, report.mounting.as_ref());
     print::judge(&result.findings);
     let shown = recording && arguments.result.write(&files, &results::text(&result))?;
     if !shown {

@@ -106,8 +106,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     )?;
     let compared = compared(&arguments.model, models, &kinds);
     let hindsight = Hindsight::asked(arguments.look_ahead, arguments.smooth);
-    let logs =
-        Logs::load(&drive, hindsight).map_err(|error| anyhow!(sentences::unsolved(error)))?;
+    let logs = Logs::load(&drive, hindsight)
+        .map_err(|error| anyhow!(sentences::unsolved(error.findings(), error)))?;
     if let Some(mounting) = &logs.mounting {
         note(sentences::estimated(&sentences::mounting(mounting)));
     }

@@ -105,7 +105,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             true
         };
         tune::tune(&drives, &options, &progress)
-            .map_err(|error| anyhow!(sentences::unsolved(error)))
+            .map_err(|error| anyhow!(sentences::unsolved(error.findings(), error)))
     })?;
     for logs in &logs {
         if let Some(mounting) = &logs.mounting {

@@ -27,6 +27,7 @@ pub(crate) mod gnss;
 pub(crate) mod imu;
 mod logs;
 mod memory;
+mod result;
 mod scalars;
 mod section;
 pub(crate) mod tables;

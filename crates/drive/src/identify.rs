@@ -16,14 +16,11 @@ pub use allan::allan_deviations;
 pub use pool::{Determined, Pool};
 pub use rest::{Likely, NotStatic, not_static};
 pub use result::{order_rows, order_tests};
-pub use series::RecordSeries;
+pub use series::{RecordSeries, residuals};
 pub use settings::{Prepared, RecordingError, Settings, prepare, provenance};
 pub use undrift_noise::screening::Trend;
 
-use crate::{
-    record::{Record, own_values},
-    results::Used,
-};
+use crate::record::{Record, own_values};
 use undrift_base::parallel;
 use undrift_noise::{
     ImuModel, Provenance,
@@ -32,6 +29,7 @@ use undrift_noise::{
     screening::Timing,
     temperature::Temperature,
 };
+use undrift_results::Used;
 
 /// The axes of a record, identified.
 pub struct Identified {

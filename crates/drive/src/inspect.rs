@@ -3,21 +3,20 @@
 mod clocks;
 mod columns;
 mod found;
-mod known;
 mod measure;
 mod motion;
-mod parts;
 mod places;
 mod receiver;
 mod sensor;
 mod topics;
 mod units;
 
-pub use known::{Content, Known, Note};
-pub use measure::about_gravity;
-pub use motion::{Motion, motion};
-pub use parts::{CounterRestarts, Inspection, Line, Measured, Part, Start, quoted};
+pub use motion::motion;
 pub use sensor::model;
+pub use undrift_results::inspect::{
+    Content, CounterRestarts, Inspection, Known, Line, Measured, Motion, Note, Part, Start,
+    about_gravity, quoted,
+};
 
 pub(crate) use units::rate as unit_of_rates;
 

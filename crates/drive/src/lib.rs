@@ -15,17 +15,16 @@ pub mod navigate;
 pub mod outages;
 pub mod record;
 pub mod reference;
+mod rejected;
 pub mod replay;
-pub mod results;
-pub mod series;
 pub mod smooth;
 pub mod temperature;
-pub mod usability;
 
 pub use undrift_engine::{self as engine, align, estimator, fixes, settings, vehicle};
 pub use undrift_io as io;
 pub use undrift_nav as nav;
 pub use undrift_noise as noise;
+pub use undrift_results::{self as results, Usability, series, usability};
 
 pub use drive::Drive;
 #[doc(inline)]
@@ -37,4 +36,3 @@ pub use outages::{Logs, Schedule};
 pub use record::Record;
 pub use undrift_nav::Vector3;
 pub use undrift_noise::{BiasModel, ImuModel};
-pub use usability::Usability;

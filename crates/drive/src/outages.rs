@@ -28,25 +28,24 @@ mod compared;
 mod drift;
 mod errors;
 mod experiment;
-mod lead;
+mod findings;
 mod left_out;
 mod logs;
 mod result;
 mod run;
 mod schedule;
-mod uncut;
 
+pub use crate::rejected::{Reference, Rejected, withheld};
 pub use compared::ComparedModel;
 pub use drift::drift_curve;
 pub use errors::{ModelErrors, ModelOutcome, ModelRun, OutageErrors};
 pub use experiment::{Experiment, UNCUT};
-pub use lead::is_clear_lead;
 pub use left_out::WhyLeftOut;
 pub use logs::Logs;
 pub use result::{result, thinned_track, track};
 pub use run::{run, run_against};
 pub use schedule::{FIRST, Schedule, ScheduleError, schedule};
-pub use uncut::{Reference, Rejected, withheld};
+pub use undrift_results::is_clear_lead;
 
 use undrift_noise::BiasModel;
 

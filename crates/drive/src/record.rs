@@ -9,6 +9,7 @@ mod repeats;
 
 use crate::{
     drive::{self, DriveError},
+    findings::of_timing,
     temperature,
 };
 use columns::{RecordColumns, find};
@@ -34,6 +35,7 @@ use undrift_noise::{
     model_file::AXES,
     screening::{Timing, timing},
 };
+pub use undrift_results::recording::{Slower, Uneven};
 
 /// Which columns of a record are which axes, and their units.
 #[derive(Clone, Debug, Default)]
@@ -94,15 +96,6 @@ pub struct Record {
     pub repeated: Vec<Repeated>,
 }
 
-/// A sensor whose samples are fewer than the record's.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Slower {
-    /// Whether it is the gyroscopes, else the accelerometers.
-    pub gyro: bool,
-    /// Its own rate \[Hz\]; 0 where all that it has are zeros, and it is left out.
-    pub rate_hz: f64,
-}
-
 impl Record {
     /// A record of rows in memory: gyro x, y, z [rad/s] and accelerometer x, y, z [m/s²], evenly spaced, NaN where a value
     /// is missing.
@@ -128,6 +121,17 @@ impl Record {
     /// Samples of an axis.
     pub fn length(&self) -> usize {
         self.samples.first().map_or(0, Vec::len)
+    }
+
+    /// How its stamps are uneven, if they are.
+    pub fn uneven(&self) -> Option<Uneven<'_>> {
+        let timing = self.timing.as_ref();
+        Some(Uneven {
+            finding: of_timing(timing)?,
+            // Evenly spaced without stamps.
+            filled: self.stamps.is_empty(),
+            timing: timing?,
+        })
     }
 
     /// The sensor that has fewer samples than the record, or none, where there is one.

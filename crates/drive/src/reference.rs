@@ -2,10 +2,7 @@
 //!
 //! Error = solution less reference. Angles are wrapped to ±180°.
 
-use crate::{
-    estimator::{Estimator, STAMP_ROUNDING},
-    results::{Numbers, by_name},
-};
+use crate::estimator::{Estimator, STAMP_ROUNDING};
 use undrift_base::order_statistics;
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
@@ -14,20 +11,8 @@ use undrift_nav::{
     mechanisation::NavState,
     sample::{GnssFix, Position, TruthSample},
 };
-
-/// Names of the components of [`Errors`], as in the JSON: metres, metres a second, degrees.
-pub const COMPONENTS: [&str; 10] = [
-    "north_m",
-    "east_m",
-    "down_m",
-    "horizontal_m",
-    "vn_mps",
-    "ve_mps",
-    "vd_mps",
-    "roll_deg",
-    "pitch_deg",
-    "yaw_deg",
-];
+pub use undrift_results::COMPONENTS;
+use undrift_results::{Numbers, by_name};
 
 /// Index of the horizontal error in [`Errors`].
 pub const HORIZONTAL: usize = 3;

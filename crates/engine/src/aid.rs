@@ -131,6 +131,57 @@ impl Log {
     }
 }
 
+/// A sensor that measures one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ScalarLog {
+    /// Speeds of a wheel, forward positive \[m/s\].
+    Odometer,
+    /// Heights \[m\].
+    Barometer,
+}
+
+impl ScalarLog {
+    /// All of them, in the order in which they are read.
+    pub const ALL: [Self; 2] = [Self::Odometer, Self::Barometer];
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        self.log().name()
+    }
+
+    /// What it is a log of, as a sentence.
+    pub fn described(self) -> &'static str {
+        match self {
+            Self::Odometer => "The log of wheel speeds.",
+            Self::Barometer => "The log of heights.",
+        }
+    }
+
+    /// The log that findings name.
+    pub fn log(self) -> Log {
+        match self {
+            Self::Odometer => Log::Odometer,
+            Self::Barometer => Log::Barometer,
+        }
+    }
+
+    /// What its updates are counted by.
+    pub fn aid(self) -> Aid {
+        match self {
+            Self::Odometer => Aid::Odometer,
+            Self::Barometer => Aid::Barometer,
+        }
+    }
+
+    /// A number of it as the navigator takes it.
+    pub fn measurement(self, scalar: Scalar) -> Measurement {
+        match self {
+            Self::Odometer => Measurement::Odometer(scalar),
+            Self::Barometer => Measurement::Barometer(scalar),
+        }
+    }
+}
+
 /// One measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]

@@ -74,7 +74,7 @@ pub mod vibration;
 mod watch;
 mod windows;
 
-pub use aid::{Aid, ByAid, Log, Measurement};
+pub use aid::{Aid, ByAid, Log, Measurement, ScalarLog};
 #[cfg(feature = "checkpoint")]
 pub use checkpoint::RestoreError;
 pub use events::{

@@ -10,9 +10,11 @@ mod pooled;
 mod result;
 mod sensor;
 
-pub use models::{BOUND, PAPER, PAPER_EXACT, RECOMMENDED, UNCALIBRATED, WHITE};
 pub use paper::{Paper, SCALES, Track};
 pub use pooled::{Estimate, Pooled};
+pub use undrift_results::demo::{
+    BOUND, PAPER, PAPER_EXACT, PRESET, RECOMMENDED, REST, UNCALIBRATED, WHITE,
+};
 
 use models::Model;
 use sensor::Ride;
@@ -26,8 +28,6 @@ use undrift_drive::{
 use undrift_noise::{ModelError, identify::Options, model_file::AXES};
 use undrift_simulate::{REST_BEFORE, SimulationError};
 
-/// Data sheet of the sensor.
-pub const PRESET: &str = "adis16405";
 /// Sample rate, the nominal one of the real records \[Hz\].
 pub const RATE_HZ: f64 = 100.0;
 /// Length of the simulated static record \[s\].
@@ -36,8 +36,7 @@ pub const STATIC_DURATION: f64 = 1800.0;
 pub const DURATION: f64 = 900.0;
 /// Drives, unless another number is asked for.
 pub const DRIVES: usize = 5;
-/// Rest at the start of a drive, over which the constants are averaged \[s\].
-pub const REST: f64 = REST_BEFORE;
+const _: () = assert!(REST == REST_BEFORE);
 /// Start of the first outage after the first fix \[s\]: by then heading is known from the turns of the drive.
 pub const FIRST_CUT: f64 = 200.0;
 

@@ -26,7 +26,6 @@ use undrift_drive::{
     consistency::{ErrorState, GROUPS},
     drive::DriveError,
     replay::{Measurement, Observer, ReplayError, STAMP_ROUNDING, Settings, replay},
-    results::{MonteCarlo, MonteCarloDrive, SCHEMA, VERSION, numbers},
 };
 use undrift_engine::estimator::Estimator;
 use undrift_nav::{
@@ -37,6 +36,7 @@ use undrift_nav::{
     sample::{GnssFix, ImuSample, Position, TruthSample},
 };
 use undrift_noise::ModelError;
+use undrift_results::{MonteCarlo, MonteCarloDrive, SCHEMA, VERSION, numbers};
 use undrift_simulate::{
     GnssFixes, GnssNoise, IdealImu, SensorErrors, SimulationError, Stepper, stream_seed,
 };

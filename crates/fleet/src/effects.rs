@@ -3,9 +3,8 @@
 
 use super::mixed::{Contrast, Fit, Grouping, Nested, Shift, quantile_95};
 use std::collections::{BTreeMap, BTreeSet};
-use undrift_drive::{
-    results::{Effect, FleetEffects, Level, Number, Scatter, Slope, by_name},
-    series::to_digits,
+use undrift_results::{
+    Effect, FleetEffects, Level, Number, Scatter, Slope, by_name, series::to_digits,
 };
 
 /// One log's values of a measure.

@@ -5,8 +5,8 @@ use std::{
     io,
     path::{Path, PathBuf},
 };
-use undrift_drive::results::{self, Fleet};
 use undrift_io::write::write_whole;
+use undrift_results::{self as results, Fleet};
 
 /// Makes `results.parquet` and `fleet.json` in a folder of the outcomes that are kept there
 /// under these fingerprints, in their order. One outcome is in memory at a time.

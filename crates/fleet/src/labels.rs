@@ -2,7 +2,7 @@
 
 use super::effects::MOST_LEVELS;
 use std::collections::BTreeMap;
-use undrift_drive::results::LeftOut;
+use undrift_results::LeftOut;
 
 /// Labels of a log by name.
 pub type Labels = BTreeMap<String, String>;

@@ -5,11 +5,9 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use undrift_base::hash::hexadecimal;
-use undrift_drive::{
-    drive::ConfigError,
-    findings::Finding,
-    reference::COMPONENTS,
-    results::{self, Axis, Cut, Navigate, Number, OutageErrors, finding, findings},
+use undrift_drive::{drive::ConfigError, findings::Finding, reference::COMPONENTS};
+use undrift_results::{
+    self as results, Axis, Cut, Navigate, Number, OutageErrors, finding, findings,
 };
 
 /// What came of one log: numbers in rows, or why there are none. The same to the bit wherever it was
@@ -107,6 +105,15 @@ impl FleetOutcome {
             )
         })?;
         serde_json::from_str(&text).map_err(|error| wrong(Some(error.line()), &error.to_string()))
+    }
+
+    /// Fills in the sentences of its findings, as `say` makes them.
+    pub fn fill(&mut self, say: impl Fn(&Finding) -> String) {
+        let sentences: Vec<String> = self.findings.iter().map(&say).collect();
+        self.warnings.splice(0..0, sentences);
+        for row in &mut self.rows {
+            row.note = row.finding.as_ref().map(&say).or(row.note.take());
+        }
     }
 
     /// A row's number by its column.

@@ -19,11 +19,11 @@ use undrift_drive::{
     record,
     reference::COMPONENTS,
     replay::Outage,
-    results::{self, Cut, ModelErrors, Number, Numbers},
     temperature,
 };
 use undrift_io::{Opened, imu::ImuSource};
 use undrift_noise::{BiasModel, ImuModel, model_file::AXES};
+use undrift_results::{self as results, Cut, ModelErrors, Number, Numbers};
 use undrift_tune::{
     self as tune,
     noise::{WALK, WHITE},
@@ -368,7 +368,7 @@ mod tests {
 
     #[test]
     fn an_outage_has_a_row_with_what_its_model_is_to_be_doubted_for() {
-        use undrift_drive::results::OutageErrors;
+        use undrift_results::OutageErrors;
         let cuts = [(10.0, 40.0), (100.0, 160.0)].map(|(start, end)| Outage { start, end });
         let errors = |size: f64| -> Numbers {
             let sized = COMPONENTS.iter().enumerate();

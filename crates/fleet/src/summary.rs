@@ -11,13 +11,10 @@ use super::{
 use measures::MEASURES;
 use std::collections::BTreeMap;
 use undrift_base::order_statistics::median;
-use undrift_drive::{
-    findings::{self, Severity},
-    results::{
-        Bin, Effect, Fleet, FleetGroup, FleetLabel, FleetLog, FleetMeasure, FleetOutlier,
-        FleetPart, LeftOut, Level, Number, Numbers, SCHEMA, Trouble, VERSION, Warned, by_name,
-    },
-    series::to_digits,
+use undrift_drive::findings::{self, Severity};
+use undrift_results::{
+    Bin, Effect, Fleet, FleetGroup, FleetLabel, FleetLog, FleetMeasure, FleetOutlier, FleetPart,
+    LeftOut, Level, Number, Numbers, SCHEMA, Trouble, VERSION, Warned, by_name, series::to_digits,
 };
 
 /// One log's numbers.

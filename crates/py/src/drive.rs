@@ -80,7 +80,8 @@ impl Drive {
     /// The inertial samples in body axes, by the names of `undrift.ImuLog`.
     fn imu<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let samples = work::run(py, || {
-            let (drive, _) = navigate::resolve_mounting(&self.drive).map_err(say::unsolved)?;
+            let (drive, _) = navigate::resolve_mounting(&self.drive)
+                .map_err(|error| say::unsolved(error.findings(), error))?;
             let samples = drive.open_imu()?;
             let samples: Result<Vec<ImuSample>, _> =
                 samples.inspect(|_| interrupt::check()).collect();
@@ -127,7 +128,7 @@ impl Drive {
 
     /// What the drive consists of, as JSON.
     fn json(&self) -> String {
-        results::text(&results::Drive::of(&self.file, &self.drive))
+        results::text(&self.drive.result(&self.file))
     }
 }
 

@@ -199,7 +199,8 @@ impl Filter {
     ) -> PyResult<(Self, [f64; 3], f64)> {
         let kind = model::bias_model(bias_model)?;
         let started = work::run(py, || {
-            navigate::start(&drive.drive, kind).map_err(say::unsolved)
+            navigate::start(&drive.drive, kind)
+                .map_err(|error| say::unsolved(error.findings(), error))
         })?;
         let started = started.map_err(error)?;
         let settings = started.settings;

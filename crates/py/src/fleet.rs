@@ -70,7 +70,7 @@ pub fn fleet_process(py: Python<'_>, job: &str, threads: usize) -> PyResult<Stri
     let job = parse(job)?;
     let outcome = py.detach(|| fleet::process_on(&job, threads));
     let mut outcome = outcome.map_err(error)?;
-    say::outcome(&mut outcome);
+    outcome.fill(say::say);
     Ok(outcome.to_json())
 }
 

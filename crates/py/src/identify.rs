@@ -113,15 +113,15 @@ fn prepare(
     if !record.skipped.is_empty() {
         warnings.push(format!("{name}: {}", record.skipped));
     }
-    warnings.extend(say::guessed(&record).map(|guessed| format!("{name}: {guessed}")));
+    warnings.extend(say::guessed(&record.guessed).map(|guessed| format!("{name}: {guessed}")));
     let prepared = identification::prepare(record, settings);
     let prepared = prepared.map_err(|problem| format!("{name}: {problem}"))?;
     let record = &prepared.record;
-    warnings.extend(say::stamps(record));
-    warnings.extend(say::repeated(record));
+    warnings.extend(say::stamps(record.uneven()));
+    warnings.extend(say::repeated(&record.repeated));
     match &prepared.not_static {
         Some(problem) if !force => {
-            return Err(format!("{name}: {}", say::refused(record, problem)).into());
+            return Err(format!("{name}: {}", say::refused(&record.guessed, problem)).into());
         }
         Some(problem) => warnings.push(format!("{name}: {problem}")),
         None => {}

@@ -53,7 +53,8 @@ fn drive_of(
     let motion = inspection::motion(&mut found);
     found.iter_mut().for_each(report::fill);
     complete(&found)?;
-    let text = report::drive_file(&found, Path::new(""), vehicle, motion);
+    let model = inspection::model(&found);
+    let text = report::drive_file(&model, &found, Path::new(""), vehicle, motion);
     let held = found
         .iter()
         .filter_map(|log| Some((log.file.clone(), log.held.clone()?)));

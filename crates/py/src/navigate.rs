@@ -66,9 +66,11 @@ pub fn navigate<'py>(
     };
     let counted = Progress::counted(&wanted.samples);
     let navigate = || {
-        let report = navigation::navigate(&drive.drive, kind, wanted).map_err(say::unsolved)?;
-        let about = results::Drive::of(&drive.file, &drive.drive);
-        let mut result = say::navigated(&report, kind, about);
+        let report = navigation::navigate(&drive.drive, kind, wanted)
+            .map_err(|error| say::unsolved(error.findings(), error))?;
+        let about = drive.drive.result(&drive.file);
+        let result = report.result(kind, about);
+        let mut result = say::navigated(result, &report.summary, report.mounting.as_ref());
         let json = results::text(&result);
         result.series = None;
         let brief = results::text(&result);
@@ -125,7 +127,8 @@ pub fn outages<'py>(
     let hindsight = Hindsight::asked(look_ahead, smooth);
     let counted = Progress::default();
     let cut = || {
-        let logs = Logs::load(&drive.drive, hindsight).map_err(say::unsolved)?;
+        let logs = Logs::load(&drive.drive, hindsight)
+            .map_err(|error| say::unsolved(error.findings(), error))?;
         let cuts = logs.plan_or_usual(asked, length, start)?;
         counted.of(logs.samples(compared.len()));
         let experiment = logs.compare(&compared, &cuts, hindsight, &|samples| {

@@ -42,7 +42,7 @@ pub fn tune(
             counted.add(1);
             true
         })
-        .map_err(say::unsolved)?;
+        .map_err(|error| say::unsolved(error.findings(), error))?;
         let result = found.result(files.iter().copied().zip(&drives));
         let names: Vec<String> = files.iter().map(|file| results::name(file)).collect();
         let mut warnings = Vec::new();

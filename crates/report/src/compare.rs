@@ -7,8 +7,8 @@ use super::{
     tune,
 };
 use std::path::PathBuf;
-use undrift::io::ReadError;
-use undrift::results::Results;
+use undrift_io::ReadError;
+use undrift_results::Results;
 
 /// The report of results, each a file's path (empty for a single one without) and its text: JSON as
 /// the verbs write it.

@@ -21,7 +21,7 @@ impl Constant<'_> {
     }
 }
 
-/// The constant of a kind of [`undrift::nav::parameters::Parameter`].
+/// The constant of a kind of [`undrift_nav::parameters::Parameter`].
 pub(crate) fn constant(kind: &str) -> Constant<'_> {
     let (name, components, unit, factor) = match kind {
         "GyroScale" => ("gyro scale factors", "x, y, z", "%", 100.0),

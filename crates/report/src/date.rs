@@ -1,6 +1,6 @@
 //! Dates in words.
 
-use undrift::results::Drive;
+use undrift_results::Drive;
 
 /// An instant `yyyy-mm-ddThh:mm:ss.sssZ` as people read it.
 pub fn utc(iso: &str) -> String {
@@ -42,7 +42,7 @@ pub fn of_axis(drive: &Drive, time: f64) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use undrift::results::Start;
+    use undrift_results::Start;
 
     #[test]
     fn a_date_names_its_clock() {

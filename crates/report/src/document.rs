@@ -4,7 +4,7 @@ use crate::{
     figure::panel::Panel,
     numbers::{count, short},
 };
-use undrift::{Usability, results::Number};
+use undrift_results::{Number, Usability};
 
 /// A report. All text is plain text, wherever it comes from.
 #[derive(Clone, Debug, Default)]

@@ -36,7 +36,7 @@ pub fn write(document: &Document, dir: &Path) -> Result<Vec<PathBuf>, String> {
     let mut written = Vec::new();
     for (name, svg) in svgs(document) {
         let path = dir.join(name);
-        undrift::io::write::write_whole(&path, svg).map_err(|e| at(&path, e.to_string()))?;
+        undrift_io::write::write_whole(&path, svg).map_err(|e| at(&path, e.to_string()))?;
         written.push(path);
     }
     Ok(written)

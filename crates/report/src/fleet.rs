@@ -11,7 +11,7 @@ use super::{
     plain::{Mark, plain_table},
 };
 use std::collections::BTreeMap;
-use undrift::results::{Fleet, Trouble};
+use undrift_results::{Fleet, Trouble};
 
 /// Rows that a table shows of a longer list.
 const ROWS: usize = 200;
@@ -292,18 +292,18 @@ mod tests {
 
     #[test]
     fn the_sections_are_the_answers_the_measures_and_the_troubles() {
-        let measure = |name: &str| undrift::results::FleetMeasure {
+        let measure = |name: &str| undrift_results::FleetMeasure {
             name: name.into(),
             what: "drift".into(),
-            ..undrift::results::FleetMeasure::default()
+            ..undrift_results::FleetMeasure::default()
         };
         let run = Fleet {
             tasks: [("tune".to_owned(), 1)].into(),
             measures: vec![measure("drift"), measure("error")],
-            warned: vec![undrift::results::Warned {
+            warned: vec![undrift_results::Warned {
                 log: "a.toml".into(),
                 warnings: vec!["a.toml: late".into()],
-                ..undrift::results::Warned::default()
+                ..undrift_results::Warned::default()
             }],
             ..Fleet::default()
         };

@@ -12,7 +12,7 @@ use super::{
     markup::{escape, file_stem},
 };
 use sha2::{Digest, Sha256};
-use undrift::Usability;
+use undrift_results::Usability;
 
 const STYLES: [&str; 2] = [
     include_str!("assets/uPlot.min.css"),
@@ -238,7 +238,7 @@ fn base64(bytes: &[u8]) -> String {
 mod tests {
     use super::*;
     use crate::{Cell, Panel, PlotAxis, Section};
-    use undrift::nav::earth::Geodetic;
+    use undrift_nav::earth::Geodetic;
 
     #[test]
     fn only_files_and_pages_are_linked() {

@@ -2,13 +2,11 @@
 
 use crate::date;
 use std::path::Path;
-use undrift::{
-    inspect::{
-        Content, CounterRestarts, Inspection, Known, Measured, Motion, Note, Part, Start,
-        about_gravity, model, quoted,
-    },
-    io::visible,
-    vehicle::Profile,
+use undrift_engine::vehicle::Profile;
+use undrift_io::visible;
+use undrift_results::inspect::{
+    Content, CounterRestarts, Inspection, Known, Line, Measured, Motion, Note, Part, Start,
+    about_gravity, quoted,
 };
 
 /// Fills in the sentences of an inspection.
@@ -304,9 +302,8 @@ fn rate_and_gaps(m: &Measured) -> String {
     )
 }
 
-/// The noise model that a drive file begins with, for a terminal, and what to do next; `drive` is the drive file's name.
-pub fn next(inspections: &[Inspection], drive: &Path) -> String {
-    let model = model(inspections);
+/// The key `model` that a drive file begins with, for a terminal, and what to do next; `drive` is the drive file's name.
+pub fn next(model: &Line, drive: &Path) -> String {
     let file = drive.to_string_lossy();
     let file = visible(&file);
     format!(
@@ -316,9 +313,8 @@ pub fn next(inspections: &[Inspection], drive: &Path) -> String {
     )
 }
 
-/// What is guessed in the drive file, from filled inspections, a line each.
-pub fn guesses(inspections: &[Inspection]) -> Vec<String> {
-    let model = model(inspections);
+/// What is guessed in the drive file, of its key `model` and from filled inspections, a line each.
+pub fn guesses(model: &Line, inspections: &[Inspection]) -> Vec<String> {
     let mut lines = vec![format!(
         "  model = {}: {}",
         model.value,
@@ -345,10 +341,11 @@ pub fn guesses(inspections: &[Inspection]) -> Vec<String> {
     lines
 }
 
-/// The drive file, from filled inspections, that reads the first IMU, the first fixes and the first reference of the files.
+/// The drive file, with this key `model` and from filled inspections, that reads the first IMU, the first fixes and the first reference of the files.
 /// `home` is the folder where it will lie: files below it are named relative to it. `vehicle` is its profile where that is
 /// known; where its `motion` is that of wheels the car's is proposed.
 pub fn drive_file(
+    model: &Line,
     inspections: &[Inspection],
     home: &Path,
     vehicle: Option<Profile>,
@@ -367,7 +364,6 @@ pub fn drive_file(
          # from a static recording of the sensor. `undrift tune` estimates the noise in the vehicle\n\
          # from this drive.\n",
     );
-    let model = model(inspections);
     text += &format!("model = {} # {}\n", model.value, known(&model.known));
     for (table, needed) in [("imu", true), ("gnss", true), ("truth", false)] {
         match first(table) {
@@ -437,7 +433,6 @@ fn relative(file: &Path, home: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use undrift::inspect::Line;
 
     #[test]
     fn names_and_problems_with_control_characters_stay_toml() {
@@ -465,7 +460,14 @@ mod tests {
             held: None,
         };
         fill(&mut inspection);
-        let text = drive_file(&[inspection], Path::new(""), None, Motion::default());
+        let model = Line::text("model", "adis16405", Known::SensorName);
+        let text = drive_file(
+            &model,
+            &[inspection],
+            Path::new(""),
+            None,
+            Motion::default(),
+        );
         assert!(
             text.contains("# the first of several; the others are gps"),
             "{text}"

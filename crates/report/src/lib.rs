@@ -46,6 +46,7 @@ pub mod verdict {
 
 pub use crate::figure::panel::{Panel, PlotAxis, Series};
 pub use compare::{document, of_results};
+pub use demo::concluded;
 pub use document::{Block, Cell, Document, Figure, Section, Table};
 pub use numbers::short;
 pub use read::read;

@@ -1,6 +1,6 @@
 //! Text in HTML and SVG, and names of files.
 
-use undrift::io::is_hidden;
+use undrift_io::is_hidden;
 
 /// Text as it stands in an element or a quoted attribute, without the characters that XML has no place for or that
 /// act on the text around them.

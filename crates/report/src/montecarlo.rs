@@ -6,10 +6,10 @@ use super::{
     parts::{Run, model_colour, prefixed, text, warnings},
     plain::{Mark, plain_table},
 };
-use undrift::results::{Group, MonteCarlo, MonteCarloModel, Number, Verdict};
-use undrift::{
+use undrift_results::{Group, MonteCarlo, MonteCarloModel, Number, Verdict};
+use undrift_results::{
     Usability,
-    consistency::{COMPONENT_NAMES, GROUP},
+    error_state::{COMPONENT_NAMES, GROUP},
     series::Envelope,
 };
 

@@ -14,10 +14,8 @@ use accuracy::accuracy;
 use innovations::innovations;
 use panels::{Shown, component_panel, panel_over_time, sensor_panel};
 use summary::{summary, verdict};
-use undrift::{
-    nav::earth::Geodetic,
-    results::{Fixes, Navigate, Track},
-};
+use undrift_nav::earth::Geodetic;
+use undrift_results::{Fixes, Navigate, Track};
 
 /// A component in plots: key of the JSON, name, unit, and the factor that makes the unit of the key's.
 type Component = (&'static str, &'static str, &'static str, f64);

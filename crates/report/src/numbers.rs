@@ -1,6 +1,6 @@
 //! Numbers as text.
 
-use undrift::results::{Number, Numbers};
+use undrift_results::{Number, Numbers};
 
 /// A number with three significant digits; a dash where there is none.
 pub fn short(value: f64) -> String {

@@ -16,12 +16,12 @@ use crate::{
     plain::{Mark, plain_table},
 };
 use drift::drift;
-use undrift::{
-    findings::{Severity, verdict},
-    outages::is_clear_lead,
-    results::{ModelErrors, Numbers, Outages},
-};
 use undrift_base::order_statistics::quantile;
+use undrift_results::{
+    ModelErrors, Numbers, Outages,
+    findings::{Severity, verdict},
+    is_clear_lead,
+};
 pub(crate) use way::{models_way, way};
 
 const HORIZONTAL: &str = "horizontal_m";

@@ -10,10 +10,10 @@ use super::{
     parts::{COMPONENTS, text},
     plain::{Mark, plain_table},
 };
-use undrift::{
+use undrift_nav::earth::STANDARD_GRAVITY;
+use undrift_results::{
+    Axis, Demo, Numbers, Paper,
     demo::{PAPER_EXACT, WHITE},
-    nav::earth::STANDARD_GRAVITY,
-    results::{Axis, Demo, Numbers, Paper},
 };
 use words::{agreement, literal};
 

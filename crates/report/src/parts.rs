@@ -1,15 +1,15 @@
 //! What the reports share: sentences, curves as points, colours.
 
 use crate::{Block, PlotAxis, Series, say};
-use undrift::findings::{self, Finding};
-use undrift::nav::earth::Geodetic;
-use undrift::results::{Curve, Number, Track};
 use undrift_base::order_statistics::quantile;
+use undrift_nav::earth::Geodetic;
+use undrift_results::findings::{self, Finding};
+use undrift_results::{Curve, Number, Track};
 
 /// A result with its name; the name of a single one is empty.
 pub type Run<'a, T> = (String, &'a T);
 
-/// Components of errors with the heads of their columns, as [`undrift::reference::COMPONENTS`].
+/// Components of errors with the heads of their columns, as [`undrift_results::COMPONENTS`].
 pub const COMPONENTS: [(&str, &str); 10] = [
     ("north_m", "N [m]"),
     ("east_m", "E [m]"),
@@ -295,7 +295,7 @@ pub fn extent(points: &[(f64, f64)]) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use undrift::Usability;
+    use undrift_results::Usability;
 
     #[test]
     fn points_are_values_times_a_factor_at_their_times() {

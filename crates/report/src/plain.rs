@@ -1,7 +1,7 @@
 //! Tables as plain text.
 
 use crate::{Cell, Table};
-use undrift::io::visible;
+use undrift_io::visible;
 
 /// How a terminal marks what stands out; another place takes [`unmarked`].
 pub type Mark = fn(&str) -> String;

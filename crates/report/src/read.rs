@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, de::DeserializeOwned};
 use std::path::Path;
-use undrift::io::ReadError;
-use undrift::results::{Results, SCHEMA};
+use undrift_io::ReadError;
+use undrift_results::{Results, SCHEMA};
 
 /// What every result begins with.
 #[derive(Deserialize)]

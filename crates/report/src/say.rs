@@ -12,13 +12,13 @@ mod solution;
 mod start;
 mod words;
 
-pub use fill::{cut, demo, navigated, outcome};
+pub use fill::{cut, navigated};
 pub use recording::{guessed, refused, repeated, slower, stamps};
 pub(crate) use solution::usable;
 pub use solution::{cause, ended, hindsight, verdict};
 pub use start::{alignment, estimated, found, mounting, unsolved};
 
-use undrift::findings::Finding;
+use undrift_results::findings::Finding;
 
 /// Why an experiment with outages has no result, where there is an outage.
 pub const NO_MODEL: &str = "no model could be run";

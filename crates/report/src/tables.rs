@@ -2,7 +2,7 @@
 
 use crate::{Block, Cell, Document, Table, html, markup::file_stem};
 use std::path::Path;
-use undrift::io::visible;
+use undrift_io::visible;
 
 /// What a report is written as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

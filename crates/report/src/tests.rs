@@ -1,7 +1,7 @@
 //! What tests see of a report.
 
 use crate::{Block, Figure, Panel, Section, Series, Table};
-use undrift::results::{Curve, Number, Numbers};
+use undrift_results::{Curve, Number, Numbers};
 
 /// The texts of a table, row by row.
 pub(crate) fn cells(table: &Table) -> Vec<Vec<&str>> {

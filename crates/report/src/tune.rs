@@ -8,7 +8,7 @@ use super::{
     parts::{Run, capital, prefixed, text},
     plain::{Mark, plain_table},
 };
-use undrift::results::{Tune, TunedDrift, TunedParameter};
+use undrift_results::{Tune, TunedDrift, TunedParameter};
 pub use verdict::{is_usable, is_worse, usability, verdict};
 
 /// Shares of a normal distribution inside one, two and three standard deviations.
@@ -115,7 +115,7 @@ fn vibration(tune: &Tune) -> String {
 }
 
 fn drift(tune: &Tune) -> Table {
-    let within = |drift: &[undrift::results::Number; 3]| {
+    let within = |drift: &[undrift_results::Number; 3]| {
         drift.map(percent).join(" / ").replace(" %", "") + " %"
     };
     Table::of(
@@ -139,7 +139,7 @@ fn drift(tune: &Tune) -> Table {
 
 /// A value in the unit that data sheets use.
 fn shown(parameter: &TunedParameter) -> (f64, &str) {
-    const G: f64 = undrift::nav::earth::STANDARD_GRAVITY;
+    const G: f64 = undrift_nav::earth::STANDARD_GRAVITY;
     match parameter.unit.as_str() {
         "rad/s/√Hz" => (1f64.to_degrees() * 1e3, "mdps/√Hz"),
         "m/s²/√Hz" => (1e6 / G, "µg/√Hz"),

@@ -31,11 +31,11 @@ use undrift_drive::{
     navigate::{Hindsight, NavigateError, look_ahead, settings},
     outages::Logs,
     replay::{ReplayError, begin, vibration::densities},
-    results,
 };
 use undrift_engine::settings::{Settings, fix_errors::StdFactors};
 use undrift_nav::covariance::AXES;
 use undrift_noise::{BiasModel, ImuModel};
+use undrift_results as results;
 
 /// What is asked for.
 #[derive(Clone, Debug, Default)]

@@ -5,11 +5,11 @@ use super::{
     noise::{COUNT, FIX, LASTING, RULE, WALK, WHITE},
 };
 use std::path::Path;
-use undrift_drive::{
-    drive::Drive,
-    results::{self, Number, SCHEMA, Tune, TunedDrift, TunedParameter, TunedVibration, VERSION},
-};
+use undrift_drive::drive::Drive;
 use undrift_noise::model_file::AXES;
+use undrift_results::{
+    self, Number, SCHEMA, Tune, TunedDrift, TunedParameter, TunedVibration, VERSION,
+};
 
 /// Standard deviations to the ends of a 95 % interval.
 const INTERVAL: f64 = 1.96;
@@ -82,7 +82,7 @@ impl Tuned {
         };
         let drives: Vec<_> = drives
             .into_iter()
-            .map(|(file, drive)| results::Drive::of(file, drive))
+            .map(|(file, drive)| drive.result(file))
             .collect();
         let unaligned = drives
             .iter()

@@ -70,10 +70,11 @@ mod slices;
 
 pub use undrift_drive::{
     columns, consistency, drive, findings, identify, inspect, mounting, navigate, outages, record,
-    reference, replay, results, series, smooth, usability,
+    reference, replay, smooth,
 };
 pub use undrift_experiments::{demo, montecarlo};
 pub use undrift_fleet as fleet;
+pub use undrift_results::{self as results, series, usability};
 pub use undrift_tune as tune;
 
 pub use undrift_base as base;

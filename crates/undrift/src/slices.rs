@@ -9,8 +9,6 @@ use undrift_drive::{
     identify::{self, Identified, RecordingError},
     navigate::{self, Hindsight, NavigateError, Report, Wanted},
     record::Record,
-    results::AxisDoubt,
-    usability::Usability,
 };
 use undrift_engine::{Navigator, align::AlignSettings, settings::Settings, vehicle::Profile};
 use undrift_io::write::solution::SolutionRow;
@@ -20,6 +18,7 @@ use undrift_nav::{
     sample::{GnssFix, ImuSample},
 };
 use undrift_noise::{BiasModel, ImuModel, Provenance};
+use undrift_results::{AxisDoubt, usability::Usability};
 
 /// What is known of a drive beside its samples, fixes and noise model. The default knows nothing.
 #[derive(Clone, Debug)]

@@ -1,6 +1,6 @@
 //! Drives of samples in memory.
 
-use super::{Beginning, Drive, Logs, ScalarLog, tables};
+use super::{Beginning, Drive, Logs, ScalarLog, scalars::about, tables};
 use crate::{
     align::AlignSettings,
     replay::{GnssUse, QualityStd},
@@ -98,8 +98,9 @@ impl Drive {
             &format!("<{}>", log.name()),
             Memory::Scalars(measured.into()),
         );
-        self.scalars[log] = Some((path, ScalarFormat::scalars(log.name(), log.range())));
-        self.parameters = log.by_default(self.parameters);
+        let about = about(log);
+        self.scalars[log] = Some((path, ScalarFormat::scalars(log.name(), about.range)));
+        self.parameters = (about.by_default)(self.parameters);
         self
     }
 

@@ -7,11 +7,11 @@ use super::{
     section::Section,
     tables::{read_delimiter, read_std},
 };
-use crate::replay::{Aid, Log, Measurement};
 use std::{
     ops::{Index, IndexMut},
     path::PathBuf,
 };
+pub use undrift_engine::ScalarLog;
 use undrift_io::{
     scalar::{Reading, ScalarFormat, ScalarStd},
     table::Column,
@@ -39,92 +39,31 @@ const HEIGHTS: (f64, f64) = (-1000.0, 11_000.0);
 /// A log of one number: its file and layout.
 pub type Source = (PathBuf, ScalarFormat);
 
-/// A sensor that measures one number: a table of the drive file and a log of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ScalarLog {
-    /// `[odometer]`: speeds of a wheel, forward positive \[m/s\].
-    Odometer,
-    /// `[barometer]`: heights \[m\].
-    Barometer,
-}
-
 /// Reads a log's table of the drive file.
 type ReadSection = fn(&Section, &mut Logs, Parameters) -> Result<(Source, Parameters), DriveError>;
 
-/// All that is different from one to the other.
-struct About {
-    name: &'static str,
-    described: &'static str,
-    log: Log,
-    aid: Aid,
-    measurement: fn(Scalar) -> Measurement,
-    range: (f64, f64),
+/// All that is different in drive files from one to the other.
+pub(super) struct About {
+    /// Numbers that it can have, in SI units.
+    pub(super) range: (f64, f64),
     read: ReadSection,
-    by_default: fn(Parameters) -> Parameters,
+    /// The parameters with the one that it asks for where no more is known of it.
+    pub(super) by_default: fn(Parameters) -> Parameters,
 }
 
-impl ScalarLog {
-    /// All of them, in the order in which they are read.
-    pub const ALL: [Self; 2] = [Self::Odometer, Self::Barometer];
-
-    fn about(self) -> About {
-        match self {
-            Self::Odometer => About {
-                name: "odometer",
-                described: "The log of wheel speeds.",
-                log: Log::Odometer,
-                aid: Aid::Odometer,
-                measurement: Measurement::Odometer,
-                range: SPEEDS,
-                read: read_odometer,
-                by_default: |parameters| of_odometer(parameters, SCALE_STD),
-            },
-            Self::Barometer => About {
-                name: "barometer",
-                described: "The log of heights.",
-                log: Log::Barometer,
-                aid: Aid::Barometer,
-                measurement: Measurement::Barometer,
-                range: HEIGHTS,
-                read: read_barometer,
-                by_default: |parameters| of_barometer(parameters, BIAS_STD, BIAS_WALK),
-            },
-        }
-    }
-
-    /// Its table in a drive file, and what it is called.
-    pub fn name(self) -> &'static str {
-        self.about().name
-    }
-
-    /// What it is a log of, as a sentence.
-    pub fn described(self) -> &'static str {
-        self.about().described
-    }
-
-    /// The log that findings name.
-    pub fn log(self) -> Log {
-        self.about().log
-    }
-
-    /// What its updates are counted by.
-    pub fn aid(self) -> Aid {
-        self.about().aid
-    }
-
-    /// A number of it as the navigator takes it.
-    pub fn measurement(self, scalar: Scalar) -> Measurement {
-        (self.about().measurement)(scalar)
-    }
-
-    /// Numbers that it can have, in SI units.
-    pub(super) fn range(self) -> (f64, f64) {
-        self.about().range
-    }
-
-    /// The parameters with the one that it asks for where no more is known of it.
-    pub(super) fn by_default(self, parameters: Parameters) -> Parameters {
-        (self.about().by_default)(parameters)
+/// What is different of a sensor; its table in a drive file has the sensor's name.
+pub(super) fn about(log: ScalarLog) -> About {
+    match log {
+        ScalarLog::Odometer => About {
+            range: SPEEDS,
+            read: read_odometer,
+            by_default: |parameters| of_odometer(parameters, SCALE_STD),
+        },
+        ScalarLog::Barometer => About {
+            range: HEIGHTS,
+            read: read_barometer,
+            by_default: |parameters| of_barometer(parameters, BIAS_STD, BIAS_WALK),
+        },
     }
 }
 
@@ -180,7 +119,7 @@ pub(super) fn read(
     for log in ScalarLog::ALL {
         let section = top.section(log.name())?;
         if section.exists() {
-            let (source, asked) = (log.about().read)(&section, logs, parameters)?;
+            let (source, asked) = (about(log).read)(&section, logs, parameters)?;
             scalars[log] = Some(source);
             parameters = asked;
         }

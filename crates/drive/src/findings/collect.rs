@@ -4,7 +4,7 @@ use super::{Finding, Log, Severity};
 use crate::{
     fixes::FixStudy,
     mounting::MountingError,
-    replay::{Aid, Disagreement, Implausible, Innovations, Part, SampleFault, Summary, WindowPart},
+    replay::{Aid, Disagreement, Innovations, Part, SampleFault, Summary, WindowPart},
     settings::fix_errors::{Correlated, FixErrors},
 };
 use undrift_io::{
@@ -127,25 +127,6 @@ pub fn of_held(held: &[Held], rotation: &Matrix3) -> Vec<Finding> {
                 },
             })
             .collect(),
-    }
-}
-
-impl From<Implausible> for Finding {
-    fn from(what: Implausible) -> Self {
-        match what {
-            Implausible::Gravity(ratio) => Self::WrongGravity { ratio },
-            Implausible::Down(down) => Self::NotDown { down },
-            Implausible::TurnScale(ratio) => Self::WrongTurnRate { ratio },
-            Implausible::TurnAxis(axis) => Self::WrongTurnAxis { axis },
-            Implausible::NoTurn => Self::NoTurns,
-            Implausible::Late(delay) => Self::Late { delay },
-            Implausible::Push { forward, right } => Self::WrongAxes {
-                forward,
-                right,
-                axes: None,
-            },
-            Implausible::Velocity(mend) => Self::WrongVelocity { mend },
-        }
     }
 }
 

@@ -4,9 +4,9 @@ use super::{
     Prepared, Settings,
     result::{deviation, unit},
 };
-use crate::results::{self, Identify, SCHEMA, VERSION};
 use undrift_base::parallel;
 use undrift_noise::identify::{AllanDeviation, allan_deviation};
+use undrift_results::{self as results, Identify, SCHEMA, VERSION};
 
 /// The Allan deviation of every axis of a recording and its terms, on all cores, as a result without tests and models.
 #[must_use]

@@ -8,12 +8,10 @@ use super::{
     steps::steps,
     windows::Windows,
 };
-use crate::{
-    record::Record,
-    results::{Omission, Omitted},
-};
+use crate::record::Record;
 use std::ops::Range;
 use undrift_noise::identify::SHORTEST;
+use undrift_results::{Omission, Omitted};
 
 /// Windows that may move, as a knock or two do; and their share.
 const KNOCKS: usize = 5;

@@ -5,10 +5,12 @@ use super::{
     settings::{Prepared, Settings, common_rate},
 };
 use crate::record::own_values;
-use crate::results::{self, AxisPool, Differing, Number, PooledRecord, RecordShare, by_name};
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use undrift_base::{number::rounded, parallel};
 use undrift_noise::identify::{self as noise, Between, IdentifyError, Sampled, Share};
+use undrift_results::{
+    self as results, AxisPool, Differing, Number, PooledRecord, RecordShare, by_name,
+};
 
 /// Probability that records of one process are taken for different ones, of all records and axes together.
 pub const FALSE_ALARM: f64 = 0.01;

@@ -5,11 +5,12 @@ use crate::{
     inspect::{Known, about_gravity, unit_of_rates},
     record::{Record, own_values},
 };
-use undrift_base::{number::rounded, order_statistics::upper_median};
+use undrift_base::order_statistics::upper_median;
 use undrift_nav::{
     earth::STANDARD_GRAVITY,
     units::{Quantity, unit_factor},
 };
+pub use undrift_results::recording::{Likely, NotStatic};
 
 /// Rate beyond any turn-on constant [rad/s]: 20 deg/s of the cheapest sensors.
 const TURNING: f64 = 0.5;
@@ -20,74 +21,6 @@ const SCATTERING: f64 = 0.05;
 const LEVELS: usize = 4;
 /// Samples that a size is taken from.
 const PROBE: usize = 10_000;
-
-/// What the accelerometers' numbers are, more likely than what they are said to be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Likely {
-    /// Specific forces in this unit.
-    Unit(&'static str),
-    /// Accelerations without gravity.
-    GravityRemoved,
-    /// Velocity increments.
-    Increments,
-    /// None of those.
-    Unknown,
-}
-
-/// Why a record is no static recording.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NotStatic {
-    /// Gravity has a wrong size.
-    #[error("the specific force is {} m/s², not 9.81", rounded(*force, 4))]
-    Force {
-        /// Median magnitude [m/s²].
-        force: f64,
-        /// What the numbers are instead.
-        likely: Likely,
-        /// Unit of the gyros as stated, if they have one.
-        gyro_unit: String,
-    },
-    /// Raw counts called a unit.
-    #[error("{axis} has whole numbers alone, from {} to {}, which are raw counts and not {unit}", range[0], range[1])]
-    Counts {
-        /// The axis.
-        axis: &'static str,
-        /// Unit as stated.
-        unit: String,
-        /// Unit of the accelerometers as stated.
-        accel_unit: String,
-        /// Least and largest number.
-        range: [f64; 2],
-    },
-    /// An axis turns faster than a constant of the sensor explains.
-    #[error("{axis} reads {} deg/s on average, more than any sensor at rest", rounded(rate.to_degrees(), 4))]
-    Turning {
-        /// The axis.
-        axis: &'static str,
-        /// Mean rate [rad/s].
-        rate: f64,
-    },
-    /// Rates called rad/s that scatter as deg/s do.
-    #[error("{axis} scatters by {} deg/s from sample to sample, more than any sensor at rest", rounded(scatter.to_degrees(), 3))]
-    Scattering {
-        /// The axis.
-        axis: &'static str,
-        /// Its quietest scatter [rad/s].
-        scatter: f64,
-        /// Unit of the accelerometers as stated.
-        accel_unit: String,
-    },
-    /// The sensor moves.
-    #[error("the IMU moves in {moving_s:.0} of {length_s:.0} s")]
-    Moving {
-        /// Time in motion \[s\].
-        moving_s: f64,
-        /// Length of the record \[s\].
-        length_s: f64,
-        /// Longest rest, from its start to its end after the record's first sample \[s\].
-        rest: Option<(f64, f64)>,
-    },
-}
 
 /// Why a record at a rate \[Hz\] is no static recording, if it is none. Of the axes that there are, those that
 /// tell are looked at: gravity takes three accelerometers. One that was handled before or after it lay still is

@@ -1,10 +1,6 @@
 //! Everything found, as a result. SI units.
 
 use super::Identified;
-use crate::results::{
-    self, Adf, Allan, ArmaOrigin, BoxJenkins, GridFit, Identify, Number, Numbers, OrderRow,
-    OrderTest, Origin, PanditWuOrders, SCHEMA, VERSION, by_name, numbers,
-};
 use undrift_noise::{
     allan::{Interval, Point, Terms},
     arma::Selection,
@@ -13,6 +9,10 @@ use undrift_noise::{
     identify::{Axis, Candidate, GRID_ORDER, Origin as Found},
     pandit_wu::{PAPER_CRITICAL, PanditWu},
     temperature::{Estimate, NORMAL_95},
+};
+use undrift_results::{
+    self as results, Adf, Allan, ArmaOrigin, BoxJenkins, GridFit, Identify, Number, Numbers,
+    OrderRow, OrderTest, Origin, PanditWuOrders, SCHEMA, VERSION, by_name, numbers,
 };
 
 impl Identified {

@@ -1,10 +1,10 @@
 //! What an axis is drawn from: its record over time and over value, its spectrum, its correlations.
 
-use crate::{
-    results::{AxisSeries, Histogram, Number, Psd, Residuals},
+use undrift_noise::{correlation::white_bound, identify::Axis, spectrum::Density};
+use undrift_results::{
+    AxisSeries, Histogram, Number, Psd, Residuals,
     series::{Envelope, to_digits},
 };
-use undrift_noise::{correlation::white_bound, identify::Axis, spectrum::Density};
 
 /// Buckets of the record.
 const RECORD: usize = 2000;
@@ -98,20 +98,19 @@ impl RecordSeries {
             },
             psd: psd(&axis.psd),
             correlation_bound: to_digits(white_bound(axis.samples)).into(),
-            residuals: axis.residuals.iter().map(Into::into).collect(),
+            residuals: axis.residuals.iter().map(residuals).collect(),
         }
     }
 }
 
-impl From<&undrift_noise::identify::Residuals> for Residuals {
-    fn from(of: &undrift_noise::identify::Residuals) -> Self {
-        Self {
-            model: of.model.clone(),
-            samples: of.samples as u64,
-            acf: digits(of.acf.iter().copied()),
-            pacf: digits(of.pacf.iter().copied()),
-            bound: to_digits(white_bound(of.samples)).into(),
-        }
+/// The residuals of a fit as results have them.
+pub fn residuals(of: &undrift_noise::identify::Residuals) -> Residuals {
+    Residuals {
+        model: of.model.clone(),
+        samples: of.samples as u64,
+        acf: digits(of.acf.iter().copied()),
+        pacf: digits(of.pacf.iter().copied()),
+        bound: to_digits(white_bound(of.samples)).into(),
     }
 }
 

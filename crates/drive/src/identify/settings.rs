@@ -1,12 +1,10 @@
 //! What a recording is identified with, and how it is made ready for that.
 
 use super::{NotStatic, part::Part, rest::static_part};
-use crate::{
-    record::Record,
-    results::{self, Number, Omitted, Used},
-};
+use crate::record::Record;
 use undrift_base::hash;
 use undrift_noise::{Provenance, Recording, identify::Options, screening::Trend};
+use undrift_results::{self as results, Number, Omitted, Used};
 
 /// Most that a stated rate may be off the time stamps, relative.
 const RATE_TOLERANCE: f64 = 0.01;

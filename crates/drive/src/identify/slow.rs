@@ -5,12 +5,12 @@ use super::{
     steps::Step,
     windows::{STEPS, Windows},
 };
-use crate::results::{Omission, Omitted};
 use std::ops::Range;
 use undrift_noise::{
     identify::SHORTEST,
     screening::{Disturbance, Shape, disturbances},
 };
+use undrift_results::{Omission, Omitted};
 
 /// Shares of a part that are cut off for a warm-up, the least that is enough; beyond the last it is subtracted.
 const CUTS: [f64; 7] = [0.0, 1.0 / 32.0, 0.0625, 0.125, 0.25, 0.375, 0.5];

@@ -1,10 +1,10 @@
 //! By how much the clocks of two logs differ: where the turns that the gyros see are those of the course.
 
-use super::known::Known;
 use undrift_nav::{
     Vector3,
     sample::{GnssFix, ImuSample},
 };
+use undrift_results::inspect::Known;
 
 /// Interval at which the turned angle is kept \[s\].
 const GRID: f64 = 0.1;

@@ -2,8 +2,6 @@
 
 use super::{
     found::Found,
-    known::{Known, Note},
-    parts::{Line, Part, quoted},
     places,
     units::{self, Force},
 };
@@ -11,6 +9,7 @@ use crate::columns::{
     FIX_STEP, IMU_STEP, Meaning, RECEIVED, meanings, ordinary_step, time_unit_of,
 };
 use undrift_io::{Opened, ReadError, table::Preview};
+use undrift_results::inspect::{Known, Line, Note, Part, quoted};
 
 /// By the names of several columns.
 pub(super) const NAMES: Known = Known::Name { several: true };

@@ -1,6 +1,6 @@
 //! Which columns of a table are what.
 
-use super::known::Known;
+use undrift_results::inspect::Known;
 
 /// Columns found: their places.
 #[derive(Default)]

@@ -1,10 +1,6 @@
 //! Reads a part of a file with the keys found for it, as a drive would.
 
 use super::sensor::Steps;
-use super::{
-    known::{Content, Known},
-    parts::{CounterRestarts, Line, Measured, Part, Start, quoted},
-};
 use crate::drive::{DriveError, Logs, Section, gnss, imu, parse, tables};
 use std::path::Path;
 use undrift_io::{
@@ -18,6 +14,9 @@ use undrift_io::{
     truth::TruthReader,
 };
 use undrift_nav::{Vector3, earth::STANDARD_GRAVITY, sample::FixQuality};
+use undrift_results::inspect::{
+    Content, CounterRestarts, Known, Line, Measured, Part, Start, about_gravity, quoted,
+};
 
 /// Standard deviations to begin with where a log does not tell any: a single-frequency receiver
 /// under an open sky.
@@ -135,11 +134,6 @@ pub(super) fn is_gravity(part: &Part) -> bool {
         Some(Content::Force(force)) => about_gravity(force),
         _ => true,
     })
-}
-
-/// Whether a mean specific force \[m/s²\] is about gravity, as it is of an ordinary drive.
-pub fn about_gravity(force: [f64; 3]) -> bool {
-    (Vector3::from(force).norm() / STANDARD_GRAVITY - 1.0).abs() <= 0.15
 }
 
 /// Counts, and how the sensor sits by where gravity points.

@@ -1,7 +1,7 @@
 //! How the IMU sits in its vehicle, by how it moves against the fixes.
 
 use super::{
-    Content, Inspection, Known, Line, Note, Part, clocks, quoted, sensor::GUESS,
+    Content, Inspection, Known, Line, Motion, Note, Part, clocks, quoted, sensor::GUESS,
     units::COUNTS_OF_RATE,
 };
 use crate::{
@@ -25,15 +25,6 @@ use undrift_nav::{
     units::{Quantity, unit_factor},
 };
 use undrift_noise::BiasModel;
-
-/// What the motion shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Motion {
-    /// It is that of a wheeled vehicle.
-    pub wheels: bool,
-    /// The changes of the receiver's velocity give the heading.
-    pub heading: bool,
-}
 
 /// Looks at the first IMU and the first fixes of the files, and says how the IMU sits where a vehicle's motion shows it:
 /// in its part's lines, or why not in its notes.

@@ -1,10 +1,6 @@
 //! Which columns of a table are a receiver's position, velocity and accuracy, and in which units.
 
-use super::{
-    columns::{Columns, NAMES, all, three_of},
-    known::Known,
-    parts::Line,
-};
+use super::columns::{Columns, NAMES, all, three_of};
 use crate::columns::{FIX_STEP, ordinary_step};
 use crate::drive::DEGREES_MINUTES;
 use undrift_base::order_statistics::upper_median;
@@ -14,6 +10,7 @@ use undrift_nav::{
     earth::Geodetic,
     units::{Quantity, unit_factor},
 };
+use undrift_results::inspect::{Known, Line};
 
 /// Integers of 1e-7 degrees.
 const INTEGERS: &str = "LSB/1e7 deg";

@@ -1,10 +1,10 @@
 //! Which stream of inertial samples a log is read from, where it has several.
 
-use super::{known::Known, measure::about_gravity, parts::Line};
 use crate::drive::Logs;
 use std::path::Path;
 use undrift_io::{format::Format, imu::ImuFormat, imu::ImuReader, log::AND};
 use undrift_nav::Vector3;
+use undrift_results::inspect::{Known, Line, about_gravity};
 
 /// Samples of each that are looked at.
 const LOOKED_AT: usize = 2000;

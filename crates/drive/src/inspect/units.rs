@@ -1,8 +1,8 @@
 //! Units by the size of the numbers.
 
-use super::known::Known;
 use undrift_base::order_statistics::upper_median;
 use undrift_nav::earth::STANDARD_GRAVITY;
+use undrift_results::inspect::Known;
 
 /// A unit and why.
 pub(super) type Guess = (&'static str, Known);

@@ -11,8 +11,8 @@ use crate::{
     drive::Drive,
     estimator::{Adjoint, Estimator},
     mounting::Mounting,
-    outages::Rejected,
     reference::{COMPONENTS, Errors, HORIZONTAL, TruthCursor},
+    rejected::Rejected,
     replay::{Observer, ReplayError},
     smooth::{History, Path},
 };

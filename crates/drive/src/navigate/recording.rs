@@ -7,8 +7,6 @@ use crate::{
     findings::WITHOUT_GNSS,
     reference::{COMPONENTS, Errors},
     replay::{MOST_EVENTS, Windows},
-    results::{Curve, Fixes, NavigateSeries, Track, by_name},
-    series::{Envelope, ROWS, Thinned, to_digits, to_millimetre, to_millisecond},
 };
 use std::collections::BTreeMap;
 use undrift_io::write::solution::SolutionRow;
@@ -16,6 +14,10 @@ use undrift_nav::{
     covariance::{AXES, NAV},
     filter::{Outcome, Update},
     sample::GnssFix,
+};
+use undrift_results::{
+    Curve, Fixes, NavigateSeries, Track, by_name,
+    series::{Envelope, ROWS, Thinned, to_digits, to_millimetre, to_millisecond},
 };
 
 /// Names of the six sensor axes' errors with their units.
@@ -226,12 +228,12 @@ fn named(names: &[&str], series: &[Envelope]) -> BTreeMap<String, Curve> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::Number;
     use undrift_nav::{
         Matrix3, Vector3,
         earth::Geodetic,
         sample::{FixQuality, Position},
     };
+    use undrift_results::Number;
 
     fn only(curve: &Curve) -> f64 {
         let [Number(value)] = curve.value[..] else {

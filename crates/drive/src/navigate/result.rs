@@ -4,13 +4,13 @@ use super::{Hindsight, Report};
 use crate::{
     consistency::GROUP,
     replay::{self, Aid, Innovations},
-    results::{
-        Drive, FixErrors, Keyed, Navigate, Nis, Number, Parameter, SCHEMA, StdFactors, Summary,
-        VERSION, by_name,
-    },
     settings::fix_errors::{self, Correlated},
 };
 use undrift_noise::BiasModel;
+use undrift_results::{
+    Drive, FixErrors, Keyed, Navigate, Nis, Number, Parameter, SCHEMA, StdFactors, Summary,
+    VERSION, by_name,
+};
 
 /// Components of a velocity.
 const AXES: [&str; 3] = ["north", "east", "down"];

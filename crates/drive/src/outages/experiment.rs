@@ -6,16 +6,16 @@ use super::{
     errors::ModelOutcome,
     left_out::{Needs, WhyLeftOut},
     run::run_one,
-    uncut::{Reference, Rejected, withheld},
 };
+use crate::rejected::{Reference, Rejected, withheld};
 use crate::{
     navigate::{self, Hindsight, NavigateError, Report, Wanted, look_ahead, settings},
     replay::{Outage, ReplayError},
-    results::NoiseModelRun,
 };
 use std::collections::BTreeMap;
 use undrift_base::parallel;
 use undrift_noise::BiasModel;
+use undrift_results::NoiseModelRun;
 
 /// Longest span between two nodes of the smoother \[s\]: the errors are taken at nodes.
 const NODE_SPAN: f64 = 0.2;

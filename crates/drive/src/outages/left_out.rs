@@ -2,24 +2,9 @@
 
 use super::Rejected;
 use crate::replay::{Measurement, Outage, STAMP_ROUNDING};
-use serde::{Deserialize, Serialize};
 use undrift_base::order_statistics::median;
 use undrift_nav::sample::{GnssFix, ImuSample, TruthSample};
-
-/// Why an outage is left out of an experiment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum WhyLeftOut {
-    /// It begins before the solution.
-    NotStarted,
-    /// It begins in a gap of the fixes, so that it would be longer than it is called.
-    InGap,
-    /// There is no reference at its end.
-    NoReference,
-    /// Inertial samples are missing in it.
-    NoSamples,
-}
+pub use undrift_results::findings::WhyLeftOut;
 
 /// Intervals without a fix or a reference that are no gap yet.
 const INTERVALS: f64 = 2.5;

@@ -2,6 +2,7 @@
 
 use super::{
     experiment::Experiment,
+    findings::of_outages,
     result::{result, track},
     schedule::{Schedule, ScheduleError, schedule},
 };
@@ -12,11 +13,11 @@ use crate::{
     mounting::Mounting,
     navigate::{Hindsight, NavigateError, resolve_ahead},
     replay::{Measurement, Outage, merge},
-    results::{self, Outages},
 };
 use std::path::Path;
 use undrift_io::skipped::Skipped;
 use undrift_nav::sample::{GnssFix, ImuSample, TruthSample};
+use undrift_results::{self, Outages};
 
 /// A drive and all that its logs hold. Every model is run on the same.
 pub struct Logs {
@@ -161,7 +162,7 @@ impl Logs {
         if experiment.uncut.is_ok() {
             found.extend(self.ends_early());
         }
-        let cut = findings::of_outages(experiment, &found);
+        let cut = of_outages(experiment, &found);
         found.extend(cut);
         findings::ranked(findings::of_model(found, self.drive.model.as_ref()))
     }
@@ -171,7 +172,7 @@ impl Logs {
         let hindsight = experiment.hindsight;
         let [withheld, rejected] = experiment.withheld;
         Outages {
-            drive: results::Drive::of(file, &self.drive),
+            drive: self.drive.result(file),
             reference: self.reference().into(),
             smooth: hindsight == Hindsight::Smooth,
             look_ahead: hindsight != Hindsight::Causal,

@@ -3,18 +3,17 @@
 use super::{
     drift::drift_curve,
     errors::{self, ModelOutcome, ModelRun},
-    left_out::WhyLeftOut,
 };
 use crate::{
     reference::GROUPS,
     replay::{Aid, Outage},
-    results::{
-        Cut, Drift, LeftOutCut, ModelErrors, NisOfParts, Number, Numbers, OutageErrors, Outages,
-        SCHEMA, Track, VERSION, by_name, numbers,
-    },
-    series::{ROWS, Thinned, to_digits, to_millimetre, to_millisecond},
 };
 use undrift_nav::sample::{GnssFix, Position, TruthSample};
+use undrift_results::{
+    Drift, ModelErrors, NisOfParts, Number, Numbers, OutageErrors, Outages, SCHEMA, Track, VERSION,
+    by_name, numbers,
+    series::{ROWS, Thinned, to_digits, to_millimetre, to_millisecond},
+};
 
 /// What outages did, model by model, on the way of `track`.
 pub fn result(outages: &[Outage], results: &[ModelOutcome], track: &[TruthSample]) -> Outages {
@@ -45,26 +44,6 @@ pub fn result(outages: &[Outage], results: &[ModelOutcome], track: &[TruthSample
         result.series.ways.insert(name.clone(), way(run));
     }
     result
-}
-
-impl From<&Outage> for Cut {
-    fn from(of: &Outage) -> Self {
-        Self {
-            start_s: of.start.into(),
-            length_s: (of.end - of.start).into(),
-        }
-    }
-}
-
-impl From<&(Outage, WhyLeftOut)> for LeftOutCut {
-    fn from((of, why): &(Outage, WhyLeftOut)) -> Self {
-        let Cut { start_s, length_s } = of.into();
-        Self {
-            start_s,
-            length_s,
-            why: *why,
-        }
-    }
 }
 
 impl From<&errors::ModelErrors> for ModelErrors {

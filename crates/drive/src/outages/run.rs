@@ -1,9 +1,7 @@
 //! Each model through the outages.
 
-use super::{
-    errors::{ModelErrors, ModelOutcome, ModelRun, OutageErrors},
-    uncut::{Reference, Rejected},
-};
+use super::errors::{ModelErrors, ModelOutcome, ModelRun, OutageErrors};
+use crate::rejected::{Reference, Rejected};
 use crate::{
     estimator::{Adjoint, Estimator, STAMP_ROUNDING},
     findings::Finding,

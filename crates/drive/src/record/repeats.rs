@@ -2,21 +2,13 @@
 
 use super::{Record, own_values};
 use undrift_noise::screening::timing;
+pub use undrift_results::recording::Repeated;
 
 /// Share of the samples that are the ones before, at least.
 const REPEATED: f64 = 0.3;
 /// Samples apart that are equal by chance alone, and their share of those that are equal to the one before.
 const APART: usize = 7;
 const CHANCE: f64 = 0.5;
-
-/// A sensor whose samples were repeated.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Repeated {
-    /// Whether it is the gyroscopes, else the accelerometers.
-    pub gyro: bool,
-    /// Samples of the record to each of its own.
-    pub times: f64,
-}
 
 impl Record {
     /// The record without samples that a logger repeated until there was a new one, which are no noise of the sensor; and how

@@ -7,20 +7,8 @@ use undrift_nav::{covariance, shaping::ShapingFilter};
 use undrift_noise::{
     AxisModel, BiasModel, ImuModel, compared::Method, identify::Axis, model_file::AXES,
 };
+use undrift_results::demo::{BOUND, PAPER, PAPER_EXACT, RECOMMENDED, UNCALIBRATED, WHITE};
 
-/// White noise alone: the baseline.
-pub const WHITE: &str = "white";
-/// The source paper's equations (3)-(9) to the letter.
-pub const PAPER: &str = "paper literal";
-/// The recommended model.
-pub const RECOMMENDED: &str = "recommended";
-/// The same on samples whose constants nobody removed.
-pub const UNCALIBRATED: &str = "constants left in";
-/// The simulation's own noise model, on samples without constants: no model to choose.
-pub const BOUND: &str = "bound";
-
-/// The source paper's ARMA(1,1), run exactly.
-pub const PAPER_EXACT: &str = "paper exact";
 /// Its candidate: the paper prints φ = 1.0000.
 pub(super) const UNIT_ROOT: &str = "ARMA(1,1), unit root";
 

@@ -2,7 +2,7 @@
 
 use super::{
     DURATION, DemoError, Experiment, Model, PAPER, RATE_HZ, WHITE,
-    models::{self, PAPER_EXACT},
+    models::{self},
     ridden,
     sensor::{Ride, Samples},
     settings,
@@ -13,7 +13,6 @@ use undrift_drive::{
     record::Record,
     reference::{self, Errors, HORIZONTAL, TruthCursor},
     replay::{Observer, ReplayError, Settings, replay},
-    series::{ROWS, Thinned},
 };
 use undrift_engine::estimator::Estimator;
 use undrift_nav::sample::TruthSample;
@@ -23,6 +22,8 @@ use undrift_noise::{
     identify::{Axis, Residuals, SEARCH_SAMPLES},
     pandit_wu::{PanditWu, PanditWuOptions, pandit_wu},
 };
+use undrift_results::demo::PAPER_EXACT;
+use undrift_results::series::{ROWS, Thinned};
 
 /// Factors on the white noise of a sample that are tried for the σ of equation (9).
 pub const SCALES: [f64; 8] = [1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001, 0.0003];

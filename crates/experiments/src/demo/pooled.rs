@@ -1,6 +1,6 @@
 //! The outages of one length, pooled over the drives, with intervals by bootstrap over the outages.
 
-use super::models::{Model, WHITE};
+use super::models::Model;
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift_base::order_statistics::quantile;
@@ -8,6 +8,7 @@ use undrift_drive::{
     outages::{ModelErrors, ModelOutcome, drift_curve},
     reference::{self, Errors, HORIZONTAL},
 };
+use undrift_results::demo::WHITE;
 
 /// Draws of the bootstrap.
 const DRAWS: usize = 2000;

@@ -3,15 +3,15 @@
 use super::{BOUND, CUTS, Demo, Estimate, PRESET, Paper, Pooled, Source, Track};
 use std::collections::BTreeMap;
 use undrift_drive::{
-    identify::{order_rows, order_tests},
+    identify::{order_rows, order_tests, residuals},
     outages::thinned_track,
-    results::{
-        self, Curve, CutLength, DemoModel, Drift, OneOne, SCHEMA, ScanPoint, VERSION, by_name,
-        numbers,
-    },
-    series::{to_digits, to_millimetre, to_millisecond},
 };
 use undrift_noise::arma::ArmaFit;
+use undrift_results::{
+    self as results, Curve, CutLength, DemoModel, Drift, OneOne, SCHEMA, ScanPoint, VERSION,
+    by_name, numbers,
+    series::{to_digits, to_millimetre, to_millisecond},
+};
 
 impl Demo {
     /// Everything as a result but for its sentences.
@@ -88,7 +88,7 @@ impl From<&Paper> for results::Paper {
             orders: of.orders.as_ref().map(order_rows).unwrap_or_default(),
             adequacy: of.orders.as_ref().map(order_tests).unwrap_or_default(),
             one_one: one_one.collect(),
-            residuals: of.residuals.as_ref().map(Into::into),
+            residuals: of.residuals.as_ref().map(residuals),
             largest: by_name(largest.map(|(name, e)| (name.as_str(), e.numbers()))),
             solutions: by_name(solutions.map(|t| (t.name, t))),
             scan: of

@@ -6,9 +6,9 @@ use undrift_drive::{
         average_bounds,
     },
     replay::STAMP_ROUNDING,
-    results::{Group, MonteCarloModel, NisKind, Number, Verdict, by_name, numbers},
 };
 use undrift_nav::sample::TruthSample;
+use undrift_results::{Group, MonteCarloModel, NisKind, Number, Verdict, by_name, numbers};
 
 /// What one run of one model leaves behind.
 #[derive(Default)]

@@ -1,5 +1,5 @@
 use super::*;
-use undrift::results::{Drive, Identify, Navigate, Outages, Tune};
+use undrift_results::{Drive, Identify, Navigate, Outages, Tune};
 
 fn identified(record: &str) -> Results {
     Results::Identify(Identify {

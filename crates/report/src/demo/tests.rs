@@ -5,7 +5,7 @@ use crate::{
         assert_points, by_name, cells, figure, figure_of, legend, names, numbers, sentences, strong,
     },
 };
-use undrift::results::{Cut, Drift};
+use undrift_results::{Cut, Drift};
 
 fn of(value: f64, low: f64, high: f64) -> Estimate {
     Estimate {

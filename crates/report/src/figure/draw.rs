@@ -107,7 +107,7 @@ fn svg(attributes: &str, body: &str, (width, height): (f64, f64)) -> String {
 /// A sentence for the user when the file cannot be written.
 pub fn draw(path: &Path, panels: &[Panel], columns: usize, size: (u32, u32)) -> Result<(), String> {
     let size = (f64::from(size.0), f64::from(size.1));
-    undrift::io::write::write_whole(path, drawing(panels, columns, size, "panel").file())
+    undrift_io::write::write_whole(path, drawing(panels, columns, size, "panel").file())
         .map_err(|e| format!("cannot write {}: {e}", path.display()))
 }
 

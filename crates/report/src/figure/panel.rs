@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
-use undrift::nav::earth::Geodetic;
+use undrift_nav::earth::Geodetic;
 
 /// One axis of a panel.
 #[derive(Clone, Debug)]

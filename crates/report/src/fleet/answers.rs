@@ -6,7 +6,7 @@ use crate::{
     numbers::{probability, short},
     parts::first_few,
 };
-use undrift::results::{
+use undrift_results::{
     Effect, FleetGroup as Group, FleetLabel as Label, FleetMeasure as Measure, LeftOut, Slope,
 };
 
@@ -108,7 +108,7 @@ fn of_temperature(name: &str, slope: &Slope) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use undrift::results::FleetEffects;
+    use undrift_results::FleetEffects;
 
     fn effect(times: f64, p: f64) -> Option<Effect> {
         Some(Effect {

@@ -6,11 +6,11 @@ use crate::{
     numbers::{count, get, probability, short},
     parts::{axis_for, capital, first_few, model_colour, quartiles, text},
 };
-use undrift::results::{
+use undrift_base::order_statistics::quantile;
+use undrift_results::{
     Fleet, FleetGroup as Group, FleetLog as Log, FleetMeasure as Measure, FleetOutlier as Outlier,
     FleetPart as Part, Level,
 };
-use undrift_base::order_statistics::quantile;
 
 /// Units that have a name on the axis of a figure.
 const NAMED: usize = 40;

@@ -8,8 +8,8 @@ use crate::{
     parts::{Clock, capital, points, run_colour, text, warnings},
 };
 use std::f64::consts::{LN_2, PI, TAU};
-use undrift::results::{Axis, Candidate, Number, Term};
 use undrift_base::order_statistics::quantile;
+use undrift_results::{Axis, Candidate, Number, Term};
 
 /// One axis in all detail.
 pub(super) fn of_axis(name: &str, axis: &Axis) -> Option<Section> {

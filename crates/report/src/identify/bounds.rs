@@ -2,7 +2,7 @@
 
 use super::units;
 use crate::numbers::short;
-use undrift::results::{Axis, Number, ParameterInterval};
+use undrift_results::{Axis, Number, ParameterInterval};
 
 /// What the record says of the parameters of an axis' model, each with its unit and factor from SI.
 pub(crate) fn bounds(name: &str, axis: &Axis) -> Vec<Bound> {

@@ -46,10 +46,8 @@ fn digits(frequency: f64, error: Option<f64>) -> String {
 mod tests {
     use super::*;
     use crate::identify::identified;
-    use undrift::{
-        noise::spectrum::Line,
-        results::{Axis, Identify},
-    };
+    use undrift_noise::spectrum::Line;
+    use undrift_results::{Axis, Identify};
 
     #[test]
     fn frequency_amplitude_and_the_error_of_the_integral_are_listed() {

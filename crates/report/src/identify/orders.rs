@@ -2,7 +2,7 @@
 
 use super::units;
 use crate::{Cell, Table, numbers::exact};
-use undrift::results::{Axis, Order, OrderRow, OrderTest};
+use undrift_results::{Axis, Order, OrderRow, OrderTest};
 
 /// p and q.
 type Pq = (u64, u64);

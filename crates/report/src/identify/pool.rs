@@ -7,7 +7,7 @@ use crate::{
     parts::{Run, first_few, prefixed, text, warnings},
 };
 use std::f64::consts::PI;
-use undrift::results::{Differing, Identify, Pool};
+use undrift_results::{Differing, Identify, Pool};
 
 /// Records that a sentence lists.
 const LISTED: usize = 3;
@@ -16,7 +16,7 @@ const LISTED: usize = 3;
 fn constants(name: &str) -> (&'static str, f64) {
     match name.starts_with("gyro") {
         true => ("°/s", 180.0 / PI),
-        false => ("mg", 1e3 / undrift::nav::earth::STANDARD_GRAVITY),
+        false => ("mg", 1e3 / undrift_nav::earth::STANDARD_GRAVITY),
     }
 }
 
@@ -87,7 +87,7 @@ pub(crate) fn of_constants(pool: &Pool) -> Vec<String> {
         ),
         _ => None,
     };
-    let of = |axis: &undrift::results::AxisPool| axis.turn_on.map(|turn_on| turn_on.records);
+    let of = |axis: &undrift_results::AxisPool| axis.turn_on.map(|turn_on| turn_on.records);
     let few = pool.axes.values().filter_map(of).min().filter(|n| *n < 4);
     let few = few.map(|n| {
         format!("{n} switch-ons bound the turn-on σ poorly: the model has the upper 95 % bound of all axes of a sensor together, or the data sheet's (--base) where that is larger.")

@@ -2,7 +2,7 @@
 
 use super::{Named, units};
 use crate::{Table, numbers::short};
-use undrift::results::{AxisTemperature, Number};
+use undrift_results::{AxisTemperature, Number};
 
 /// Of all axes whose recording has a temperature that changes.
 pub(crate) fn temperatures<'a>(axes: impl Iterator<Item = Named<'a>>) -> Table {
@@ -52,7 +52,7 @@ fn per_kelvin(name: &str, value: Number, [low, high]: [Number; 2], kelvin: &str)
 mod tests {
     use super::*;
     use crate::identify::identified;
-    use undrift::results::{Axis, Identify};
+    use undrift_results::{Axis, Identify};
 
     #[test]
     fn a_slope_has_its_interval_and_one_that_is_not_determined_says_so() {

@@ -3,9 +3,9 @@ use crate::tests::{
     assert_points, by_name, cells, curve, figure_of, legend, names, near, numbers, sentences,
     strong,
 };
-use undrift::{
-    noise::{screening::Outlier, stationarity::Critical},
-    results::{AxisPool, Candidate, Differing, Pool, PooledRecord, Psd, RecordShare, TurnOn},
+use undrift_noise::{screening::Outlier, stationarity::Critical};
+use undrift_results::{
+    AxisPool, Candidate, Differing, Pool, PooledRecord, Psd, RecordShare, TurnOn,
 };
 
 /// Of "°/s" in rad/s.
@@ -94,7 +94,7 @@ fn each_model_is_recommended_for_its_axes() {
 #[test]
 fn the_terms_are_a_row_for_each_axis() {
     let mut accel = gyro(1.0);
-    let g = undrift::nav::earth::STANDARD_GRAVITY;
+    let g = undrift_nav::earth::STANDARD_GRAVITY;
     accel.allan_terms.white = term(0.5 / 60.0, true);
     accel.allan_terms.bias_instability = term(0.03e-3 * g, false);
     accel.allan_terms.random_walk = term(2e-3 / 60.0 * g, true);
@@ -405,7 +405,7 @@ fn pool() -> Pool {
 fn turn_on_constants_are_in_the_units_of_a_sensor() {
     let mut pool = pool();
     let mut accel = pool.axes["gyro_x"].clone();
-    let g = undrift::nav::earth::STANDARD_GRAVITY;
+    let g = undrift_nav::earth::STANDARD_GRAVITY;
     if let Some(turn_on) = &mut accel.turn_on {
         turn_on.sigma = (2e-3 * g).into();
     }
@@ -572,7 +572,7 @@ fn a_recording_serves_as_far_as_its_axes_and_its_length_do() {
     assert!(is_usable(&run));
 }
 
-fn scores_of(run: &mut Identify) -> &mut undrift::results::Numbers {
+fn scores_of(run: &mut Identify) -> &mut undrift_results::Numbers {
     &mut run.axes.get_mut("gyro_x").unwrap().chosen.drift_score
 }
 

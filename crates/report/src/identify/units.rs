@@ -37,7 +37,7 @@ const GYRO: Units = Units {
     rounding: ("arcsec", DEG * 3600.0),
     constant: ("°/s", DEG),
 };
-const MILLI_G: f64 = 1e3 / undrift::nav::earth::STANDARD_GRAVITY;
+const MILLI_G: f64 = 1e3 / undrift_nav::earth::STANDARD_GRAVITY;
 const ACCEL: Units = Units {
     scale: 1.0,
     sample: "m/s²",

@@ -2,7 +2,7 @@
 
 use super::{spoken, units, units::with_unit};
 use crate::numbers::span;
-use undrift::results::{Identify, Omission, Omitted, Used};
+use undrift_results::{Identify, Omission, Omitted, Used};
 
 /// Steps that are said one by one.
 const FEW_STEPS: usize = 2;

@@ -2,10 +2,7 @@
 
 use super::{spoken, used};
 use crate::numbers::{short, span};
-use undrift::{
-    results::{Axis, AxisDoubt, Identify},
-    usability::Usability,
-};
+use undrift_results::{Axis, AxisDoubt, Identify, usability::Usability};
 
 /// Whether the record serves without reservation: its verdict is `usable`, and recordings are of one sensor.
 pub fn is_usable(result: &Identify) -> bool {
@@ -80,10 +77,8 @@ pub(crate) fn is_allan(result: &Identify) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use undrift::{
-        noise::screening::{RecordError, rounding::MOSTLY_SHOWN},
-        results::Number,
-    };
+    use undrift_noise::screening::{RecordError, rounding::MOSTLY_SHOWN};
+    use undrift_results::Number;
 
     #[test]
     fn an_axis_is_doubted_for_the_first_reason_that_holds() {

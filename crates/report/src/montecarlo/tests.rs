@@ -5,7 +5,7 @@ use crate::{
         assert_points, cells, figure_of, legend, names, near, numbers, points, sentences, strong,
     },
 };
-use undrift::results::{MonteCarloDrive, NisKind};
+use undrift_results::{MonteCarloDrive, NisKind};
 
 fn nees_group(name: &str, verdict: Option<Verdict>) -> Group {
     Group {

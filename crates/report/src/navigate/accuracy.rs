@@ -9,7 +9,7 @@ use crate::{
     numbers::{count, get, short},
     parts::{COMPONENTS, Run, named, text},
 };
-use undrift::results::{Navigate, Numbers};
+use undrift_results::{Navigate, Numbers};
 
 /// NEES per degree of freedom along a run, whose samples are correlated, from which the filter is said to
 /// be optimistic, or slightly so.

@@ -10,7 +10,7 @@ use crate::{
     parts::{Run, broken, extent, level, prefixed, run_colour},
 };
 use std::collections::BTreeMap;
-use undrift::results::{Curve, Navigate};
+use undrift_results::{Curve, Navigate};
 
 /// A run's name and its innovations of one part of the fixes.
 type OfRun<'a> = (&'a str, &'a BTreeMap<String, Curve>);
@@ -18,7 +18,7 @@ type OfRun<'a> = (&'a str, &'a BTreeMap<String, Curve>);
 /// Innovations over time, of position and velocity.
 pub(super) fn innovations(runs: &[Run<'_, Navigate>], shown: &Shown<'_>) -> Option<Section> {
     let fixes = runs.iter().map(|(_, run)| run.summary.fixes).max();
-    let thinned = if fixes.is_some_and(|fixes| fixes > undrift::series::BUCKETS as u64) {
+    let thinned = if fixes.is_some_and(|fixes| fixes > undrift_results::series::BUCKETS as u64) {
         "; thinned to the smallest and largest of each stretch"
     } else {
         ""

@@ -6,8 +6,8 @@ use crate::{
     parts::{Clock, extent, run_colour, unwrapped},
 };
 use std::collections::BTreeMap;
-use undrift::results::{Curve, NavigateSeries};
 use undrift_base::order_statistics::quantile;
+use undrift_results::{Curve, NavigateSeries};
 
 /// Share of a run at its start whose values may lie beyond the axis, while the filter settles.
 const SETTLING: f64 = 0.05;

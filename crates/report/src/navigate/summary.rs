@@ -7,7 +7,7 @@ use crate::{
     numbers::{bounded, count, error, get, short, span},
     parts::{Run, named, of_which, prefixed, text, verdict_of, warnings},
 };
-use undrift::results::{Aid, Navigate, Nis, Number, Numbers, Parameter};
+use undrift_results::{Aid, Navigate, Nis, Number, Numbers, Parameter};
 
 /// NIS per degree of freedom that is reported as correct.
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 0.6..=1.6;

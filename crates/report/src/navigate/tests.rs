@@ -6,7 +6,7 @@ use crate::{
         sentences, strong,
     },
 };
-use undrift::results::{Aid, Curve, Drive, NavigateSeries, Nis, Number, Parameter, Start};
+use undrift_results::{Aid, Curve, Drive, NavigateSeries, Nis, Number, Parameter, Start};
 
 /// Of "°/s" in rad/s.
 const DEG: f64 = std::f64::consts::PI / 180.0;

@@ -1,5 +1,5 @@
 use super::*;
-use undrift::results::{Number, OutageErrors};
+use undrift_results::{Number, OutageErrors};
 
 #[test]
 fn the_least_stands_out() {
@@ -315,7 +315,7 @@ fn the_least_is_compared_with_the_next_and_the_most() {
 
 #[test]
 fn what_was_done_names_the_drive_the_outages_and_the_reference() {
-    use undrift::results::{Cut, Start};
+    use undrift_results::{Cut, Start};
     let cut = |start: f64, length: f64| Cut {
         start_s: start.into(),
         length_s: length.into(),
@@ -363,10 +363,7 @@ fn what_was_done_names_the_drive_the_outages_and_the_reference() {
 /// One conclusion, in the terminal as in the report; excluded outages and rejected fixes are counted in both.
 #[test]
 fn the_terminal_concludes_as_the_report_does() {
-    use undrift::{
-        outages::WhyLeftOut,
-        results::{Cut, LeftOutCut},
-    };
+    use undrift_results::{Cut, LeftOutCut, findings::WhyLeftOut};
     let mut run = result();
     let (start_s, length_s) = (Number(300.0), Number(30.0));
     run.outages = vec![Cut { start_s, length_s }; 2];

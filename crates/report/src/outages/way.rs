@@ -5,7 +5,7 @@ use crate::{
     numbers::get,
     parts::{Clock, Run, grouped, model_colour, model_pattern, on_the_ground, origin},
 };
-use undrift::results::{Outages, Track};
+use undrift_results::{Outages, Track};
 
 /// A way over the ground: time, and there east and north.
 type Way = Vec<(f64, (f64, f64))>;
@@ -132,8 +132,8 @@ fn broken(way: Way, starts: &[f64]) -> Way {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use undrift::nav::earth::Geodetic;
-    use undrift::results::{Cut, ModelErrors, Numbers};
+    use undrift_nav::earth::Geodetic;
+    use undrift_results::{Cut, ModelErrors, Numbers};
 
     #[test]
     fn a_simulated_drive_has_no_place() {

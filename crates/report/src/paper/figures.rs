@@ -6,9 +6,9 @@ use crate::{
     identify::{correlation, record, units},
     parts::{on_the_ground, origin, points},
 };
-use undrift::{
+use undrift_results::{
+    Axis, Demo, PaperSolution,
     demo::{PAPER_EXACT, WHITE},
-    results::{Axis, Demo, PaperSolution},
 };
 
 /// The record.

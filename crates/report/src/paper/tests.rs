@@ -4,13 +4,10 @@ use crate::{
     figure::panel::Drawn,
     tests::{assert_points, by_name, cells, curve, figure, legend, near, numbers, strong},
 };
-use undrift::{
-    demo::PAPER,
-    noise::{normality::Test, stationarity::Critical},
-    results::{
-        Curve, Cut, CutLength, DemoModel, Estimate, Number, OneOne, Order, OrderRow, OrderTest,
-        PaperSolution, PooledErrors, Residuals, ScanPoint, Track,
-    },
+use undrift_noise::{normality::Test, stationarity::Critical};
+use undrift_results::{
+    Curve, Cut, CutLength, DemoModel, Estimate, Number, OneOne, Order, OrderRow, OrderTest,
+    PaperSolution, PooledErrors, Residuals, ScanPoint, Track, demo::PAPER,
 };
 
 /// Of "°/s" in rad/s.

@@ -2,9 +2,9 @@
 
 use super::TABLE_4;
 use crate::numbers::{get, short};
-use undrift::{
+use undrift_results::{
+    Axis, Demo, Paper,
     demo::{PAPER, PAPER_EXACT, WHITE},
-    results::{Axis, Demo, Paper},
 };
 
 /// What is set side by side.

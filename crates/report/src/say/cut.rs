@@ -1,7 +1,7 @@
 //! Sentences: what GNSS outages show.
 
 use super::{NO_MODEL, words::at};
-use undrift::outages::WhyLeftOut;
+use undrift_results::findings::WhyLeftOut;
 
 pub(super) const NO_OUTAGE: &str = "no outage is left to measure in";
 

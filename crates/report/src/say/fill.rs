@@ -1,21 +1,18 @@
 //! Results with their sentences.
 
 use super::{alignment, all, found, mounting, say};
-use undrift::{
-    demo::{self, Demo},
-    fleet::FleetOutcome,
-    navigate::Report,
-    noise::BiasModel,
-    results,
-};
+use undrift_engine::{Summary, mounting::Mounting};
+use undrift_results as results;
 
-/// A navigated drive as a result; `drive` is what was navigated.
-pub fn navigated(report: &Report, kind: BiasModel, drive: results::Drive) -> results::Navigate {
-    let mut result = report.result(kind, drive);
+/// A navigated drive with its sentences: `summary` is the navigator's, `ahead` the mounting that was estimated before.
+pub fn navigated(
+    mut result: results::Navigate,
+    summary: &Summary,
+    ahead: Option<&Mounting>,
+) -> results::Navigate {
     result.warnings = all(&result.findings);
-    let ahead = report.mounting.as_ref().map(mounting);
-    result.mounting = found(&report.summary.mountings).or(ahead);
-    let start = report.summary.alignment.as_ref();
+    result.mounting = found(&summary.mountings).or(ahead.map(mounting));
+    let start = summary.alignment.as_ref();
     result.summary.alignment = start.map_or(String::new(), alignment);
     result
 }
@@ -27,23 +24,4 @@ pub fn cut(mut result: results::Outages) -> results::Outages {
         errors.warning = errors.finding.as_ref().map(say);
     }
     result
-}
-
-/// The demo as a result.
-pub fn demo(demo: &Demo) -> results::Demo {
-    let mut result = demo.result();
-    result.identification.record = match result.recorded {
-        true => demo.record.name.display().to_string(),
-        false => format!("Simulated static recording of {}", demo::PRESET),
-    };
-    result.conclusion = crate::demo::conclusion(&result);
-    result
-}
-
-/// The outcome of a log of a fleet.
-pub fn outcome(outcome: &mut FleetOutcome) {
-    outcome.warnings.splice(0..0, all(&outcome.findings));
-    for row in &mut outcome.rows {
-        row.note = row.finding.as_ref().map(say).or(row.note.take());
-    }
 }

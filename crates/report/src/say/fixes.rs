@@ -3,10 +3,8 @@
 use super::sensors::too_optimistic;
 use super::words::{at, many};
 use crate::numbers::{error, short};
-use undrift::{
-    findings,
-    replay::{Contradiction, FixMend, Lean, Part},
-};
+use undrift_engine::{Contradiction, FixMend, Lean, Part};
+use undrift_results::findings;
 
 pub(super) fn bad_covariance(fixes: u64) -> String {
     format!(

@@ -2,7 +2,7 @@
 
 use super::words::{at, many};
 use crate::numbers::short;
-use undrift::findings::{Finding, Log};
+use undrift_results::findings::{Finding, Log};
 
 /// A finding of one log.
 pub(super) fn of(log: Log, finding: &Finding) -> String {

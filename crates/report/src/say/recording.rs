@@ -1,22 +1,18 @@
 //! What is said of a recording before it is identified.
 
-use undrift::{
-    findings,
-    identify::{Likely, NotStatic},
-    record::{Record, Repeated, Slower},
-};
+use undrift_results::recording::{Likely, NotStatic, Repeated, Slower, Uneven};
 
 /// What nobody stated and no name says of a record, as the options that would state it.
-pub fn guessed(record: &Record) -> Option<String> {
-    let options = record.guessed.iter();
+pub fn guessed(guessed: &[(&str, String)]) -> Option<String> {
+    let options = guessed.iter();
     let options = options.map(|(option, value)| format!(" {option} \"{value}\""));
     let options: String = options.collect();
     (!options.is_empty()).then(|| format!("guessed from the values:{options}"))
 }
 
 /// That a sensor of a record has fewer samples than the other, or none.
-pub fn slower(record: &Record) -> Option<String> {
-    let Slower { gyro, rate_hz } = record.slower()?;
+pub fn slower(slower: Option<Slower>) -> Option<String> {
+    let Slower { gyro, rate_hz } = slower?;
     let sensor = if gyro { "gyroscopes" } else { "accelerometers" };
     Some(match rate_hz > 0.0 {
         true => format!(
@@ -27,8 +23,8 @@ pub fn slower(record: &Record) -> Option<String> {
 }
 
 /// That a logger repeated samples, which were taken out.
-pub fn repeated(record: &Record) -> Option<String> {
-    let sensors = record.repeated.iter().map(|Repeated { gyro, times }| {
+pub fn repeated(repeated: &[Repeated]) -> Option<String> {
+    let sensors = repeated.iter().map(|Repeated { gyro, times }| {
         let sensor = if *gyro { "gyroscope" } else { "accelerometer" };
         format!("each {sensor} sample is logged {times:.1} times")
     });
@@ -39,11 +35,13 @@ pub fn repeated(record: &Record) -> Option<String> {
 }
 
 /// What the time stamps say of a recording that is ready to be identified: lost samples, or an uneven rate.
-pub fn stamps(record: &Record) -> Option<String> {
-    let uneven = findings::of_timing(record.timing.as_ref())?;
-    let timing = record.timing.as_ref()?;
-    // Evenly spaced without stamps: its gaps are filled.
-    Some(match record.stamps.is_empty() {
+pub fn stamps(uneven: Option<Uneven>) -> Option<String> {
+    let Uneven {
+        timing,
+        filled,
+        finding,
+    } = uneven?;
+    Some(match filled {
         true => {
             let missing: usize = timing.gaps.iter().map(|gap| gap.missing).sum();
             let gaps = match timing.gaps.len() {
@@ -54,14 +52,13 @@ pub fn stamps(record: &Record) -> Option<String> {
                 "the time stamps have {gaps}: {missing} lost samples, which the models account for"
             )
         }
-        false => super::say(&uneven),
+        false => super::say(&finding),
     })
 }
 
 /// Why a record that is no static recording is refused, and what to do.
-pub fn refused(record: &Record, problem: &NotStatic) -> String {
-    let mut guessed = record.guessed.iter();
-    match guessed.any(|(option, _)| *option == "--columns") {
+pub fn refused(guessed: &[(&str, String)], problem: &NotStatic) -> String {
+    match guessed.iter().any(|(option, _)| *option == "--columns") {
         true => "the column names do not show which are gyros and accelerometers; specify them with --columns and --units".into(),
         false => format!("{problem}; {}, or use --force to identify it anyway", mend(problem)),
     }

@@ -5,7 +5,7 @@ use crate::{
     constants::{Constant, constant},
     numbers::short,
 };
-use undrift::findings::Finding;
+use undrift_results::findings::Finding;
 
 /// Values that the IMU repeats.
 pub(super) fn still(finding: &Finding) -> String {

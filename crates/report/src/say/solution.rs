@@ -1,9 +1,9 @@
 //! Sentences: how the solution went.
 
 use super::words::{at, many};
-use undrift::{
+use undrift_engine::{RestartCause, WindowPart};
+use undrift_results::{
     findings::{self, Finding, NoError, Severity},
-    replay::{RestartCause, WindowPart},
     usability::Usability,
 };
 

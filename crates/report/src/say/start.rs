@@ -3,12 +3,11 @@
 use super::{all, words::at};
 use crate::numbers::short;
 use std::error::Error;
-use undrift::{
+use undrift_engine::{
     align::{Alignment, AttitudeSource, HeadingSource},
-    findings::Finding,
     mounting::Mounting,
-    navigate::NavigateError,
 };
+use undrift_results::findings::Finding;
 
 /// How the first attitude was found.
 pub fn alignment(alignment: &Alignment) -> String {
@@ -104,8 +103,11 @@ pub fn estimated(mounting: &str) -> String {
     format!("estimated mounting: {mounting}")
 }
 
-/// Why a drive has no solution: what is wrong with its logs, where that was found out, before what came of it.
-pub fn unsolved(error: NavigateError) -> Box<dyn Error + Send + Sync> {
+/// Why a drive has no solution: what is wrong with its logs, where that was found out, before the error that came of it.
+pub fn unsolved(
+    found: Vec<Finding>,
+    error: impl Error + Send + Sync + 'static,
+) -> Box<dyn Error + Send + Sync> {
     let is_cause = |found: &Finding| {
         matches!(
             found,
@@ -116,7 +118,7 @@ pub fn unsolved(error: NavigateError) -> Box<dyn Error + Send + Sync> {
                 | Finding::WrongVelocity { .. }
         )
     };
-    let (causes, rest): (Vec<_>, Vec<_>) = error.findings().into_iter().partition(is_cause);
+    let (causes, rest): (Vec<_>, Vec<_>) = found.into_iter().partition(is_cause);
     if causes.is_empty() && rest.is_empty() {
         return error.into();
     }

@@ -1,11 +1,8 @@
 //! The exact sentence of each finding.
 
 use super::*;
-use undrift::{
-    findings::{Log, NoError, Severity},
-    outages::WhyLeftOut,
-    replay::{Contradiction, FixMend, Lean, Part, RestartCause, WindowPart},
-};
+use undrift_engine::{Contradiction, FixMend, Lean, Part, RestartCause, WindowPart};
+use undrift_results::findings::{Log, NoError, Severity, WhyLeftOut};
 
 /// Fifteen positions of a jump.
 fn jump() -> Contradiction {
@@ -423,7 +420,7 @@ fn the_verdict_names_the_cause() {
         saturated: false,
     };
     let innovations = Finding::LargeInnovations { start: 62.0 };
-    let found = undrift::findings::ranked(vec![innovations, held]);
+    let found = undrift_results::findings::ranked(vec![innovations, held]);
     assert!(
         verdict(&found).starts_with("usable with care: gyro z stays at 0 (as logged) for 20.00 s")
     );
@@ -437,7 +434,7 @@ fn the_verdict_names_the_cause() {
         overall: 0.95,
         more: 0,
     };
-    let both = undrift::findings::ranked(vec![span.clone(), found[0].clone()]);
+    let both = undrift_results::findings::ranked(vec![span.clone(), found[0].clone()]);
     assert!(verdict(&both).ends_with(" (worst from 60 to 91.5 s)"));
     let alone = "usable with care: from 60 to 91.5 s the solution and the positions of the fixes disagree: ";
     assert!(verdict(&[span]).starts_with(alone));
@@ -911,11 +908,11 @@ fn every_mend_of_the_fixes_says_what_is_wrong() {
 
 #[test]
 fn a_start_says_where_the_attitude_comes_from() {
-    use undrift::{
+    use undrift_engine::{
         align::{Alignment, AttitudeSource, HeadingSource},
         mounting::Mounting,
-        nav::{Vector3, attitude::from_rpy},
     };
+    use undrift_nav::{Vector3, attitude::from_rpy};
     let of = |source| {
         let angle = 1f64.to_radians();
         alignment(&Alignment {
@@ -974,16 +971,12 @@ fn a_start_says_where_the_attitude_comes_from() {
 
 #[test]
 fn a_recording_that_is_refused_says_what_to_do() {
-    use undrift::{
-        identify::{Likely, NotStatic},
-        record::Record,
-    };
-    let record = |guessed: &[(&'static str, &str)]| Record {
-        guessed: guessed
-            .iter()
+    use undrift_results::recording::{Likely, NotStatic};
+    let record = |guessed: &[(&'static str, &str)]| -> Vec<(&'static str, String)> {
+        let guessed = guessed.iter();
+        guessed
             .map(|(option, value)| (*option, (*value).into()))
-            .collect(),
-        ..Record::default()
+            .collect()
     };
     assert_eq!(guessed(&record(&[])), None);
     let both = record(&[("--units", "deg/s,g"), ("--columns", "1,2")]);
@@ -1069,7 +1062,8 @@ fn an_end_has_the_cause_that_is_not_the_end_itself() {
     let end = Finding::Diverged { time: 9.0 };
     assert_eq!(ended(9.0, &[]), say(&end));
     assert_eq!(ended(9.0, std::slice::from_ref(&end)), say(&end));
-    let found = undrift::findings::ranked(vec![end.clone(), Finding::WrongGravity { ratio: 0.1 }]);
+    let found =
+        undrift_results::findings::ranked(vec![end.clone(), Finding::WrongGravity { ratio: 0.1 }]);
     let text = ended(9.0, &found);
     assert!(
         text.starts_with("the solution diverged at 9 s and ends there: the accelerometers measure"),

@@ -11,7 +11,7 @@ use crate::{
     plain::{Mark, plain_table},
 };
 use std::fmt::Write as _;
-use undrift::results::{Axis, Detrend, Identify};
+use undrift_results::{Axis, Detrend, Identify};
 
 /// Whether the record serves and the terms of each axis' model; `details` puts the tests and candidates of each
 /// axis before.

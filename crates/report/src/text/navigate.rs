@@ -7,7 +7,7 @@ use crate::{
     parts::COMPONENTS,
     say,
 };
-use undrift::results::{Aid, Innovations, Navigate, Number, Numbers};
+use undrift_results::{Aid, Innovations, Navigate, Number, Numbers};
 
 /// How a drive was navigated, line by line.
 pub fn navigate(result: &Navigate) -> String {

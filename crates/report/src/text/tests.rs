@@ -1,12 +1,9 @@
 use super::*;
 use crate::tests::{by_name, numbers};
-use undrift::{
-    findings::Finding,
-    noise::{GaussMarkov, allan::Term, spectrum::Line},
-    results::{
-        Aid, Axis, BoxJenkins, Candidate, Detrend, Identify, Navigate, Order, OrderTest, Parameter,
-        ParameterInterval,
-    },
+use undrift_noise::{GaussMarkov, allan::Term, spectrum::Line};
+use undrift_results::{
+    Aid, Axis, BoxJenkins, Candidate, Detrend, Identify, Navigate, Order, OrderTest, Parameter,
+    ParameterInterval, findings::Finding,
 };
 
 /// Of "°/s" in rad/s.

@@ -3,7 +3,7 @@ use crate::{
     figure::panel::Drawn,
     tests::{assert_points, cells, figure, legend, names, sentences},
 };
-use undrift::results::{Drive, Number, TunedVibration};
+use undrift_results::{Drive, Number, TunedVibration};
 
 /// Of "°/s" in rad/s.
 const DEG: f64 = std::f64::consts::PI / 180.0;

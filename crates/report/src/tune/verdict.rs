@@ -4,11 +4,7 @@ use crate::{
     numbers::{short, span},
     say::usable,
 };
-use undrift::{
-    findings::Severity,
-    results::{Tune, TunedDrift},
-    usability::Usability,
-};
+use undrift_results::{Tune, TunedDrift, findings::Severity, usability::Usability};
 
 /// What to navigate with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -140,7 +136,7 @@ pub(super) fn judgement(tune: &Tune) -> (Severity, Use, String) {
 #[cfg(test)]
 mod tests {
     use super::{super::tests::of_length, *};
-    use undrift::results::Drive;
+    use undrift_results::Drive;
 
     fn tune(ratios: [[f64; 3]; 2]) -> Tune {
         Tune {

@@ -1,10 +1,11 @@
 //! Which statistic is of what, and which noise the errors are judged by.
 
 use super::*;
-use crate::{outages::result::result, replay::Outage, results::Number};
+use crate::{outages::result::result, replay::Outage};
 use undrift_nav::{
     Matrix3, Quaternion, Vector3, covariance::AXES, earth::Geodetic, shaping::ShapingFilter,
 };
+use undrift_results::Number;
 use undrift_simulate::{GnssNoise, Trajectory, simulate};
 
 const RATE: f64 = 50.0;

@@ -3,8 +3,8 @@ use crate::{
     figure::panel::Drawn,
     tests::{assert_points, by_name, cells, figure, legend, names, points, strong},
 };
-use undrift::results::Bin;
-use undrift::results::{Effect, FleetEffects, FleetLabel, LeftOut};
+use undrift_results::Bin;
+use undrift_results::{Effect, FleetEffects, FleetLabel, LeftOut};
 
 fn log(name: &str, temperature: f64, arma: f64, white: f64) -> Log {
     Log {

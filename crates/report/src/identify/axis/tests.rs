@@ -3,7 +3,7 @@ use crate::{
     figure::panel::Drawn,
     tests::{assert_points, by_name, cells, curve, legend, near, numbers, points as drawn, strong},
 };
-use undrift::results::{NotFitted, ParameterInterval, Psd, Residuals};
+use undrift_results::{NotFitted, ParameterInterval, Psd, Residuals};
 
 #[test]
 fn correlations_are_bars_from_lag_one_with_the_bounds_of_white_noise() {
@@ -405,7 +405,7 @@ fn parameters_are_in_the_units_of_data_sheets() {
             ["B", "°/h", "3.00", "2.00 to 4.00"],
         ]
     );
-    let g = undrift::nav::earth::STANDARD_GRAVITY;
+    let g = undrift_nav::earth::STANDARD_GRAVITY;
     let accel = Axis {
         intervals: vec![
             found("N", 0.5 / 60.0, none, none),

@@ -3,7 +3,7 @@ use crate::{
     figure::panel::Drawn,
     tests::{assert_points, by_name, curve, figure, legend, names, near},
 };
-use undrift::results::{ModelErrors, OutageErrors};
+use undrift_results::{ModelErrors, OutageErrors};
 
 /// Errors of three outages, from 1000.5 s on, `k` times 1, 2 and 9 m.
 fn errors(k: f64) -> ModelErrors {
@@ -152,9 +152,9 @@ fn each_outage_is_drawn_at_its_start_with_a_dot() {
 
 #[test]
 fn results_become_models_in_their_order() {
-    let mut result = undrift::results::Outages {
+    let mut result = undrift_results::Outages {
         order: vec!["white".into(), "gone".into()],
-        ..undrift::results::Outages::default()
+        ..undrift_results::Outages::default()
     };
     for (name, k) in [("ar", 3.0), ("white", 1.0)] {
         result.models.insert(name.into(), errors(k));
@@ -162,7 +162,7 @@ fn results_become_models_in_their_order() {
     let drift = curve(&[1.0, 2.0], &[0.5, 0.75]);
     result.series.drift.insert(
         "white".into(),
-        undrift::results::Drift {
+        undrift_results::Drift {
             since_cut_s: drift.time_s,
             horizontal_rms_m: drift.value,
         },

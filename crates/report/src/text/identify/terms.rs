@@ -6,7 +6,7 @@ use crate::{
     numbers::short,
     plain::{Mark, plain_table},
 };
-use undrift::results::{Axis, Identify, Number};
+use undrift_results::{Axis, Identify, Number};
 
 /// A row for each axis below one of units for its sensor.
 pub(super) fn table(result: &Identify, mark: Mark) -> String {
@@ -67,7 +67,7 @@ fn row(name: &str, axis: &Axis, units: &Units) -> [String; 7] {
         _ => "–".to_owned(),
     };
     let allan = &axis.allan_terms;
-    let seen = |term: &undrift::results::Term| if term.seen { term.value } else { f64::NAN };
+    let seen = |term: &undrift_results::Term| if term.seen { term.value } else { f64::NAN };
     let (white, walk, rounding) = match is_arma(axis) {
         true => (
             allan.white.value.into(),
@@ -76,7 +76,7 @@ fn row(name: &str, axis: &Axis, units: &Units) -> [String; 7] {
         ),
         false => (chosen.white, chosen.random_walk, chosen.quantisation),
     };
-    let processes = |of: fn(&undrift::noise::GaussMarkov) -> f64, factor: f64| {
+    let processes = |of: fn(&undrift_noise::GaussMarkov) -> f64, factor: f64| {
         let values = chosen
             .gauss_markov
             .iter()

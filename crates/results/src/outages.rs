@@ -4,9 +4,10 @@ use super::{
     Drive, Number, Numbers, Track,
     known::{finding, findings},
 };
-use crate::{findings::Finding, outages::WhyLeftOut};
+use crate::findings::{Finding, WhyLeftOut};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use undrift_engine::settings::Outage;
 
 /// An experiment with outages.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -170,4 +171,24 @@ pub struct Drift {
     pub since_cut_s: Vec<Number>,
     /// Root mean square over the outages of the horizontal error \[m\].
     pub horizontal_rms_m: Vec<Number>,
+}
+
+impl From<&Outage> for Cut {
+    fn from(of: &Outage) -> Self {
+        Self {
+            start_s: of.start.into(),
+            length_s: (of.end - of.start).into(),
+        }
+    }
+}
+
+impl From<&(Outage, WhyLeftOut)> for LeftOutCut {
+    fn from((of, why): &(Outage, WhyLeftOut)) -> Self {
+        let Cut { start_s, length_s } = of.into();
+        Self {
+            start_s,
+            length_s,
+            why: *why,
+        }
+    }
 }

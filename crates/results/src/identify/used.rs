@@ -1,6 +1,6 @@
 //! Which part of a recording was used.
 
-use crate::results::Number;
+use crate::Number;
 use serde::{Deserialize, Serialize};
 
 /// The part of a recording that was used, where that is not all of it.

@@ -1,13 +1,9 @@
 //! What was navigated.
 
 use super::{Key, Keyed, Number};
-use crate::{
-    drive::{self, ScalarLog},
-    replay::GnssUse,
-    series::to_digits,
-};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use undrift_engine::{ScalarLog, settings::GnssUse};
 use undrift_io::epoch::{ClockSource, Epoch};
 
 impl Key for ScalarLog {
@@ -82,42 +78,10 @@ pub struct Start {
 
 impl Start {
     /// Of a drive with a date, whose samples can be read.
-    fn of(drive: &drive::Drive) -> Option<Self> {
-        let (epoch, time) = (drive.epoch?, drive.beginning.time?);
-        Some(Self {
-            time_s: Number(time),
-            utc: epoch.iso(time),
-            unix_s: Number(epoch.unix(time)),
-            clock: epoch.clock.name().into(),
-        })
-    }
-
     /// UTC at a time \[s\], `yyyy-mm-ddThh:mm:ss.sssZ`.
     pub fn at(&self, time: f64) -> Option<String> {
         let start = Epoch::of_unix(self.unix_s.0, self.time_s.0, ClockSource::Stated)?;
         time.is_finite().then(|| start.iso(time))
-    }
-}
-
-impl Drive {
-    /// Of a drive file and its content.
-    pub fn of(file: &Path, drive: &drive::Drive) -> Self {
-        let interval = drive.sample_interval().ok();
-        Self {
-            simulated: None,
-            file: Some(name(file)),
-            imu: Some(name(&drive.imu.0)),
-            gnss: Some(name(&drive.gnss.0)),
-            truth: drive.truth.as_ref().map(|(path, _)| name(path)),
-            scalars: Keyed::new(|log| drive.scalars[log].as_ref().map(|(path, _)| name(path))),
-            start: Start::of(drive),
-            rate_hz: interval.map(|interval| to_digits(1.0 / interval)).into(),
-            model: drive.model.as_ref().map(|model| model.name.clone()),
-            lever_arm_m: Some(<[f64; 3]>::from(drive.lever_arm).map(Number)),
-            gnss_use: Some(parts_used(drive.gnss_use).into()),
-            gating: Some(drive.gating),
-            adapt: Some(drive.adapt),
-        }
     }
 }
 

@@ -5,11 +5,11 @@ use super::{
     known::{findings, known},
 };
 use crate::findings::Finding;
-use crate::replay::{
-    Aid, Contradiction, CovarianceHealth, Implausible, Innovations, Lean, Restart, Window,
-};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use undrift_engine::{
+    Aid, Contradiction, CovarianceHealth, Implausible, Innovations, Lean, Restart, Window,
+};
 
 /// A navigated drive.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -123,8 +123,18 @@ pub struct Start {
     pub clock: &'static str,
 }
 
+/// What the motion shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Motion {
+    /// It is that of a wheeled vehicle.
+    pub wheels: bool,
+    /// The changes of the receiver's velocity give the heading.
+    pub heading: bool,
+}
+
 impl Line {
-    pub(super) fn new(key: &'static str, value: String, known: Known) -> Self {
+    /// A key and its value as TOML writes it.
+    pub fn new(key: &'static str, value: String, known: Known) -> Self {
         Self {
             key,
             value,
@@ -134,7 +144,7 @@ impl Line {
     }
 
     /// A text value.
-    pub(super) fn text(key: &'static str, value: &str, known: Known) -> Self {
+    pub fn text(key: &'static str, value: &str, known: Known) -> Self {
         Self::new(key, quoted(value), known)
     }
 }
@@ -150,7 +160,8 @@ pub fn quoted(text: &str) -> String {
 }
 
 impl Part {
-    pub(super) fn new(table: &'static str, lines: Vec<Line>) -> Self {
+    /// A table with these keys of which nothing was read.
+    pub fn new(table: &'static str, lines: Vec<Line>) -> Self {
         Self {
             table,
             lines,

@@ -1,7 +1,7 @@
 //! The findings of outages.
 
-use super::Finding;
-use crate::outages::{Experiment, ModelErrors, WhyLeftOut};
+use super::{Experiment, ModelErrors, WhyLeftOut};
+use crate::findings::Finding;
 use std::mem::discriminant;
 
 /// Share of the errors in outages inside three standard deviations below which the model promises too much; of right ones

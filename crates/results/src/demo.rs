@@ -4,6 +4,25 @@ use super::{Curve, Cut, Drift, Identify, Number, Numbers, OrderRow, OrderTest, R
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
+/// Data sheet of the sensor.
+pub const PRESET: &str = "adis16405";
+/// Rest at the start of a drive, over which the constants are averaged \[s\].
+pub const REST: f64 = 60.0;
+
+/// White noise alone: the baseline.
+pub const WHITE: &str = "white";
+/// The source paper's equations (3)-(9) to the letter.
+pub const PAPER: &str = "paper literal";
+/// The recommended model.
+pub const RECOMMENDED: &str = "recommended";
+/// The same on samples whose constants nobody removed.
+pub const UNCALIBRATED: &str = "constants left in";
+/// The simulation's own noise model, on samples without constants: no model to choose.
+pub const BOUND: &str = "bound";
+
+/// The source paper's ARMA(1,1), run exactly.
+pub const PAPER_EXACT: &str = "paper exact";
+
 /// The demo.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

@@ -1,6 +1,6 @@
 //! What was fitted to an axis.
 
-use crate::results::{Number, Numbers};
+use crate::{Number, Numbers};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use undrift_noise::{GaussMarkov, composite::CompositeFit};

@@ -6,18 +6,26 @@
 
 mod any;
 mod curve;
-mod demo;
+pub mod demo;
 mod drive;
+pub mod error_state;
+mod errors;
+pub mod findings;
 mod fleet;
 mod identify;
+pub mod inspect;
 mod keyed;
 mod known;
+mod lead;
 mod montecarlo;
 mod navigate;
 mod number;
 mod outages;
+pub mod recording;
+pub mod series;
 mod text;
 mod tune;
+pub mod usability;
 
 pub use any::{ReportFiles, Results};
 pub use curve::{Curve, Track};
@@ -25,6 +33,8 @@ pub use demo::{
     CutLength, Demo, DemoModel, Estimate, OneOne, Paper, PaperSolution, PooledErrors, ScanPoint,
 };
 pub use drive::{Drive, Start, name, names, parts_used};
+pub use errors::COMPONENTS;
+pub use findings::Finding;
 pub use fleet::{
     Bin, Effect, Fleet, FleetEffects, FleetGroup, FleetLabel, FleetLog, FleetMeasure, FleetOutlier,
     FleetPart, LeftOut, Level, Scatter, Slope, Trouble, Warned,
@@ -37,6 +47,7 @@ pub use identify::{
 };
 pub use keyed::{Key, Keyed};
 pub use known::{finding, findings};
+pub use lead::is_clear_lead;
 pub use montecarlo::{Group, MonteCarlo, MonteCarloDrive, MonteCarloModel, NisKind, Verdict};
 pub use navigate::{
     FixErrors, Fixes, Navigate, NavigateSeries, Nis, Parameter, StdFactors, Summary,
@@ -48,12 +59,13 @@ pub use outages::{
 };
 pub use text::text;
 pub use tune::{Tune, TunedDrift, TunedParameter, TunedVibration};
+pub use usability::Usability;
 
 pub use undrift_noise::{allan::Term, identify::Detrend};
 
-pub use crate::{drive::ScalarLog, replay::Aid};
+pub use undrift_engine::{Aid, ScalarLog};
 
-pub use crate::replay::{
+pub use undrift_engine::{
     Contradiction, CovarianceHealth, Implausible, Innovations, Lean, Part, Restart,
 };
 

@@ -1,6 +1,7 @@
 //! How an inspection knows what it says, and what it noticed; the sentences are made where it is shown.
 
 use serde::Serialize;
+use undrift_nav::{Vector3, earth::STANDARD_GRAVITY};
 
 /// How the value of a key is known.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -186,4 +187,9 @@ pub enum Content {
         /// Those with an attitude.
         attitudes: u64,
     },
+}
+
+/// Whether a mean specific force \[m/s²\] is about gravity, as it is of an ordinary drive.
+pub fn about_gravity(force: [f64; 3]) -> bool {
+    (Vector3::from(force).norm() / STANDARD_GRAVITY - 1.0).abs() <= 0.15
 }

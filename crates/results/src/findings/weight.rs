@@ -1,10 +1,9 @@
 //! How much findings weigh, and what they conclude together.
 
 use super::{Finding, Log, Severity};
-use crate::replay::{Contradiction, Part};
 use statrs::distribution::{Binomial, DiscreteCDF};
 use std::ops::RangeInclusive;
-use undrift_noise::ImuModel;
+use undrift_engine::{Contradiction, Part};
 
 /// Prior standard deviations beyond which an estimated parameter is no parameter any more.
 const VERY_FAR: f64 = 7.0;
@@ -173,28 +172,6 @@ impl Finding {
     }
 }
 
-/// How a model that was identified from drives says so in its source.
-pub const IN_VEHICLE: &str = "by composite likelihood";
-
-/// Whether a noise model was identified from drives.
-pub fn is_tuned(model: &ImuModel) -> bool {
-    model.source.contains(IN_VEHICLE)
-}
-
-/// The findings of a drive with this noise model: what was tuned on drives needs no tuning.
-pub fn of_model(mut found: Vec<Finding>, model: Option<&ImuModel>) -> Vec<Finding> {
-    let is_tuned = model.is_some_and(is_tuned);
-    for of in &mut found {
-        if let Finding::OptimisticModel { tuned, .. }
-        | Finding::CorrelatedInnovations { tuned, .. }
-        | Finding::OptimisticDrift { tuned, .. } = of
-        {
-            *tuned = is_tuned;
-        }
-    }
-    found
-}
-
 /// Causes before symptoms; what ends a solution first of all.
 pub fn ranked(mut found: Vec<Finding>) -> Vec<Finding> {
     found.sort_by_key(Finding::rank);
@@ -244,8 +221,8 @@ pub fn is_doubtful<'a>(findings: impl IntoIterator<Item = &'a Finding>) -> bool 
 mod tests {
     use super::*;
 
-    use crate::replay::FixMend;
     use Severity::{Note, Unusable, Warning};
+    use undrift_engine::FixMend;
 
     fn late(delay: f64) -> Finding {
         Finding::Late { delay }
@@ -314,7 +291,7 @@ mod tests {
 
     fn disagreement(overall: f64) -> Finding {
         Finding::Disagreement {
-            part: crate::replay::WindowPart::Position,
+            part: undrift_engine::WindowPart::Position,
             start: 60.0,
             end: 90.0,
             inside: 0.5,
@@ -367,7 +344,7 @@ mod tests {
             step: 1.0,
         };
         let left_out = |outages, of| Finding::OutagesLeftOut {
-            why: crate::outages::WhyLeftOut::InGap,
+            why: crate::findings::WhyLeftOut::InGap,
             outages,
             of,
             first: 0.0,
@@ -534,15 +511,6 @@ mod tests {
         ]);
         assert_eq!(sorted, [end, late(1.0), held(2.0), large, accuracy(0.5)]);
         assert!(is_doubtful(&[gaps(5.0), late(1.0)]) && !is_doubtful(&[gaps(5.0)]));
-    }
-
-    #[test]
-    fn findings_of_a_tuned_model_say_so() {
-        let model = ImuModel::default();
-        assert!(!super::is_tuned(&model));
-        let found = vec![drift(1, 20), late(1.0)];
-        assert_eq!(super::of_model(found.clone(), None), found);
-        assert_eq!(super::of_model(found.clone(), Some(&model)), found);
     }
 
     /// Half a metre for six seconds, then accepted.

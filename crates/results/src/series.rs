@@ -1,6 +1,6 @@
 //! Series for plots, streamed: their size is bounded whatever the length of what they show.
 
-use crate::results::{Curve, Number, numbers};
+use crate::{Curve, Number, numbers};
 use undrift_base::number::rounded;
 
 /// Buckets of an [`Envelope`] that fill a plot's width.
