@@ -153,7 +153,7 @@ fn step_by_step(kind: BiasModel, parameters: bool, events: &[Event]) {
                 let observed = filter.observe_velocity(&v, &lever);
                 let _ = filter.update(&observed, &noise, &Gate::OPEN);
             }
-            6 => filter.grow(event.numbers[4], v.x, v.y),
+            6 => filter.inflate_over_gap(event.numbers[4], v.x, v.y),
             _ => {
                 let observed = filter.observe_velocity(&(v * f64::INFINITY), &lever);
                 let _ = filter.update(&observed, &(noise * v.x), &Gate::OPEN);

@@ -111,7 +111,7 @@ impl CourseWatch {
             return;
         }
         let lacking = (shift * shift - heading_std * heading_std).sqrt();
-        filter.doubt_heading(lacking, lacking / RECENT as f64);
+        filter.inflate_heading(lacking, lacking / RECENT as f64);
         summary.heading_off(fix.time, shift, self.doubted);
         self.doubted = true;
     }

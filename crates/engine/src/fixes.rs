@@ -158,7 +158,7 @@ fn study_track(track: &Track) -> Option<FixStudy> {
         error: track.less_velocity(interval),
         time: &track.time,
     };
-    let velocity_late = differences.take_out_latency(&track.velocity);
+    let velocity_late = differences.remove_latency(&track.velocity);
     let jitter = differences.jitter(&track.velocity);
     let axes = differences.gammas(1)?;
     let (axis, one) = of_axes(&axes, jitter > 0.0);
@@ -299,7 +299,7 @@ impl Differences<'_> {
     }
 
     /// A velocity that holds `δ` later than the position makes `δ Δv` of a difference; taken out where it shows.
-    fn take_out_latency(&mut self, velocity: &[Vector3]) -> Option<(f64, f64)> {
+    fn remove_latency(&mut self, velocity: &[Vector3]) -> Option<(f64, f64)> {
         let lag = (1.0 / self.interval).round().max(1.0) as usize;
         let mut pairs = Vec::new();
         for (a, b) in self.pairs(lag) {

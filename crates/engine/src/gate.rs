@@ -67,7 +67,7 @@ pub(super) enum Verdict {
     /// Past these limits.
     Limits(Gate),
     /// The solution has to give way to it; the fixes have contradicted it for so long \[s\].
-    GiveWay(f64),
+    ResetToFixes(f64),
 }
 
 /// The gate of one kind of measurement.
@@ -148,7 +148,7 @@ impl FixGate {
                 self.agreeing = None;
             } else {
                 if unconfirmed || time - since >= patience {
-                    return Verdict::GiveWay((time - self.accepted).max(1.0));
+                    return Verdict::ResetToFixes((time - self.accepted).max(1.0));
                 }
             }
         }

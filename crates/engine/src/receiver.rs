@@ -271,7 +271,7 @@ impl Receiver {
             let (pull, time) = (self.pull.0.norm(), PULL_TIME);
             let tilt = pull / (STANDARD_GRAVITY * time);
             let moved = Vector3::repeat(pull * time);
-            filter.doubt(&moved, pull, tilt.min(MOST_TILT));
+            filter.inflate(&moved, pull, tilt.min(MOST_TILT));
             return true;
         }
         let velocity = filter.antenna_velocity(lever).xy();
@@ -350,7 +350,7 @@ impl FixPart {
                 Verdict::Limits(_) if offer.open => {}
                 Verdict::Limits(_) if offer.frozen => limits = SHUT,
                 Verdict::Limits(gate) => limits = gate,
-                Verdict::GiveWay(duration) => {
+                Verdict::ResetToFixes(duration) => {
                     let size = innovation.norm();
                     let (position, velocity) = match (self.part, offer.speed_doubted) {
                         (Part::Velocity, _) => (0.0, size),
@@ -358,7 +358,7 @@ impl FixPart {
                         (Part::Position, false) => (size, 0.0),
                     };
                     let tilt = (velocity / (STANDARD_GRAVITY * duration)).min(MOST_TILT);
-                    filter.doubt(&Vector3::repeat(position), velocity, tilt);
+                    filter.inflate(&Vector3::repeat(position), velocity, tilt);
                     if velocity > 0.0 && summary.doubts.len() < MOST_EVENTS {
                         summary.doubts.push(Doubt {
                             start: time - duration,

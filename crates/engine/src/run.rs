@@ -1,16 +1,16 @@
 //! The state of the navigator between samples, and what a sample and a fix do to it.
 
 mod axes;
+mod end;
+mod fix;
 
 use super::{
     aid::Measurement,
     constraints::{self, Vehicle},
     course::CourseWatch,
     events::{Part, Restart, RestartCause},
-    health::CovarianceHealth,
     inertial::{Checked, Inertial},
     measurement::{Latency, Measured, Queue},
-    not_aligned::NotAligned,
     observer::Observer,
     plausible::Plausible,
     receiver::Receiver,
@@ -21,19 +21,18 @@ use super::{
     watch::Streak,
 };
 use crate::{
-    align::{Aligner, Heading, Stamps, compare},
+    align::{Aligner, Heading, Stamps},
     estimator::{Estimator, STAMP_ROUNDING},
-    fixes::{FixStudy, FixWatch},
+    fixes::FixWatch,
     mounting::Search,
-    settings::{GnssUse, Settings},
+    settings::Settings,
 };
 use alloc::{boxed::Box, sync::Arc};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{
     Vector3,
-    filter::{FilterError, Outcome, Update},
-    parameters::Parameter,
+    filter::FilterError,
     sample::{GnssFix, ImuSample},
 };
 
@@ -111,7 +110,7 @@ fn begins(fix: &GnssFix, part: Option<Part>) -> bool {
 }
 
 /// Whether this part of a fix tells all that it does of the velocity.
-fn tells_velocity(fix: &GnssFix, part: Option<Part>) -> bool {
+fn carries_velocity(fix: &GnssFix, part: Option<Part>) -> bool {
     part != Some(Part::Position) || fix.velocity.is_none()
 }
 
@@ -279,89 +278,10 @@ impl Run {
         }
         if let (Some([turn, velocity]), Some(solution)) = (doubt, &mut self.solution) {
             solution.advance_to(sample.time);
-            solution.filter.widen(&turn, &velocity);
+            solution.filter.inflate_missed_motion(&turn, &velocity);
         }
         self.finish(&sample, observer);
         Ok(())
-    }
-
-    /// The end; `later` are the stamps of measurements that were never taken in.
-    pub(super) fn end(
-        mut self,
-        later: impl Iterator<Item = f64>,
-        observer: &mut dyn Observer,
-    ) -> Result<Summary, Box<NotAligned>> {
-        self.summary.implausible = self.plausible.findings();
-        self.summary.judge_signs();
-        self.summary.repeated = self.queue.repeated();
-        self.summary.study = self
-            .fixes
-            .as_ref()
-            .and_then(FixWatch::study)
-            .map(|study| FixStudy {
-                repeated: self.summary.repeated,
-                ..study
-            });
-        self.summary.louder = self.vibration.as_ref().and_then(Vibration::louder);
-        self.summary.no_mounting = self.search.as_ref().and_then(|search| search.failure());
-        if self.has_ended() {
-            return Ok(self.summary);
-        }
-        if self.solution.is_none() && self.summary.restarts.is_empty() {
-            let mut fixes = self.log.stamps;
-            for time in self.queue.fixes().chain(later) {
-                fixes = Some(Stamps::and(fixes, time));
-            }
-            let samples = self.log.first_sample.map(|first| Stamps {
-                first,
-                last: self.summary.ended,
-                count: self.summary.align_samples,
-            });
-            return Err(Box::new(NotAligned {
-                failure: self.alignment.aligner.failure(self.log.fixes),
-                times: samples.zip(fixes).map(|(imu, gnss)| {
-                    let fault = compare(&imu, &gnss);
-                    ([imu, gnss], fault)
-                }),
-                implausible: self.summary.implausible,
-            }));
-        }
-        if let Some(solution) = &mut self.solution {
-            solution.node(self.settings.nodes, observer);
-        }
-        if let Some(last) = self.log.last_fix {
-            self.summary.without_gnss(last, self.summary.ended);
-        }
-        self.streak.judge(&mut self.summary);
-        self.receiver.close(&mut self.summary);
-        let Some(Solution { filter, .. }) = &self.solution else {
-            self.summary.diverged = self.summary.restarts.last().map(|last| last.time);
-            return Ok(self.summary);
-        };
-        self.summary.covariance = Some(CovarianceHealth::of(&**filter));
-        for (kind, _, prior) in filter.parameters().blocks() {
-            if let Some((value, std)) = filter.parameter(kind) {
-                let n = kind.width();
-                let (mut value, mut std) = (value, std);
-                let of_time = [Parameter::TimeOffset, Parameter::VelocityTimeOffset];
-                if let Some(now) = filter.time_offset(kind).filter(|_| of_time.contains(&kind)) {
-                    (value[0], std[0]) = now;
-                }
-                let furthest = value[..n]
-                    .iter()
-                    .copied()
-                    .max_by(|a, b| a.abs().total_cmp(&b.abs()));
-                let far = furthest.filter(|value| value.abs() > crate::watch::FAR * prior.std);
-                let of_fixes = [Parameter::PositionError, Parameter::VelocityError];
-                let far = far.filter(|_| !of_fixes.contains(&kind));
-                self.summary
-                    .far
-                    .extend(far.map(|value| (kind, value, value.abs() / prior.std)));
-                let (value, std) = (value[..n].to_vec(), std[..n].to_vec());
-                self.summary.parameters.push((kind, value, std));
-            }
-        }
-        Ok(self.summary)
     }
 
     /// By how much fixes hold later than their stamps, as estimated.
@@ -438,205 +358,6 @@ impl Run {
         }
     }
 
-    /// Shows the aligner a fix; whether it completes the alignment and navigation begins.
-    fn align(
-        &mut self,
-        fix: &GnssFix,
-        sample: &ImuSample,
-        observer: &mut dyn Observer,
-    ) -> Result<bool, FilterError> {
-        let aligner = &mut self.alignment.aligner;
-        aligner.advance(sample, fix.time);
-        if self.settings.gating && !self.receiver.is_consistent(fix) {
-            return Ok(false);
-        }
-        let mut seen = *fix;
-        if self.settings.gnss_use == GnssUse::Position {
-            seen.velocity = None;
-        }
-        let Some(mut aligned) = aligner.fix(&seen, &self.settings)? else {
-            return Ok(false);
-        };
-        match self.summary.restarts.last_mut() {
-            Some(restart) => restart.resumed = Some(fix.time),
-            None => {
-                self.summary.started = Some(fix.time);
-                self.summary.alignment = Some(aligned.how);
-                if let Some(start) = &self.settings.start {
-                    aligned.filter.take_out(start);
-                }
-            }
-        }
-        self.alignment.again = false;
-        self.log.shown(fix.time, true);
-        observer.used(fix.time);
-        self.streak = Streak::default();
-        self.receiver.forget_solution(fix.time, &mut self.summary);
-        self.course = CourseWatch::new();
-        let solution = self.solution.insert(Solution::new(aligned.filter));
-        if let Some(vibration) = &self.vibration {
-            solution.filter.set_white_noise(&vibration.variances());
-        }
-        if let Some(log) = &self.settings.log {
-            solution.filter.log_to(log.clone());
-        }
-        solution.node(self.settings.nodes, observer);
-        // The rest of this sample's interval.
-        let rest = sample.time - fix.time;
-        if rest > STAMP_ROUNDING {
-            self.begin(&part(sample, rest));
-        }
-        Ok(true)
-    }
-
-    /// What the fixes show of themselves, where it is time to look: the filter follows it from now on.
-    fn study(&mut self, fix: &GnssFix) -> Result<(), FilterError> {
-        let Some(study) = self.fixes.as_mut().and_then(|fixes| fixes.next(fix)) else {
-            return Ok(());
-        };
-        let stated = self.settings.from_fixes.unwrap_or_default();
-        let errors = study.errors(&stated, &self.settings.parameters);
-        let before = self.settings.fix_errors;
-        if errors == before {
-            return Ok(());
-        }
-        self.summary.fix_errors.push((fix.time, errors));
-        let settings = Arc::make_mut(&mut self.settings);
-        settings.fix_errors = errors;
-        settings.parameters = errors.with_states(settings.parameters);
-        if let (Some(solution), Some((_, covariance))) =
-            (&mut self.solution, errors.apply(fix).position)
-        {
-            let lasting = errors.lasting(&before, &covariance);
-            solution.filter = solution.filter.with_lasting(&lasting)?;
-        }
-        Ok(())
-    }
-
-    /// A fix within the present sample, or a part of it.
-    fn fix(
-        &mut self,
-        fix: &GnssFix,
-        part: Option<Part>,
-        sample: &ImuSample,
-        observer: &mut dyn Observer,
-    ) -> Result<(), FilterError> {
-        let withheld = self.settings.outages.iter().any(|o| o.contains(fix.time));
-        let begins = begins(fix, part);
-        let fix = self.settings.quality.apply(fix);
-        let fix = &self.vertical.judge(fix, begins, &mut self.summary);
-        if begins && !withheld {
-            self.study(fix)?;
-        }
-        let settings = Arc::clone(&self.settings);
-        let fix = &settings.fix_errors.apply(fix);
-        if self.solution.is_none() && withheld {
-            self.summary.withheld += u64::from(begins);
-            return Ok(());
-        }
-        let latency = self.latency();
-        let due = fix.time
-            + match part {
-                Some(Part::Velocity) => latency.velocity.unwrap_or(latency.position),
-                _ => latency.position,
-            };
-        if (self.solution.is_none() || self.alignment.again) && begins && !withheld {
-            // A solution before this one says when it holds: within this sample.
-            let held = GnssFix { time: due, ..*fix };
-            if self.align(&held, sample, observer)? {
-                return Ok(());
-            }
-        }
-        let Some(solution) = &mut self.solution else {
-            self.summary.fixes_before += u64::from(begins);
-            return Ok(());
-        };
-        if due < solution.began - STAMP_ROUNDING {
-            // Of a time before the start, in which an alignment had it already.
-            self.summary.fixes_before += u64::from(begins);
-            return Ok(());
-        }
-        solution.advance_to(due);
-        if !withheld {
-            solution.grow_to(due);
-            if settings.gating {
-                solution.grow_by_products(due);
-            }
-        }
-        if begins {
-            observer.fix(&*solution.filter, fix, withheld);
-        }
-        if withheld {
-            self.summary.withheld += u64::from(begins);
-            // An outage is no fault of the receiver's.
-            self.log.shown(fix.time, tells_velocity(fix, part));
-            solution.node(self.settings.nodes, observer);
-            return Ok(());
-        }
-        let filter = &mut *solution.filter;
-        let updates =
-            self.receiver
-                .update(filter, fix, part, due, &self.settings, &mut self.summary);
-        if tells_velocity(fix, part) {
-            self.vehicle.fix(filter, fix, &self.settings);
-            if self.settings.gating && !self.receiver.repeats() {
-                self.course.fix(filter, fix, &mut self.summary);
-            }
-        }
-        let done = updates.each_ref();
-        observer.updated(fix.time, done.map(|u| u.as_ref()?.as_ref().ok().copied()));
-        // A solution that only a fix would throw off the Earth has nothing in common with the fixes any more.
-        let off = |update: &Result<Update, FilterError>| *update == Err(FilterError::Implausible);
-        if updates[0].is_some() {
-            self.summary.late_samples.note(filter);
-        }
-        let diverged = filter.check().is_err() || updates.iter().flatten().any(off);
-        self.note_updates(fix, part, updates, observer);
-        if diverged {
-            self.give_up(fix.time);
-        } else if self.settings.gating && self.settings.restart {
-            if self.streak.is_sick(fix.time) {
-                self.align_again(fix.time, RestartCause::LargeInnovations);
-            } else if self.receiver.is_hopeless(fix.time) {
-                self.align_again(fix.time, RestartCause::GaveWayOften);
-            }
-        }
-        if let Some(solution) = &mut self.solution {
-            solution.node(self.settings.nodes, observer);
-        }
-        Ok(())
-    }
-
-    /// Notes what became of a fix.
-    fn note_updates(
-        &mut self,
-        fix: &GnssFix,
-        part: Option<Part>,
-        updates: [Option<Result<Update, FilterError>>; 2],
-        observer: &mut dyn Observer,
-    ) {
-        let time = fix.time;
-        let mut used = false;
-        for update in updates.into_iter().flatten() {
-            match update {
-                Ok(update) if update.outcome == Outcome::Rejected => {}
-                Ok(update) => {
-                    used = true;
-                    self.streak.watch(update, time, &mut self.summary);
-                }
-                Err(FilterError::Implausible) => {}
-                Err(_) => self.summary.bad_fixes += 1,
-            }
-        }
-        if used {
-            self.summary.fixes += u64::from(begins(fix, part));
-            observer.used(time);
-            if let Some(last) = self.log.shown(time, tells_velocity(fix, part)) {
-                self.summary.without_gnss(last, time);
-            }
-        }
-    }
-
     /// The rest of the sample, after its fixes.
     fn finish(&mut self, sample: &ImuSample, observer: &mut dyn Observer) {
         self.log.previous = Some(*sample);
@@ -651,7 +372,7 @@ impl Run {
                         [doubt.position, doubt.velocity, doubt.tilt].map(|std| std * share);
                     solution
                         .filter
-                        .doubt(&Vector3::repeat(position), velocity, tilt);
+                        .inflate(&Vector3::repeat(position), velocity, tilt);
                 }
             }
             self.vehicle.end_sample(

@@ -123,7 +123,7 @@ impl Solution {
             && let Some(since) = bridge.unknown_since
         {
             self.filter
-                .grow((time - since).max(0.0), UNSEEN_RATE, UNSEEN_ACCEL);
+                .inflate_over_gap((time - since).max(0.0), UNSEEN_RATE, UNSEEN_ACCEL);
             bridge.unknown_since = Some(time);
         }
     }
@@ -141,7 +141,7 @@ impl Solution {
         let product = 0.5 * STANDARD_GRAVITY * tilt * tilt + attitude * accel;
         if product > LEAST_PRODUCT && tilt < MOST_ANGLE {
             let velocity = product * (span * PRODUCT_LASTS).sqrt();
-            self.filter.doubt(&Vector3::zeros(), velocity, 0.0);
+            self.filter.inflate(&Vector3::zeros(), velocity, 0.0);
         }
     }
 

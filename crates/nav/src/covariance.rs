@@ -14,14 +14,19 @@
 //!
 //! Error model: Groves 2013, section 14.2.4, with the signs of `docs/conventions.md`.
 
+mod rows;
+
+pub use rows::four_lanes;
+
 use crate::{
     Matrix3, Vector3,
     attitude::skew,
     mechanisation::Step,
     parameters::Coupling,
-    shaping::{AxisMatrix, MAX_ORDER, ShapingFilter},
+    shaping::{MAX_ORDER, ShapingFilter},
 };
 use core::{array::from_fn, ops::Range};
+use rows::{add_row, set_row, step_rows_of};
 
 pub use crate::sample::AXES;
 
@@ -475,115 +480,5 @@ impl Sensors {
     }
 }
 
-/// Runs `step` with vectors of four lanes where the processor has them. What is inlined into it is compiled
-/// once more for them: the same operations in the same order, none fused, hence the same numbers.
-#[inline(always)]
-pub fn four_lanes<T>(step: impl FnOnce() -> T) -> T {
-    #[cfg(all(feature = "simd", target_arch = "x86_64"))]
-    if let Some(avx2) = pulp::x86::V3::try_new() {
-        return avx2.vectorize(step);
-    }
-    step()
-}
-
-/// `to ← factor · from`, in the columns that both have.
-#[inline(always)]
-fn set_row<const W: usize, const N: usize>(to: &mut [f64; W], factor: f64, from: &[f64; N]) {
-    for k in 0..W.min(N) {
-        to[k] = factor * from[k];
-    }
-}
-
-/// `to ← to + factor · from`, in the columns that both have.
-#[inline(always)]
-fn add_row<const W: usize, const N: usize>(to: &mut [f64; W], factor: f64, from: &[f64; N]) {
-    for k in 0..W.min(N) {
-        to[k] += factor * from[k];
-    }
-}
-
-/// As [`Sensors::step_rows`], of an axis with `K` states; of one with fewer, nothing.
-#[inline(always)]
-fn step_rows_of<const K: usize, const W: usize>(
-    f: &AxisMatrix,
-    rows: &mut [[f64; W]],
-    columns: Range<usize>,
-) {
-    let Some(rows) = rows.first_chunk_mut::<K>() else {
-        return;
-    };
-    if let [row] = rows.as_mut_slice() {
-        for value in &mut row[columns] {
-            *value *= f[0][0];
-        }
-        return;
-    }
-    let before = *rows;
-    for i in 0..K {
-        let mut moved = before[0];
-        for value in &mut moved {
-            *value *= f[i][0];
-        }
-        for j in 1..K {
-            // Companion forms have few others.
-            if f[i][j] != 0.0 {
-                add_row(&mut moved, f[i][j], &before[j]);
-            }
-        }
-        rows[i][columns.clone()].copy_from_slice(&moved[columns.clone()]);
-    }
-}
-
 #[cfg(all(test, feature = "simd"))]
-mod tests {
-    use super::*;
-    use crate::{
-        attitude::from_rpy,
-        earth::Geodetic,
-        mechanisation::{Increments, NavState},
-        parameters::{Parameter, Parameters, Prior},
-    };
-
-    /// To the last bit: no product may be fused, whatever the processor has.
-    #[test]
-    fn four_lanes_give_the_same_numbers() {
-        const N: usize = 9 + 16 + 3;
-        let dt = 0.01;
-        let model = |order: usize| match order {
-            0 => ShapingFilter::white(1e-3, dt),
-            n => ShapingFilter::arma(&[0.9, -0.2, 0.1, 0.05, 0.02, 0.01][..n], &[], 2e-2, dt),
-        };
-        let sensors = Sensors::new([0, 1, 2, 3, 4, 6].map(|order| model(order).unwrap()));
-        let parameters = Parameters::none().with(Parameter::GyroScale, Prior::default());
-        let mut nav = NavState {
-            time: 0.0,
-            position: Geodetic::from_degrees(45.0, 7.0, 300.0),
-            v_n: Vector3::new(15.0, 1.0, 0.1),
-            q_nb: from_rpy(&Vector3::new(0.1, -0.2, 1.0)),
-        };
-        let increments = Increments {
-            dt,
-            rotation: Vector3::new(1e-4, -2e-3, 5e-3),
-            dvel: Vector3::new(0.01, -0.02, -0.098),
-        };
-        let coupling = Coupling::new(
-            &parameters,
-            sensors.states(),
-            &(increments.rotation / dt),
-            &(increments.dvel / dt),
-        );
-        let mut wide = [[0.0; N]; N];
-        for (i, row) in wide.iter_mut().enumerate() {
-            row[i] = 0.1 + i as f64;
-        }
-        let mut plain = wide;
-        for k in 0..200 {
-            let step = nav.step(&increments);
-            let transition = Transition::new(&step, &nav.q_nb.to_rotation_matrix().into_inner());
-            let part = if k % 7 == 0 { Part::Inner } else { Part::Last };
-            sensors.propagate(&mut wide, &transition, &coupling, dt, part);
-            sensors.propagate_inlined(&mut plain, &transition, &coupling, dt, part);
-            assert_eq!(wide, plain, "step {k}");
-        }
-    }
-}
+mod tests;

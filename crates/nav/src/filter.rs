@@ -10,23 +10,25 @@ mod lasting;
 mod numbers;
 mod step;
 mod turned;
+mod uncertainty;
+mod update;
 
 pub use lasting::{Carried, Lasting};
 pub use numbers::Each;
 pub use step::{LONGEST_STEP, StepError};
+pub use update::{Gate, Outcome, Update};
 
 use crate::{
     Matrix3, Vector3,
     covariance::{AXES, NAV, Part, Sensors, Transition},
     mechanisation::{Increments, NavState, RawIncrements},
-    observation::Observation,
     parameters::{Coupling, Parameter, Parameters},
     sample::ImuSample,
     shaping::{MAX_ORDER, ShapingFilter},
-    tape::{Tape, turn_rows},
+    tape::Tape,
 };
 use core::fmt;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SMatrix;
 
 /// One standard deviation of the navigation state before the first sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,77 +39,6 @@ pub struct InitialStd {
     pub velocity: Vector3,
     /// Misalignment about north, east, down \[rad\].
     pub attitude: Vector3,
-}
-
-/// What an update did.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Update {
-    /// Normalised innovation squared `νᵀ S⁻¹ ν`, of the measurement at its stated covariance;
-    /// chi-squared with `dof` degrees of freedom when the model is right. Bar-Shalom, Li &
-    /// Kirubarajan section 5.4.
-    pub nis: f64,
-    /// Number of scalar measurements.
-    pub dof: usize,
-    /// The first three of the whitened innovation `L⁻¹ ν`, S = L Lᵀ: as many as there are measurements
-    /// are independent and standard normal when the model is right.
-    pub whitened: [f64; 3],
-    /// Derivative of the log-likelihood by the logarithm of a common factor on the measurement's
-    /// covariance R: `½ (νᵀ S⁻¹ R S⁻¹ ν − tr S⁻¹ R)`. On average zero when R is right.
-    pub score: f64,
-    /// Variance of the score when the model is right, what it tells of that factor: `½ tr (S⁻¹ R)²`.
-    pub information: f64,
-    /// Whether it was used, down-weighted or rejected.
-    pub outcome: Outcome,
-}
-
-/// What a [`Gate`] made of a measurement.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Outcome {
-    /// Used as it was.
-    Used,
-    /// Used with its covariance multiplied by this factor.
-    Weakened(f64),
-    /// Not used.
-    Rejected,
-}
-
-impl Outcome {
-    /// Factor on the measurement's covariance: 1 of one used as it was, above 1 of one down-weighted, infinite of one
-    /// rejected, which counts as if it had not been made.
-    pub fn factor(self) -> f64 {
-        match self {
-            Self::Used => 1.0,
-            Self::Weakened(factor) => factor,
-            Self::Rejected => f64::INFINITY,
-        }
-    }
-
-    /// "used", "weakened" or "rejected".
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Used => "used",
-            Self::Weakened(_) => "weakened",
-            Self::Rejected => "rejected",
-        }
-    }
-}
-
-/// Limits of the normalised innovation squared. Up to `weaken` a measurement is used as it is;
-/// above, its covariance grows in proportion to how far it is above; above `reject` it is not used.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gate {
-    /// NIS from which the covariance is enlarged, to NIS/limit times itself (Huber's weights; Zhang 1997).
-    pub weaken: f64,
-    /// NIS from which the measurement is left out.
-    pub reject: f64,
-}
-
-impl Gate {
-    /// Everything passes.
-    pub const OPEN: Self = Self {
-        weaken: f64::INFINITY,
-        reject: f64::INFINITY,
-    };
 }
 
 /// Why the filter refused.
@@ -151,9 +82,6 @@ impl fmt::Display for FilterError {
 }
 
 impl core::error::Error for FilterError {}
-
-/// What a vehicle accelerates at its start [m/s²], one standard deviation.
-const START_ACCEL: f64 = 2.0;
 
 /// The filter; `N` is the most states it can hold, 9 for navigation and the rest for the sensors.
 ///
@@ -539,267 +467,11 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// Sets the covariance of position and velocity [m², (m/s)²], north-east-down, as of a fix that they
-    /// were taken from: free of correlation with all else but the lever arm and the time offset, where
-    /// these are estimated. A start taken from a fix that holds `τ` later is `v τ` ahead, and its
-    /// velocity off by what the vehicle accelerates meanwhile.
-    pub fn set_position_velocity_covariance(&mut self, position: &Matrix3, velocity: &Matrix3) {
-        for i in 0..6 {
-            for j in 0..N {
-                self.p[(i, j)] = 0.0;
-                self.p[(j, i)] = 0.0;
-            }
-        }
-        self.p.fixed_view_mut::<3, 3>(0, 0).copy_from(position);
-        self.p.fixed_view_mut::<3, 3>(3, 3).copy_from(velocity);
-        if let Some(at) = self.parameter_start(Parameter::LeverArm) {
-            let across = self.c_nb * self.p.fixed_view::<3, 3>(at, at);
-            let mut own = self.p.fixed_view_mut::<3, 3>(0, 0);
-            own += across * self.c_nb.transpose();
-            self.p.fixed_view_mut::<3, 3>(0, at).copy_from(&across);
-            let across = across.transpose();
-            self.p.fixed_view_mut::<3, 3>(at, 0).copy_from(&across);
-        }
-        if let Some(at) = self.parameter_start(Parameter::TimeOffset) {
-            let variance = self.p[(at, at)];
-            let v = self.nav.v_n;
-            for i in 0..3 {
-                for j in 0..3 {
-                    self.p[(i, j)] += v[i] * v[j] * variance;
-                }
-                self.p[(i, at)] = v[i] * variance;
-                self.p[(at, i)] = v[i] * variance;
-            }
-        }
-        let offset = self.parameter_start(Parameter::VelocityTimeOffset);
-        if let Some(at) = offset.or(self.parameter_start(Parameter::TimeOffset)) {
-            for i in 3..6 {
-                self.p[(i, i)] += START_ACCEL * START_ACCEL * self.p[(at, at)];
-            }
-        }
-    }
-
-    /// Position and velocity were taken from a fix whose errors have time-correlated parts, of these standard
-    /// deviations north, east, down [m, m/s]: they have those parts, too. To be called after
-    /// [`Filter::set_position_velocity_covariance`]; it does nothing where [`Parameter::PositionError`] and
-    /// [`Parameter::VelocityError`] are not estimated.
-    pub fn share_fix_errors(&mut self, position: &Vector3, velocity: &Vector3) {
-        let kinds = [Parameter::PositionError, Parameter::VelocityError];
-        for (k, (kind, std)) in kinds.into_iter().zip([position, velocity]).enumerate() {
-            let Some(at) = self.parameter_start(kind) else {
-                continue;
-            };
-            for i in 0..3 {
-                let across = std[i] * self.p[(at + i, at + i)];
-                self.p[(3 * k + i, at + i)] = across;
-                self.p[(at + i, 3 * k + i)] = across;
-            }
-        }
-    }
-
-    /// Adds uncertainty to position \[m\], velocity [m/s] and tilt \[rad\], one standard deviation each axis:
-    /// for a solution that fixes have contradicted for a while.
-    pub fn doubt(&mut self, position: &Vector3, velocity: f64, tilt: f64) {
-        for i in 0..3 {
-            self.p[(i, i)] += position[i] * position[i];
-            self.p[(3 + i, 3 + i)] += velocity * velocity;
-        }
-        for i in 6..8 {
-            self.p[(i, i)] += tilt * tilt;
-        }
-    }
-
-    /// Adds uncertainty to the heading \[rad\] and to the error of gyro z [rad/s], one standard deviation: for a
-    /// heading that the course contradicts.
-    pub fn doubt_heading(&mut self, heading: f64, gyro: f64) {
-        self.p[(8, 8)] += heading * heading;
-        let (sensor, at) = (self.sensors.axis(2), self.sensors.start(2));
-        let size: f64 = sensor.h[..sensor.order].iter().map(|h| h * h).sum();
-        if size > 0.0 {
-            for i in 0..sensor.order {
-                for j in 0..sensor.order {
-                    self.p[(at + i, at + j)] +=
-                        gyro * gyro * sensor.h[i] * sensor.h[j] / (size * size);
-                }
-            }
-        }
-    }
-
     /// Sets the variance of the white noise of a sample of each axis from now on, gyro x, y, z \[rad²/s²\] and
     /// accelerometer x, y, z \[m²/s⁴\]: of a sensor in vibration that changes. Not below that of the model, of which a
     /// cross-covariance asks for it.
     pub fn set_white_noise(&mut self, variance: &[f64; AXES]) {
         self.sensors.set_white_noise(variance);
-    }
-
-    /// Adds uncertainty for `duration` seconds without samples in which the body may have turned
-    /// with `rate` [rad/s] and accelerated with `accel` [m/s²] (one standard deviation each axis).
-    pub fn grow(&mut self, duration: f64, rate: f64, accel: f64) {
-        let (v, a) = (accel * duration, rate * duration);
-        let r = 0.5 * v * duration;
-        for i in 0..3 {
-            self.p[(i, i)] += r * r;
-            self.p[(3 + i, 3 + i)] += v * v;
-            self.p[(i, 3 + i)] += r * v;
-            self.p[(3 + i, i)] += r * v;
-            self.p[(6 + i, 6 + i)] += a * a;
-        }
-        self.previous = None;
-    }
-
-    /// Adds the covariance of a turn \[rad²\] and of a change of velocity \[m²/s²\], body axes, that the samples just
-    /// passed may have missed.
-    pub fn widen(&mut self, turn: &Matrix3, velocity: &Matrix3) {
-        for (at, covariance) in [(3, velocity), (6, turn)] {
-            let turned = self.c_nb * covariance * self.c_nb.transpose();
-            let mut own = self.p.fixed_view_mut::<3, 3>(at, at);
-            own += turned;
-        }
-    }
-
-    /// Kalman update with a measurement of covariance `r`: innovation ν = predicted less measured,
-    /// `ν = h·error + noise`, past a gate ([`Gate::OPEN`]: every one is used). Joseph's form, in two rank-M passes.
-    ///
-    /// # Errors
-    /// A covariance of the innovation that is not positive, or a correction after which there is no solution; the
-    /// filter is then as it was.
-    pub fn update<const M: usize>(
-        &mut self,
-        observed: &Observation<M, N>,
-        r: &SMatrix<f64, M, M>,
-        gate: &Gate,
-    ) -> Result<Update, FilterError> {
-        self.update_with(observed, r, gate, None)
-    }
-
-    /// As [`Filter::update`], recorded on `tape` for a smoother.
-    ///
-    /// # Errors
-    /// As [`Filter::update`].
-    pub fn update_recorded<const M: usize>(
-        &mut self,
-        observed: &Observation<M, N>,
-        r: &SMatrix<f64, M, M>,
-        gate: &Gate,
-        tape: &mut Tape<N>,
-    ) -> Result<Update, FilterError> {
-        self.update_with(observed, r, gate, Some(tape))
-    }
-
-    fn update_with<const M: usize>(
-        &mut self,
-        observed: &Observation<M, N>,
-        r: &SMatrix<f64, M, M>,
-        gate: &Gate,
-        tape: Option<&mut Tape<N>>,
-    ) -> Result<Update, FilterError> {
-        let (h, z) = (&observed.h, &observed.innovation);
-        let stated = r;
-        let mut r = r + observed.extra;
-        let pht = self.p * h.transpose();
-        let mut s = h * pht + r;
-        let mut factor = nalgebra::Cholesky::new(s).ok_or(FilterError::BadMeasurement)?;
-        let white = factor
-            .l_dirty()
-            .solve_lower_triangular(z)
-            .ok_or(FilterError::BadMeasurement)?;
-        let nis = white.norm_squared();
-        if !nis.is_finite() {
-            return Err(FilterError::BadMeasurement);
-        }
-        let mut whitened = [0.0; 3];
-        for (slot, value) in whitened.iter_mut().zip(white.iter()) {
-            *slot = *value;
-        }
-        let inverse = factor.inverse();
-        let (weighted, share) = (inverse * z, inverse * stated);
-        let mut update = Update {
-            nis,
-            dof: M,
-            whitened,
-            score: 0.5 * ((stated * weighted).dot(&weighted) - share.trace()),
-            information: 0.5 * (share * share).trace(),
-            outcome: Outcome::Used,
-        };
-        if nis > gate.reject {
-            update.outcome = Outcome::Rejected;
-            return Ok(update);
-        }
-        if nis > gate.weaken {
-            let factor_of_r = nis / gate.weaken;
-            update.outcome = Outcome::Weakened(factor_of_r);
-            r *= factor_of_r;
-            s = h * pht + r;
-            factor = nalgebra::Cholesky::new(s).ok_or(FilterError::BadMeasurement)?;
-        }
-        let gain = factor.solve(&pht.transpose()).transpose();
-        let error = gain * z;
-        let corrected = self.without_error(&error);
-        if !(corrected.is_valid() && error.iter().all(|number| number.is_finite())) {
-            return Err(FilterError::Implausible);
-        }
-
-        // (I − K H) P (I − K H)ᵀ + K R Kᵀ
-        let mut p = self.p - gain * pht.transpose();
-        p -= (p * h.transpose()) * gain.transpose();
-        p += gain * r * gain.transpose();
-        for i in 0..N {
-            for j in 0..i {
-                let mean = 0.5 * (p[(i, j)] + p[(j, i)]);
-                p[(i, j)] = mean;
-                p[(j, i)] = mean;
-            }
-        }
-        self.p = p;
-        if let Some(tape) = tape {
-            let turn = Vector3::new(error[6], error[7], error[8]);
-            tape.update(h, &factor.inverse(), &factor.solve(z), &gain, &turn);
-        }
-        self.correct(corrected, &error);
-        Ok(update)
-    }
-
-    fn without_error(&self, error: &SVector<f64, N>) -> NavState {
-        let part = |at: usize| Vector3::new(error[at], error[at + 1], error[at + 2]);
-        self.nav.without_error(&part(0), &part(3), &part(6))
-    }
-
-    /// Takes an estimated error out of the navigation state and adds it to the sensors' states and the
-    /// parameters; the covariance stays, turned to the corrected attitude.
-    pub fn take_out(&mut self, error: &SVector<f64, N>) {
-        self.correct(self.without_error(error), error);
-    }
-
-    fn correct(&mut self, nav: NavState, error: &SVector<f64, N>) {
-        self.nav = nav;
-        self.reset_attitude(&Vector3::new(error[6], error[7], error[8]));
-        self.c_nb = self.nav.q_nb.to_rotation_matrix().into_inner();
-        let before = self.sensors.predicted_error(&self.x, &self.coupling);
-        for i in NAV..N {
-            self.x[i] += error[i];
-        }
-        // The rate, and what is left of the present sample, follow the new estimate.
-        let after = self.sensors.predicted_error(&self.x, &self.coupling);
-        let change: [f64; AXES] = core::array::from_fn(|i| after[i] - before[i]);
-        let gyro = Vector3::new(change[0], change[1], change[2]);
-        let accel = Vector3::new(change[3], change[4], change[5]);
-        self.omega_ib_b -= gyro;
-        self.force_b -= accel;
-        if let Some((increments, _)) = &mut self.current {
-            increments.rotation -= gyro * increments.dt;
-            increments.dvel -= accel * increments.dt;
-        }
-    }
-
-    /// Moves the misalignment's covariance to the corrected attitude. It matters while the heading is
-    /// far less certain than the level.
-    fn reset_attitude(&mut self, delta: &Vector3) {
-        turn_rows(&mut self.p, delta);
-        self.p.transpose_mut();
-        turn_rows(&mut self.p, delta);
-        for (i, j) in [(6, 7), (6, 8), (7, 8)] {
-            self.p[(i, j)] = self.p[(j, i)];
-        }
     }
 
     /// Whether the solution is still one: finite, possible, with a covariance that is not negative

@@ -50,7 +50,7 @@ pub use model::{ArmaFit, Warning};
 pub(crate) use polynomial::inverse_roots;
 pub use profile::{ProfileInterval, Root, profile_interval};
 pub(crate) use search::Ladder;
-pub(crate) use selection::select_beside;
+pub(crate) use selection::select_with_starts;
 pub use selection::{Selection, select};
 
 /// Highest p or q that is fitted.

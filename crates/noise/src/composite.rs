@@ -32,13 +32,13 @@ mod likelihood;
 pub(crate) mod predictor;
 pub(crate) mod search;
 
-pub(crate) use averages::{Averages, Beside, NOTHING};
+pub(crate) use averages::{Averages, Marginal, NO_MARGINAL};
 pub(crate) use blocks::Span;
 pub(crate) use blocks::block_beyond_memory;
 pub use blocks::{average_in_blocks, block_average};
-pub(crate) use fit::fit_beside;
+pub(crate) use fit::fit_marginal;
 pub use fit::{CompositeFit, FitOptions, Flag, Term, fit, fit_several};
-pub(crate) use interval::intervals_beside;
+pub(crate) use interval::intervals_marginal;
 pub use interval::{Parameter, ParameterInterval, intervals, intervals_of_several};
 pub(crate) use likelihood::present_mean;
 pub use likelihood::{Level, RecordLikelihood, log_likelihood};

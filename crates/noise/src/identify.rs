@@ -212,7 +212,7 @@ fn prepare(record: &[f64], options: &Options<'_>) -> Result<Prepared, IdentifyEr
     // The spectrum shows the lines; everything else is of the record without them.
     let segment = spectrum::default_segment(record.len());
     let psd = spectrum::welch(&screened.bridged, rate, segment)?;
-    let lines = screened.take_out_lines(rate);
+    let lines = screened.remove_lines(rate);
     let allan = allan::deviations(
         &screened.bridged,
         rate,

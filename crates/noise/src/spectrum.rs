@@ -13,6 +13,6 @@ pub mod lines;
 pub mod peaks;
 pub mod welch;
 
-pub use lines::{Line, take_out};
+pub use lines::{Line, remove_lines};
 pub use peaks::{Peak, peaks};
 pub use welch::{Density, default_segment, welch};

@@ -460,7 +460,7 @@ fn filter(
         filter.renew(Parameter::TimeOffset, std);
         let mut error = vec![0.0; filter.states()];
         error[filter.sensors().states() + at] = late;
-        filter.take_out(&error);
+        filter.apply_correction(&error);
     }
     let velocity = Matrix3::identity() * (WIDE * WIDE);
     let correlated = [settings.fix_errors.split(&position).1, Vector3::zeros()];

@@ -70,7 +70,7 @@ impl Drive {
 fn heading_known_to(std: f64) -> Box<dyn Estimator> {
     let mut filter = driving_north(10.0);
     let known = filter.nav_std()[8];
-    filter.doubt_heading(((std * DEG).powi(2) - known * known).sqrt(), 0.0);
+    filter.inflate_heading(((std * DEG).powi(2) - known * known).sqrt(), 0.0);
     filter
 }
 

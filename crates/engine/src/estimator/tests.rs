@@ -2,7 +2,13 @@
 
 use super::*;
 use alloc::{boxed::Box, vec::Vec};
+use nalgebra::SVector;
 use std::sync::mpsc;
+use undrift_nav::{
+    aiding::Observation,
+    filter::{Filter, Outcome},
+    tape::Tape,
+};
 use undrift_nav::{attitude::from_rpy, parameters::Prior, sample::Position};
 
 const T: f64 = 0.01;
@@ -171,30 +177,30 @@ fn same_run<const N: usize>(states: usize) {
     own.advance(None);
     filter.predict(&sample(20));
     let (turn, velocity) = (Matrix3::identity() * 1e-4, Matrix3::identity() * 1e-2);
-    own.grow(2.0, 0.1, 1.0);
-    filter.grow(2.0, 0.1, 1.0);
+    own.inflate_over_gap(2.0, 0.1, 1.0);
+    filter.inflate_over_gap(2.0, 0.1, 1.0);
     assert_same(&*own, &filter);
-    own.doubt(&Vector3::new(1.0, 2.0, 3.0), 2.0, 0.1);
-    filter.doubt(&Vector3::new(1.0, 2.0, 3.0), 2.0, 0.1);
+    own.inflate(&Vector3::new(1.0, 2.0, 3.0), 2.0, 0.1);
+    filter.inflate(&Vector3::new(1.0, 2.0, 3.0), 2.0, 0.1);
     assert_same(&*own, &filter);
-    own.doubt_heading(0.2, 0.01);
-    filter.doubt_heading(0.2, 0.01);
+    own.inflate_heading(0.2, 0.01);
+    filter.inflate_heading(0.2, 0.01);
     assert_same(&*own, &filter);
-    own.widen(&turn, &velocity);
-    filter.widen(&turn, &velocity);
+    own.inflate_missed_motion(&turn, &velocity);
+    filter.inflate_missed_motion(&turn, &velocity);
     assert_same(&*own, &filter);
     // States that it does not reach are right.
-    own.take_out(&[0.5, 0.1]);
+    own.apply_correction(&[0.5, 0.1]);
     let mut error = SVector::zeros();
     (error[0], error[1]) = (0.5, 0.1);
-    filter.take_out(&error);
+    filter.apply_correction(&error);
     assert_same(&*own, &filter);
     own.set_sensor_error(&[0.01; AXES]);
     filter.set_sensor_error(&[0.01; AXES]);
     assert_same(&*own, &filter);
     own.set_position_velocity_covariance(&r, &velocity, &[LEVER, -LEVER]);
     filter.set_position_velocity_covariance(&r, &velocity);
-    filter.share_fix_errors(&LEVER, &-LEVER);
+    filter.correlate_with_fix_errors(&LEVER, &-LEVER);
     assert_same(&*own, &filter);
     own.set_nav(start());
     filter.set_nav(start());
@@ -505,7 +511,7 @@ fn the_vehicle_has_the_errors_of_body_and_mounting() {
     near(yaw, f64::hypot(0.05, 0.03));
     let mut error = [0.0; 11];
     error[10] = 0.2;
-    mounted.take_out(&error);
+    mounted.apply_correction(&error);
     let (q_nv, _) = mounted.vehicle_attitude();
     assert!(q_nv.angle_to(&from_rpy(&Vector3::new(0.0, 0.0, 0.2))) < 1e-15);
 }

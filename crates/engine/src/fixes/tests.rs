@@ -154,7 +154,7 @@ fn a_velocity_that_is_late_is_found_by_its_changes_and_taken_out() {
         for (k, error) in of.error.iter_mut().enumerate() {
             *error = velocity[k] * late + Vector3::from_fn(|i, _| noise(k, i));
         }
-        let (found, error) = of.take_out_latency(&velocity).unwrap();
+        let (found, error) = of.remove_latency(&velocity).unwrap();
         assert!(
             (found - late).abs() < 4.0 * error && error < 0.01,
             "{found} {error}"
@@ -170,7 +170,7 @@ fn a_velocity_that_is_late_is_found_by_its_changes_and_taken_out() {
         *error = Vector3::from_fn(|i, _| noise(k, i));
     }
     let before = of.error.clone();
-    assert!(of.take_out_latency(&velocity).is_none() && of.error == before);
+    assert!(of.remove_latency(&velocity).is_none() && of.error == before);
 }
 
 #[test]

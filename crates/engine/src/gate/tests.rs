@@ -26,7 +26,7 @@ fn show(gate: &mut FixGate, start: f64, innovations: &[f64], summary: &mut Summa
     for x in innovations {
         let innovation = Vector3::new(*x, 0.0, 0.0);
         match gate.judge(time, &innovation, &r, 15.0) {
-            Verdict::GiveWay(_) => {
+            Verdict::ResetToFixes(_) => {
                 gate.give_way(time, &innovation, summary);
                 seen.push('g');
             }

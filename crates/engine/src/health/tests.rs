@@ -74,7 +74,7 @@ fn uncorrelated_states_are_the_identity_and_constants_without_variance_do_not_co
 fn two_correlated_states_leave_one_less_their_correlation() {
     // Over 3 s at an unknown 2 m/s² position and velocity go wrong together, by 9 m and 6 m/s.
     let mut filter = filter(4.0, 8.0);
-    filter.grow(3.0, 0.0, 2.0);
+    filter.inflate_over_gap(3.0, 0.0, 2.0);
     let correlation = 9.0 * 6.0 / ((16.0f64 + 81.0).sqrt() * (64.0f64 + 36.0).sqrt());
     let health = CovarianceHealth::of(&*filter);
     assert_eq!(health.asymmetry, 0.0);

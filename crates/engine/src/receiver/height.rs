@@ -46,8 +46,8 @@ impl HeightGate {
         let height = Vector3::new(0.0, 0.0, innovation.z);
         let variance = Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, r[(2, 2)]));
         let outcome = match self.0.judge(time, &height, &variance, patience) {
-            Verdict::GiveWay(_) => {
-                filter.doubt(&height.abs(), 0.0, 0.0);
+            Verdict::ResetToFixes(_) => {
+                filter.inflate(&height.abs(), 0.0, 0.0);
                 self.0.give_way(time, &height, summary);
                 return 0.0;
             }

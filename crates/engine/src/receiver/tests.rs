@@ -325,7 +325,7 @@ fn what_other_fixes_have_corrected_is_no_sign_that_the_present_one_is_held() {
     let mut receiver = Receiver::new(0.0);
     // A solution that is 3 m/s too fast, which the first fix corrects.
     let mut filter = driving_north(3.0);
-    filter.doubt(&Vector3::zeros(), 5.0, 0.0);
+    filter.inflate(&Vector3::zeros(), 5.0, 0.0);
     for (time, north) in [(0.0, 0.0), (0.2, 0.01), (0.4, 0.01)] {
         let still = fix(time, north, 0.0, 0.5);
         receiver.update(&mut *filter, &still, None, 0.0, &settings, &mut summary);

@@ -83,5 +83,5 @@ fn from_antenna(filter: &mut dyn crate::estimator::Estimator, settings: &Setting
     let faster = filter.antenna_velocity(&lever) - nav.v_n;
     error.rows_mut(0, 3).copy_from(&away);
     error.rows_mut(3, 3).copy_from(&faster);
-    filter.take_out(error.as_slice());
+    filter.apply_correction(error.as_slice());
 }

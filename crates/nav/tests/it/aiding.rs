@@ -49,7 +49,7 @@ prop_compose! {
         filter.begin(&ImuSample { time: dt, dt, dtheta: rate * dt, dvel: force * dt });
         filter.advance(0.3);
         let shift = SVector::<f64, N>::from_fn(|i, _| if i < 9 { 0.0 } else { 0.03 * small[i] });
-        filter.take_out(&shift);
+        filter.apply_correction(&shift);
         filter
     }
 }
@@ -89,7 +89,7 @@ fn check<const M: usize>(
         let numeric = derivative(nudge, |d| {
             let mut moved = filter.clone();
             // An error e of the estimate is what taking out −e leaves behind.
-            moved.take_out(&(SVector::<f64, N>::ith(column, -d)));
+            moved.apply_correction(&(SVector::<f64, N>::ith(column, -d)));
             observe(&moved).innovation
         });
         for row in 0..M {
@@ -307,7 +307,7 @@ fn a_correlated_error_fades() {
     let five = Vector3::repeat(5.0);
     let stated = undrift_nav::Matrix3::identity() * 26.0;
     filter.set_position_velocity_covariance(&stated, &(stated * 1e-4));
-    filter.share_fix_errors(&five, &Vector3::zeros());
+    filter.correlate_with_fix_errors(&five, &Vector3::zeros());
     // What the fix was off by, the start is off by: a second fix of the same error agrees to the white part.
     let observe = |filter: &Filter<STATES>| {
         let fix = Position::Geodetic(filter.nav().position);
@@ -321,7 +321,7 @@ fn a_correlated_error_fades() {
     let s = observed.h * filter.covariance() * observed.h.transpose();
     assert!((s - undrift_nav::Matrix3::identity()).norm() < 1e-9, "{s}");
 
-    filter.take_out(&SVector::ith(9, 0.8));
+    filter.apply_correction(&SVector::ith(9, 0.8));
     let at = filter.parameter_start(Parameter::PositionError).unwrap();
     for k in 1..=600 {
         let time = f64::from(k) * dt;
@@ -418,6 +418,6 @@ fn white_noise_in_a_wheel_is_read_with_its_scale() {
     let plain = extra(&filter);
     // A rate of white noise over one sample.
     assert!((plain / (4.0 * density * density / dt) - 1.0).abs() < 1e-12);
-    filter.take_out(&SVector::ith(at, 0.25));
+    filter.apply_correction(&SVector::ith(at, 0.25));
     assert!((extra(&filter) / plain - 1.25 * 1.25).abs() < 1e-12);
 }

@@ -94,7 +94,7 @@ fn a_heading_in_doubt_takes_its_gyro_with_it() {
     let gyros = |filter: &Filter<N>| filter.sensor_error_std().map(|std| std * std);
     let before = gyros(&filter);
     let (heading, gyro) = (0.2, 0.03);
-    let added = added(&mut filter, |filter| filter.doubt_heading(heading, gyro));
+    let added = added(&mut filter, |filter| filter.inflate_heading(heading, gyro));
     let mut expected = SMatrix::zeros();
     expected[(8, 8)] = heading * heading;
     // The error is the sum of the two states: each takes half of it, both together.
@@ -116,7 +116,9 @@ fn a_heading_in_doubt_takes_its_gyro_with_it() {
 fn unseen_motion_is_a_constant_acceleration_and_turn_rate() {
     let mut filter = aided();
     let (time, rate, accel) = (3.0, 0.2, 2.0);
-    let added = added(&mut filter, |filter| filter.grow(time, rate, accel));
+    let added = added(&mut filter, |filter| {
+        filter.inflate_over_gap(time, rate, accel)
+    });
     // δr = ½ a t² and δv = a t of the same a: fully correlated.
     let (r, v) = (0.5 * accel * time * time, accel * time);
     let mut expected = SMatrix::zeros();
@@ -140,7 +142,7 @@ fn unseen_motion_is_a_constant_acceleration_and_turn_rate() {
 fn a_contradicted_solution_doubts_position_velocity_and_level_but_not_its_heading() {
     let mut filter = aided();
     let added = added(&mut filter, |filter| {
-        filter.doubt(&Vector3::new(20.0, 21.0, 22.0), 3.0, 0.05)
+        filter.inflate(&Vector3::new(20.0, 21.0, 22.0), 3.0, 0.05)
     });
     let mut expected = SMatrix::zeros();
     for i in 0..3 {
@@ -163,7 +165,9 @@ fn a_doubted_sample_is_turned_from_the_body_to_north_east_down() {
     });
     let turn = Matrix3::from_diagonal(&Vector3::new(0.04, 0.01, 0.09));
     let velocity = Matrix3::from_diagonal(&Vector3::new(4.0, 1.0, 9.0));
-    let added = added(&mut filter, |filter| filter.widen(&turn, &velocity));
+    let added = added(&mut filter, |filter| {
+        filter.inflate_missed_motion(&turn, &velocity)
+    });
     let mut expected = SMatrix::zeros();
     for (i, (velocity, turn)) in [(1.0, 0.01), (4.0, 0.04), (9.0, 0.09)]
         .into_iter()
@@ -197,7 +201,7 @@ fn a_gyro_whose_error_has_no_state_stays_as_it_was() {
     let sensors = [known, known, unseen, known, known, known];
     let mut filter = Filter::<15>::new(nav, &std, sensors, Parameters::none()).unwrap();
     let before = *filter.covariance();
-    filter.doubt_heading(0.2, 0.03);
+    filter.inflate_heading(0.2, 0.03);
     let mut expected = SMatrix::<f64, 15, 15>::zeros();
     expected[(8, 8)] = 0.2 * 0.2;
     let off = (filter.covariance() - before - expected).amax();

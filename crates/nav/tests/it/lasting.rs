@@ -100,7 +100,7 @@ fn what_the_fixes_were_wrong_by_the_solution_is_too() {
 fn an_error_that_is_estimated_already_keeps_its_value_in_metres() {
     let mut first: Filter<21> = with(&filter(), [Some(lasting(1.0)), Some(lasting(1.0))]).unwrap();
     let at = first.parameter_start(Parameter::PositionError).unwrap();
-    first.take_out(&SVector::from_fn(|i, _| if i >= at { 0.8 } else { 0.0 }));
+    first.apply_correction(&SVector::from_fn(|i, _| if i >= at { 0.8 } else { 0.0 }));
     let second: Filter<21> = with(&first, [Some(lasting(2.0)), Some(lasting(1.0))]).unwrap();
     for i in 0..3 {
         assert!((2.0 * second.estimates()[at + i] - first.estimates()[at + i]).abs() < 1e-15);

@@ -49,7 +49,7 @@ fn a_wheel_reads_its_scale_error_too_much() {
     let at = filter.parameter_start(Parameter::OdometerScale).unwrap();
     for s in [0.0, 0.02, -0.03] {
         let now = filter.estimates()[at];
-        filter.take_out(&SVector::ith(at, s - now));
+        filter.apply_correction(&SVector::ith(at, s - now));
         let observed = filter.observe_odometer(12.0 * (1.0 + s), &Vector3::zeros());
         assert!(observed.innovation[0].abs() < 1e-12, "{s}");
         let faster = filter.observe_odometer(12.0 * (1.0 + s) + 0.5, &Vector3::zeros());
@@ -80,8 +80,8 @@ fn a_clock_offset_grows_by_its_rate() {
     let mut filter: Filter<11> = filter(white, parameters);
     let at = |kind| filter.parameter_start(kind).unwrap();
     let (o, r) = (at(Parameter::TimeOffset), at(Parameter::ClockRate));
-    filter.take_out(&SVector::ith(o, 0.01));
-    filter.take_out(&SVector::ith(r, -5e-5));
+    filter.apply_correction(&SVector::ith(o, 0.01));
+    filter.apply_correction(&SVector::ith(r, -5e-5));
     for k in 1..=1000 {
         filter.predict(&ImuSample {
             time: f64::from(k) * DT,

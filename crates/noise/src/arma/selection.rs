@@ -30,11 +30,11 @@ pub fn select(
     q_max: usize,
     options: &FitOptions,
 ) -> Result<Selection, ArmaError> {
-    select_beside(samples, p_max, q_max, options, &[])
+    select_with_starts(samples, p_max, q_max, options, &[])
 }
 
 /// As [`select`]; `made` are fits of the same record and mean, which are taken where no neighbour is likelier.
-pub(crate) fn select_beside(
+pub(crate) fn select_with_starts(
     samples: &[f64],
     p_max: usize,
     q_max: usize,

@@ -7,10 +7,10 @@ use undrift_nav::shaping::ShapingFilter;
 
 /// What the restricted log-likelihood of all records under a model changes by where something beside their levels is
 /// integrated out.
-pub(crate) type Beside<'a> = &'a (dyn Fn(&ShapingFilter) -> f64 + Sync);
+pub(crate) type Marginal<'a> = &'a (dyn Fn(&ShapingFilter) -> f64 + Sync);
 
 /// The levels alone.
-pub(crate) const NOTHING: Beside = &|_| 0.0;
+pub(crate) const NO_MARGINAL: Marginal = &|_| 0.0;
 
 /// Standard errors of a level that are chance.
 const CHANCE: f64 = 4.0;
@@ -22,7 +22,7 @@ pub(crate) struct Averages<'a> {
     present: Vec<f64>,
     block: usize,
     pub(crate) interval: f64,
-    beside: Beside<'a>,
+    marginal: Marginal<'a>,
 }
 
 impl<'a> Averages<'a> {
@@ -41,7 +41,7 @@ impl<'a> Averages<'a> {
             present: present.collect(),
             block,
             interval,
-            beside: NOTHING,
+            marginal: NO_MARGINAL,
         })
     }
 
@@ -52,13 +52,13 @@ impl<'a> Averages<'a> {
             records,
             block: 1,
             interval,
-            beside: NOTHING,
+            marginal: NO_MARGINAL,
         }
     }
 
     /// With something integrated out beside the levels.
-    pub(crate) fn beside(self, beside: Beside<'a>) -> Self {
-        Self { beside, ..self }
+    pub(crate) fn marginal(self, marginal: Marginal<'a>) -> Self {
+        Self { marginal, ..self }
     }
 
     /// The likelihood of each record, each with a level of its own.
@@ -81,7 +81,7 @@ impl<'a> Averages<'a> {
     pub(crate) fn cost(&self, terms: &CompositeTerms) -> f64 {
         let likelihood = || -> Option<f64> {
             let filter = terms.to_shaping(self.interval).ok()?;
-            Some(self.restricted(&filter).ok()? + (self.beside)(&filter))
+            Some(self.restricted(&filter).ok()? + (self.marginal)(&filter))
         };
         likelihood().map_or(f64::INFINITY, |found| -found)
     }

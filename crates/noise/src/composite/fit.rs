@@ -1,6 +1,6 @@
 //! Composite terms by maximum likelihood.
 
-use super::averages::{Averages, Beside, NOTHING};
+use super::averages::{Averages, Marginal, NO_MARGINAL};
 use super::search::{SCALES, covariance};
 use super::{
     CompositeError, CompositeTerms, GaussMarkov, MAX_GAUSS_MARKOV, TermSet, sort_processes,
@@ -169,16 +169,16 @@ pub fn fit_several(
     set: TermSet,
     options: &FitOptions,
 ) -> Result<CompositeFit, CompositeError> {
-    fit_beside(records, interval, set, options, NOTHING)
+    fit_marginal(records, interval, set, options, NO_MARGINAL)
 }
 
 /// As [`fit_several`], with something else integrated out of the records.
-pub(crate) fn fit_beside(
+pub(crate) fn fit_marginal(
     records: &[&[f64]],
     interval: f64,
     set: TermSet,
     options: &FitOptions,
-    beside: Beside,
+    marginal: Marginal,
 ) -> Result<CompositeFit, CompositeError> {
     set.check()?;
     let curves = records
@@ -199,7 +199,7 @@ pub(crate) fn fit_beside(
         Ok(found) => found,
         Err(_) => full?,
     };
-    let averages = Averages::new(records, block, interval)?.beside(beside);
+    let averages = Averages::new(records, block, interval)?.marginal(marginal);
     let longest = records.iter().map(|record| record.len()).max();
     let length_s = longest.unwrap_or(0) as f64 * interval;
     let starts = match &options.start {

@@ -5,7 +5,7 @@
 //! interval holds the values that the record does not contradict (Pawitan 2001, section 3.4); with the level integrated
 //! out, its probability holds up to a unit root (Chen & Deo 2009).
 
-use super::averages::{Averages, Beside, NOTHING};
+use super::averages::{Averages, Marginal, NO_MARGINAL};
 use super::fit::CompositeFit;
 use super::search::SCALES;
 use super::{CompositeError, TermSet};
@@ -90,16 +90,16 @@ pub fn intervals_of_several(
     fit: &CompositeFit,
     level: f64,
 ) -> Result<Vec<ParameterInterval>, CompositeError> {
-    intervals_beside(records, interval, fit, level, NOTHING)
+    intervals_marginal(records, interval, fit, level, NO_MARGINAL)
 }
 
 /// As [`intervals_of_several`], of a fit with something else integrated out of the records.
-pub(crate) fn intervals_beside(
+pub(crate) fn intervals_marginal(
     records: &[&[f64]],
     interval: f64,
     fit: &CompositeFit,
     level: f64,
-    beside: Beside,
+    marginal: Marginal,
 ) -> Result<Vec<ParameterInterval>, CompositeError> {
     let samples: usize = records.iter().map(|record| record.len()).sum();
     let set = fit.terms.set();
@@ -112,7 +112,7 @@ pub(crate) fn intervals_beside(
         samples.div_ceil(POINTS).min(most)
     };
     let block = block.max(fit.block);
-    let averages = Averages::new(records, block, interval)?.beside(beside);
+    let averages = Averages::new(records, block, interval)?.marginal(marginal);
     let longest = records.iter().map(|record| record.len()).max();
     let longest_s = longest.unwrap_or(0) as f64 * interval;
     let half = 0.5 * Normal::standard().inverse_cdf(0.5 + 0.5 * level).powi(2);

@@ -6,18 +6,16 @@
 //! Several records of one sensor are fitted together, and what is scored is a record that has not been fitted at all.
 
 mod folds;
+mod recipe;
 
-use super::{
-    Candidate, GRID_ORDER, HIGH_ORDER_SAMPLES, NotFitted, Origin, SEARCH_SAMPLES, horizons, remarks,
-};
+use super::{Candidate, GRID_ORDER, NotFitted, Origin, SEARCH_SAMPLES, horizons, remarks};
 use crate::{
-    BiasModel,
     allan::{Curve, Terms},
-    arma::{self, ArmaFit, FitOptions, Selection},
+    arma::{self, ArmaFit, Selection},
     compared::Method,
-    composite::{self, Averages, CompositeTerms, Flag, ParameterInterval, TermSet},
+    composite::{self, Averages, ParameterInterval, TermSet},
     drift_score::{self, HorizonScore},
-    model_file::{Arma, AxisModel},
+    model_file::AxisModel,
     pandit_wu::{self, PanditWu, PanditWuOptions},
     scales::{self, Scales},
     screening::bridge::bridge,
@@ -25,6 +23,7 @@ use crate::{
     whiteness,
 };
 use folds::{Fold, TrainingSet};
+use recipe::{Fitted, Recipe, arma_of, with_effort};
 use undrift_base::parallel;
 use undrift_nav::shaping::ShapingFilter;
 
@@ -76,155 +75,6 @@ pub(super) struct Tried {
     pub(super) scales: Option<Scales>,
     pub(super) candidates: Vec<Candidate>,
     pub(super) not_fitted: Vec<NotFitted>,
-}
-
-/// What is fitted.
-#[derive(Clone, Copy, PartialEq)]
-enum Recipe {
-    /// White noise of the Allan deviation.
-    White,
-    /// White noise and random walk of the Allan deviation.
-    AllanWalk,
-    /// A sum of terms by maximum likelihood.
-    Terms(TermSet),
-    /// ARMA(p, q) by maximum likelihood.
-    Arma(usize, usize),
-    /// The same of an order that F tests or AIC have chosen, as the source paper does. Pairs of roots that cancel pass both by
-    /// chance ([`crate::pandit_wu`]), so that it is not recommended: BIC's order is.
-    ArmaByTest(usize, usize),
-    /// ARMA(1,1) with a unit root.
-    UnitRoot,
-    /// AR(p) by Burg's method.
-    Burg(usize),
-    /// As others fit it.
-    Compared(Method),
-}
-
-/// A recipe fitted.
-struct Fitted {
-    model: AxisModel,
-    parameters: usize,
-    origin: Origin,
-}
-
-impl Recipe {
-    fn name(self) -> String {
-        match self {
-            Self::White => "white".to_owned(),
-            Self::AllanWalk => "white + random walk (Allan)".to_owned(),
-            Self::Terms(set) => name_of(set),
-            Self::Arma(p, q) | Self::ArmaByTest(p, q) => format!("ARMA({p},{q})"),
-            Self::UnitRoot => "ARMA(1,1), unit root".to_owned(),
-            Self::Burg(p) => format!("AR({p}), Burg"),
-            Self::Compared(method) => method.candidate().to_owned(),
-        }
-    }
-
-    /// Parameters beside the level.
-    fn parameters(self) -> usize {
-        match self {
-            Self::White => 1,
-            Self::AllanWalk | Self::UnitRoot => 2,
-            Self::Terms(set) => set.parameters(),
-            Self::Arma(p, q) | Self::ArmaByTest(p, q) => p + q + 1,
-            Self::Burg(p) => p + 1,
-            Self::Compared(_) => Method::PARAMETERS,
-        }
-    }
-
-    /// Whether it is scored for comparison alone.
-    fn is_compared(self) -> bool {
-        matches!(
-            self,
-            Self::ArmaByTest(..) | Self::AllanWalk | Self::Compared(_)
-        )
-    }
-
-    /// Fits a part of the record, from the optimum of the whole where that is known; `known`: coefficients
-    /// near which that of an ARMA may lie.
-    fn fit(
-        self,
-        part: &TrainingSet,
-        whole: Option<&Fitted>,
-        known: &[(Vec<f64>, Vec<f64>)],
-    ) -> Option<Fitted> {
-        let of_whole = whole.and_then(|whole| match &whole.origin {
-            Origin::Arma(fit) => Some(fit),
-            _ => None,
-        });
-        let (model, origin) = match self {
-            Self::White => (white(&part.allan), Origin::Allan),
-            Self::AllanWalk => {
-                let walk = part.allan.random_walk.value;
-                let model = AxisModel {
-                    random_walk: (walk > 0.0).then_some(walk),
-                    ..white(&part.allan)
-                };
-                // A half may show no walk; the whole has to.
-                (walk > 0.0 || whole.is_some()).then_some((model, Origin::Allan))?
-            }
-            Self::Terms(set) => {
-                let fit = terms(set, part, whole)?;
-                (in_terms(&fit.terms), Origin::Composite(Box::new(fit)))
-            }
-            Self::Arma(p, q) | Self::ArmaByTest(p, q) => {
-                let most = if p > 1 {
-                    HIGH_ORDER_SAMPLES
-                } else {
-                    usize::MAX
-                };
-                let most = most / part.records.len();
-                let first = |record: &&'_ [f64]| -> usize { record.len().min(most) };
-                let records: Vec<_> = part.records.iter().map(|r| &r[..first(r)]).collect();
-                let fit = match of_whole {
-                    Some(whole) => arma::refit(&records, whole),
-                    None => arma::fit_several(&records, p, q, &with_effort(REFINE_EFFORT), known),
-                };
-                arma_of(fit.ok()?, part.rate_hz)
-            }
-            Self::UnitRoot => {
-                let options = FitOptions {
-                    unit_root: true,
-                    ..with_effort(REFINE_EFFORT)
-                };
-                let fit = match of_whole {
-                    Some(whole) => arma::refit(&part.records, whole),
-                    None => arma::fit_several(&part.records, 1, 1, &options, &[]),
-                };
-                arma_of(fit.ok()?, part.rate_hz)
-            }
-            Self::Burg(p) => (burg(p, part)?, Origin::Burg),
-            Self::Compared(method) => {
-                let model = match part.compared(method) {
-                    Ok(terms) => in_terms(&terms),
-                    // A half of which the method makes nothing is white noise; the whole has to have more.
-                    Err(_) if whole.is_some() => white(&part.allan),
-                    Err(_) => return None,
-                };
-                (model, Origin::Compared(method))
-            }
-        };
-        Some(self.fitted((model, origin)))
-    }
-
-    fn fitted(self, (model, origin): (AxisModel, Origin)) -> Fitted {
-        Fitted {
-            model,
-            // The level is one.
-            parameters: self.parameters() + 1,
-            origin,
-        }
-    }
-}
-
-impl Fitted {
-    fn shaping(&self, turn_on: f64, rate_hz: f64) -> Option<ShapingFilter> {
-        let model = AxisModel {
-            turn_on,
-            ..self.model.clone()
-        };
-        model.shaping(BiasModel::Arma, 1.0 / rate_hz).ok()
-    }
 }
 
 impl Task<'_> {
@@ -281,7 +131,7 @@ impl Task<'_> {
     }
 
     /// What integrating the effects of temperature out changes a model's restricted log-likelihood by, of all records.
-    fn beside(&self, filter: &ShapingFilter) -> f64 {
+    fn marginal(&self, filter: &ShapingFilter) -> f64 {
         let of = |(record, with_quadratic): &(Regressors, bool)| {
             record.restriction(filter, *with_quadratic)
         };
@@ -300,7 +150,7 @@ impl Task<'_> {
                 Recipe::White => averages.restricted_at_best_level(&filter),
                 _ => averages.restricted(&filter),
             };
-            Some(sum.ok()? + self.beside(&filter))
+            Some(sum.ok()? + self.marginal(&filter))
         };
         let parameters = recipe.parameters() as f64;
         likelihood().map_or(f64::INFINITY, |sum| 2.0 * parameters - 2.0 * sum)
@@ -312,95 +162,6 @@ impl Task<'_> {
         let test = whiteness::portmanteau(&present, &[20], fit.ar.len() + fit.ma.len());
         Some(test.ok()?[0].ljung_box_p)
     }
-}
-
-/// "white + two Gauss-Markov + random walk".
-fn name_of(set: TermSet) -> String {
-    let mut name = "white".to_owned();
-    if set.quantisation {
-        name += " + quantisation";
-    }
-    match set.gauss_markov {
-        0 => {}
-        1 => name += " + Gauss-Markov",
-        _ => name += " + two Gauss-Markov",
-    }
-    if set.flicker {
-        name += " + flicker";
-    }
-    if set.random_walk {
-        name += " + random walk";
-    }
-    name
-}
-
-fn white(terms: &Terms) -> AxisModel {
-    AxisModel {
-        white: Some(terms.white.value.max(f64::MIN_POSITIVE)),
-        ..AxisModel::default()
-    }
-}
-
-/// A composite model in the terms of the model file.
-fn in_terms(terms: &CompositeTerms) -> AxisModel {
-    let (instability, walk) = terms.slow();
-    AxisModel {
-        white: Some(terms.white),
-        quantisation: (terms.quantisation > 0.0).then_some(terms.quantisation),
-        instability,
-        random_walk: (walk > 0.0).then_some(walk),
-        ..AxisModel::default()
-    }
-}
-
-/// A sum of terms by maximum likelihood. None too where the likelihood of the whole leaves a term out: the
-/// model without it is a candidate itself. A half may leave one out.
-fn terms(
-    set: TermSet,
-    part: &TrainingSet,
-    whole: Option<&Fitted>,
-) -> Option<composite::CompositeFit> {
-    let start = whole.and_then(|whole| match &whole.origin {
-        Origin::Composite(fit) => Some(fit.terms),
-        _ => None,
-    });
-    let options = composite::FitOptions {
-        start,
-        block: Some(part.block),
-        ..composite::FitOptions::default()
-    };
-    let (interval, beside) = (1.0 / part.rate_hz, part.beside);
-    let fit = composite::fit_beside(&part.records, interval, set, &options, beside).ok()?;
-    let is_smaller = fit.flags.iter().any(|f| matches!(f, Flag::Vanished(_)));
-    (whole.is_some() || !is_smaller).then_some(fit)
-}
-
-fn arma_of(fit: ArmaFit, rate_hz: f64) -> (AxisModel, Origin) {
-    let arma = Arma {
-        ar: fit.ar.clone(),
-        ma: fit.ma.clone(),
-        sigma: fit.sigma,
-        rate_hz,
-    };
-    let model = AxisModel {
-        arma: Some(arma),
-        ..AxisModel::default()
-    };
-    (model, Origin::Arma(Box::new(fit)))
-}
-
-fn burg(p: usize, part: &TrainingSet) -> Option<AxisModel> {
-    let fit = arma::burg(&part.end_to_end, p).ok()?;
-    let arma = Arma {
-        ar: fit.ar,
-        ma: Vec::new(),
-        sigma: fit.variance.sqrt(),
-        rate_hz: part.rate_hz,
-    };
-    Some(AxisModel {
-        arma: Some(arma),
-        ..AxisModel::default()
-    })
 }
 
 /// The n to which the table of orders goes on, of so many samples.
@@ -422,7 +183,7 @@ pub(super) fn candidates(task: &Task) -> Tried {
     let pandit_wu = pandit_wu::pandit_wu(task.searched(), &search).ok();
     // The averages of one sample are the ARMA(1,1) of the full rate.
     let blocks = &scales::BLOCKS[1..];
-    let beside = |filter: &ShapingFilter| task.beside(filter);
+    let marginal = |filter: &ShapingFilter| task.marginal(filter);
     let whole = TrainingSet {
         end_to_end: task.records.iter().flat_map(|r| bridge(r, 0.0)).collect(),
         records: task.records.clone(),
@@ -430,7 +191,7 @@ pub(super) fn candidates(task: &Task) -> Tried {
         curve: task.curve.clone(),
         allan: task.allan,
         block: task.block(),
-        beside: &beside,
+        marginal: &marginal,
     };
     let scales = scales::identify(task.records[0], 1.0 / task.rate_hz, blocks, SCALE_EFFORT).ok();
     let known = |(p, q)| {
@@ -469,7 +230,7 @@ pub(super) fn candidates(task: &Task) -> Tried {
     });
     let grid = with_effort(GRID_EFFORT);
     Tried {
-        box_jenkins: arma::select_beside(
+        box_jenkins: arma::select_with_starts(
             task.searched(),
             GRID_ORDER,
             GRID_ORDER,
@@ -486,12 +247,12 @@ pub(super) fn candidates(task: &Task) -> Tried {
 
 /// Intervals of a candidate's parameters; none of one that is not a sum of terms.
 pub(super) fn intervals(task: &Task, of: &Candidate) -> Vec<ParameterInterval> {
-    let (interval, beside) = (1.0 / task.rate_hz, |filter: &ShapingFilter| {
-        task.beside(filter)
+    let (interval, marginal) = (1.0 / task.rate_hz, |filter: &ShapingFilter| {
+        task.marginal(filter)
     });
-    let found = of
-        .composite()
-        .map(|fit| composite::intervals_beside(&task.records, interval, fit, PROBABILITY, &beside));
+    let found = of.composite().map(|fit| {
+        composite::intervals_marginal(&task.records, interval, fit, PROBABILITY, &marginal)
+    });
     found.and_then(Result::ok).unwrap_or_default()
 }
 
@@ -536,13 +297,6 @@ fn recipes(task: &Task, table: Option<&PanditWu>) -> Vec<Recipe> {
     }
     list.extend(Method::ALL.map(Recipe::Compared));
     list
-}
-
-fn with_effort(effort: f64) -> FitOptions {
-    FitOptions {
-        effort,
-        ..FitOptions::default()
-    }
 }
 
 #[cfg(test)]

@@ -60,8 +60,8 @@ pub(super) struct Screened {
 
 impl Screened {
     /// Takes lines and narrow resonances out.
-    pub(super) fn take_out_lines(&mut self, rate_hz: f64) -> Vec<Line> {
-        let lines = spectrum::take_out(&mut self.cleaned, rate_hz);
+    pub(super) fn remove_lines(&mut self, rate_hz: f64) -> Vec<Line> {
+        let lines = spectrum::remove_lines(&mut self.cleaned, rate_hz);
         if !lines.is_empty() {
             self.bridged = bridge(&self.cleaned, 0.0);
         }

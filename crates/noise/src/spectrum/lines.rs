@@ -14,7 +14,7 @@
 //! let states = std::iter::successors(Some(1_u32), |s| Some(s.wrapping_mul(1_664_525).wrapping_add(1_013_904_223)));
 //! let noise = states.map(|s| f64::from(s) / f64::from(u32::MAX) - 0.5);
 //! let mut x = Vec::from_iter((0..4096).zip(noise).map(|(k, noise)| 0.5 * (0.5 * f64::from(k)).sin() + noise));
-//! let lines = spectrum::take_out(&mut x, 100.0);
+//! let lines = spectrum::remove_lines(&mut x, 100.0);
 //! assert!((lines[0].frequency_hz - 0.5 * 100.0 / std::f64::consts::TAU).abs() < 1e-3);
 //! assert!((lines[0].amplitude - 0.5).abs() < 0.03 && lines[0].width_hz == 0.0);
 //! ```
@@ -63,7 +63,7 @@ pub struct Line {
 
 /// Takes lines and narrow resonances out of a record sampled at `rate_hz` \[Hz\], NaN where a sample is missing,
 /// and returns them by growing frequency. One FFT of the record where there are none, at most a dozen where there are.
-pub fn take_out(record: &mut [f64], rate_hz: f64) -> Vec<Line> {
+pub fn remove_lines(record: &mut [f64], rate_hz: f64) -> Vec<Line> {
     if record.len() < FEWEST {
         return Vec::new();
     }

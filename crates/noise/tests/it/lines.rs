@@ -4,7 +4,7 @@ use crate::common::{close, white_noise};
 use std::f64::consts::{PI, TAU};
 use undrift_noise::spectrum::{
     Line,
-    lines::{FALSE_ALARM, take_out},
+    lines::{FALSE_ALARM, remove_lines},
 };
 
 const RATE: f64 = 100.0;
@@ -62,7 +62,7 @@ fn records_without_lines_show_none() {
         for seed in 0..16 {
             let mut x = background(seed, phi, step);
             let before = x.clone();
-            let found = take_out(&mut x, RATE);
+            let found = remove_lines(&mut x, RATE);
             assert!(
                 found.is_empty() && x == before,
                 "{phi} {step} {seed} {found:?}"
@@ -82,7 +82,7 @@ fn a_line_is_estimated_to_the_cramer_rao_bound() {
             let mut x = background(seed, 1.0, 0.001);
             let phase = seed as f64;
             add_line(&mut x, 7.3, amplitude, phase);
-            let [line] = take_out(&mut x, RATE)[..] else {
+            let [line] = remove_lines(&mut x, RATE)[..] else {
                 panic!("{amplitude} {seed}");
             };
             let bounds = (
@@ -129,7 +129,7 @@ fn harmonics_are_found_with_missing_samples() {
     x.iter_mut().step_by(97).for_each(|x| *x = f64::NAN);
     x[30_000..30_300].fill(f64::NAN);
     let missing = x.iter().filter(|x| x.is_nan()).count();
-    let found = take_out(&mut x, RATE);
+    let found = remove_lines(&mut x, RATE);
     assert_eq!(found.len(), 6, "{found:?}");
     for (line, harmonic) in found.iter().zip(1..) {
         // Of the last, the bound is 1.2e-5 Hz, and 0.0053 of each amplitude; four of them.
@@ -157,7 +157,7 @@ fn a_resonance_is_one_entry_and_leaves_the_noise() {
         let put_in = resonance(77, frequency, width, height);
         let noise = background(5, 1.0, 0.001);
         let mut x: Vec<f64> = noise.iter().zip(&put_in).map(|(a, b)| a + b).collect();
-        let found = take_out(&mut x, RATE);
+        let found = remove_lines(&mut x, RATE);
         println!("{frequency} {width} {height}: {found:?}");
         let [
             Line {
@@ -200,7 +200,7 @@ fn lines_too_near_to_be_told_apart_are_one_resonance_and_another_stays_a_line() 
     add_line(&mut x, 5256.0 * step, 1.0, 0.3);
     add_line(&mut x, 5259.0 * step, 0.5, 1.0);
     add_line(&mut x, 6000.0 * step, 1.0, 0.5);
-    let [near, far] = take_out(&mut x, RATE)[..] else {
+    let [near, far] = remove_lines(&mut x, RATE)[..] else {
         panic!("not two");
     };
     assert!(
@@ -227,7 +227,7 @@ fn hostile_records_do_no_harm() {
                 add_line(&mut x, frequency, 30.0, 0.1);
             }
             x.iter_mut().step_by(50).for_each(|x| *x = bad);
-            let found = take_out(&mut x, RATE);
+            let found = remove_lines(&mut x, RATE);
             assert!(
                 found.iter().all(|line| line.frequency_hz.is_finite()),
                 "{samples} {bad}"
@@ -235,8 +235,8 @@ fn hostile_records_do_no_harm() {
         }
     }
     let mut nothing = vec![f64::NAN; 1000];
-    assert!(take_out(&mut nothing, RATE).is_empty());
-    assert!(take_out(&mut [0.5; 1000], RATE).is_empty());
+    assert!(remove_lines(&mut nothing, RATE).is_empty());
+    assert!(remove_lines(&mut [0.5; 1000], RATE).is_empty());
 }
 
 #[test]
@@ -244,7 +244,7 @@ fn a_line_is_looked_for_in_128_samples_and_more() {
     for (samples, found) in [(127, false), (128, true)] {
         let mut x = white_noise(1, samples);
         add_line(&mut x, 40.0, 30.0, 0.1);
-        let lines = take_out(&mut x, RATE);
+        let lines = remove_lines(&mut x, RATE);
         assert_eq!(!lines.is_empty(), found, "{samples}");
         if found {
             close(lines[0].frequency_hz, 40.0, 1e-3, "frequency");

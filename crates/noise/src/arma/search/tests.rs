@@ -1,4 +1,5 @@
 use super::*;
+use crate::arma::{likelihood::Mean, polynomial::from_search};
 
 /// A pair of AR roots r e^(±iω) is φ = (2 r cos ω, −r²).
 #[test]

@@ -4,7 +4,7 @@ use super::LEFT_OUT_SINGLY;
 use crate::{
     allan::{self, Curve, DeviationKind, Grid, Terms},
     compared::{Method, Unfit},
-    composite::{Beside, CompositeTerms, NOTHING},
+    composite::{CompositeTerms, Marginal, NO_MARGINAL},
     screening::bridge::{bridge, inflation},
 };
 
@@ -18,7 +18,7 @@ pub(super) struct TrainingSet<'a> {
     pub(super) allan: Terms,
     /// Samples to a block of the likelihood of a sum of terms: that of the whole, of a part too.
     pub(super) block: usize,
-    pub(super) beside: Beside<'a>,
+    pub(super) marginal: Marginal<'a>,
 }
 
 /// What is fitted, and the records to score, each with the number of samples that come before the scored ones.
@@ -43,7 +43,7 @@ impl<'a> TrainingSet<'a> {
             allan: allan::fit_terms(&curve).ok()?.with_less_white(inflation),
             curve,
             block,
-            beside: NOTHING,
+            marginal: NO_MARGINAL,
         })
     }
 

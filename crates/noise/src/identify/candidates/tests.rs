@@ -1,5 +1,8 @@
-use super::*;
-use crate::synthesis::NoiseGenerator;
+use super::{
+    recipe::{in_terms, terms, white},
+    *,
+};
+use crate::{BiasModel, composite::CompositeTerms, synthesis::NoiseGenerator};
 
 const RATE: f64 = 10.0;
 

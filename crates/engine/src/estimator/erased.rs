@@ -1,0 +1,378 @@
+//! The filter at each of its sizes, and which one holds so many states.
+
+use super::{Adjoint, Channel, Estimator, LogTo, Logged, LoggedUpdate};
+use crate::aid::{Aiding, Observed, STAMP_ROUNDING, observe};
+use alloc::boxed::Box;
+use nalgebra::{DMatrix, DMatrixView, DVector, SMatrix, SVector};
+use undrift_nav::{
+    Matrix3, Quaternion, Vector3,
+    aiding::Observation,
+    covariance::{AXES, NAV, Sensors},
+    earth::Geodetic,
+    filter::{
+        Carried, Each, Filter, FilterError, Gate, InitialStd, Lasting, Outcome, StepError, Update,
+    },
+    mechanisation::NavState,
+    parameters::{Parameter, Parameters},
+    sample::ImuSample,
+    shaping::ShapingFilter,
+    tape::Tape,
+};
+
+/// What a filter is made of.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "passed on once, when a filter is made"
+)]
+pub(super) enum Start<'a> {
+    New(
+        NavState,
+        &'a InitialStd,
+        &'a [ShapingFilter; AXES],
+        Parameters,
+    ),
+    /// Another one, with the lasting errors as given.
+    Lasting(
+        Carried,
+        &'a [f64],
+        DMatrixView<'a, f64>,
+        &'a [Option<Lasting>; 2],
+    ),
+}
+
+/// A filter of the smallest size that holds so many states.
+pub(super) fn sized(states: usize, start: Start) -> Result<Box<dyn Estimator>, FilterError> {
+    match states {
+        // Four columns go at a time: one that is left costs nearly as much.
+        ..=16 => of_size::<16>(start),
+        17..=21 => of_size::<21>(start),
+        // The browser's page has no room for one more.
+        #[cfg(not(target_family = "wasm"))]
+        22..=24 => of_size::<24>(start),
+        22..=28 => of_size::<28>(start),
+        29..=33 => of_size::<33>(start),
+        34..=45 => of_size::<45>(start),
+        _ => of_size::<73>(start),
+    }
+}
+
+fn of_size<const N: usize>(start: Start) -> Result<Box<dyn Estimator>, FilterError> {
+    let filter = match start {
+        Start::New(nav, std, sensors, parameters) => {
+            Filter::<N>::new(nav, std, *sensors, parameters)
+        }
+        Start::Lasting(carried, x, p, lasting) => {
+            Filter::with_lasting(carried, x, &|i, j| p[(i, j)], lasting)
+        }
+    }?;
+    Ok(Box::new(Erased {
+        filter,
+        tape: None,
+        log: None,
+    }))
+}
+
+struct Erased<const N: usize> {
+    filter: Filter<N>,
+    /// Since the last call of `record`, or since the last update that was logged.
+    tape: Option<Box<Tape<N>>>,
+    log: Option<LogTo>,
+}
+
+impl<const N: usize> Erased<N> {
+    fn take_in<const M: usize>(
+        &mut self,
+        channel: Channel,
+        observed: &Observation<M, N>,
+        noise: &Matrix3,
+        gate: &Gate,
+    ) -> Result<Option<Update>, FilterError> {
+        let r = noise.fixed_view::<M, M>(0, 0).into_owned();
+        if self.log.is_some() {
+            return self.take_in_logged(channel, observed, &r, gate).map(Some);
+        }
+        match self.tape.as_deref_mut() {
+            Some(tape) => self.filter.update_recorded(observed, &r, gate, tape),
+            None => self.filter.update(observed, &r, gate),
+        }
+        .map(Some)
+    }
+
+    fn take_in_logged<const M: usize>(
+        &mut self,
+        channel: Channel,
+        observed: &Observation<M, N>,
+        r: &SMatrix<f64, M, M>,
+        gate: &Gate,
+    ) -> Result<Update, FilterError> {
+        let before = *self.filter.covariance();
+        let mut own = Tape::<N>::default();
+        let done = self.filter.update_recorded(observed, r, gate, &mut own)?;
+        let factor = match done.outcome {
+            Outcome::Rejected => return Ok(done),
+            Outcome::Used => 1.0,
+            Outcome::Weakened(factor) => factor,
+        };
+        let correction = before * own.gradient;
+        let n = self.filter.states();
+        let turn = Vector3::new(correction[6], correction[7], correction[8]);
+        let tape = self.tape.replace(Box::new(Tape::after(&turn)));
+        let transition = tape.map_or_else(SMatrix::identity, |tape| tape.transition());
+        let update = LoggedUpdate {
+            time: self.filter.nav().time,
+            channel,
+            transition: DMatrix::from_fn(n, n, |i, j| transition[(i, j)]),
+            h: DMatrix::from_fn(M, n, |i, j| observed.h[(i, j)]),
+            innovation: DVector::from_column_slice(observed.innovation.as_slice()),
+            noise: DMatrix::from_fn(M, M, |i, j| r[(i, j)] + observed.extra[(i, j)]),
+            weakened: factor,
+            correction: DVector::from_fn(n, |i, _| correction[i]),
+            white: core::array::from_fn(|axis| self.filter.sensors().axis(axis).r),
+        };
+        if let Some(log) = &self.log {
+            // Nobody listens any more: nor is it of use.
+            (log.0)(Logged::Update(Box::new(update)));
+        }
+        Ok(done)
+    }
+}
+
+impl<const N: usize> Estimator for Erased<N> {
+    fn nav(&self) -> &NavState {
+        self.filter.nav()
+    }
+
+    fn states(&self) -> usize {
+        self.filter.states()
+    }
+
+    fn covariance(&self) -> DMatrixView<'_, f64> {
+        DMatrixView::from_slice(self.filter.covariance().as_slice(), N, N)
+    }
+
+    fn estimates(&self) -> &[f64] {
+        self.filter.estimates()
+    }
+
+    fn sensors(&self) -> &Sensors {
+        self.filter.sensors()
+    }
+
+    fn parameters(&self) -> &Parameters {
+        self.filter.parameters()
+    }
+
+    fn parameter(&self, kind: Parameter) -> Option<([f64; 6], [f64; 6])> {
+        self.filter.parameter(kind)
+    }
+
+    fn time_offset(&self, kind: Parameter) -> Option<(f64, f64)> {
+        self.filter.time_offset(kind)
+    }
+
+    fn since_start(&self) -> f64 {
+        self.filter.since_start()
+    }
+
+    fn nav_std(&self) -> [f64; NAV] {
+        self.filter.nav_std()
+    }
+
+    fn sensor_error(&self) -> [f64; AXES] {
+        self.filter.sensor_error()
+    }
+
+    fn sensor_error_std(&self) -> [f64; AXES] {
+        self.filter.sensor_error_std()
+    }
+
+    fn omega_nb_b(&self) -> Vector3 {
+        self.filter.omega_nb_b()
+    }
+
+    fn antenna_position(&self, lever_b: &Vector3) -> Geodetic {
+        self.filter.antenna_position(lever_b)
+    }
+
+    fn antenna_velocity(&self, lever_b: &Vector3) -> Vector3 {
+        self.filter.antenna_velocity(lever_b)
+    }
+
+    fn vehicle_velocity(&self, lever_b: &Vector3) -> Vector3 {
+        self.filter.vehicle_velocity(lever_b)
+    }
+
+    fn check(&self) -> Result<(), FilterError> {
+        self.filter.check()
+    }
+
+    fn sample_end(&self) -> Option<f64> {
+        self.filter.sample_end()
+    }
+
+    fn reached(&self) -> f64 {
+        self.filter.reached()
+    }
+
+    fn accepts_step(&self, sample: &ImuSample) -> Result<(), StepError> {
+        self.filter.accepts_step(sample)
+    }
+
+    fn begin(&mut self, sample: &ImuSample) {
+        self.filter.begin(sample);
+    }
+
+    fn advance(&mut self, time: Option<f64>) {
+        let filter = &mut self.filter;
+        match (time, self.tape.as_deref_mut()) {
+            (Some(time), None) => filter.advance_to(time, STAMP_ROUNDING),
+            (Some(time), Some(tape)) => filter.advance_to_recorded(time, STAMP_ROUNDING, tape),
+            (None, None) => filter.advance(1.0),
+            (None, Some(tape)) => filter.advance_recorded(1.0, tape),
+        }
+    }
+
+    fn inflate_over_gap(&mut self, duration: f64, rate: f64, accel: f64) {
+        self.filter.inflate_over_gap(duration, rate, accel);
+    }
+
+    fn inflate(&mut self, position: &Vector3, velocity: f64, tilt: f64) {
+        self.filter.inflate(position, velocity, tilt);
+    }
+
+    fn set_white_noise(&mut self, variance: &[f64; AXES]) {
+        self.filter.set_white_noise(variance);
+    }
+
+    fn inflate_heading(&mut self, heading: f64, gyro: f64) {
+        self.filter.inflate_heading(heading, gyro);
+    }
+
+    fn inflate_missed_motion(&mut self, turn: &Matrix3, velocity: &Matrix3) {
+        self.filter.inflate_missed_motion(turn, velocity);
+    }
+
+    fn innovation(&self, aiding: &Aiding) -> Option<Vector3> {
+        Some(match observe(&self.filter, aiding)? {
+            Observed::One(observed) => Vector3::new(observed.innovation[0], 0.0, 0.0),
+            Observed::Two(observed) => observed.innovation.push(0.0),
+            Observed::Three(observed) => observed.innovation,
+        })
+    }
+
+    fn update(
+        &mut self,
+        aiding: &Aiding,
+        noise: &Matrix3,
+        gate: &Gate,
+    ) -> Result<Option<Update>, FilterError> {
+        let channel = aiding.channel();
+        match observe(&self.filter, aiding) {
+            None => Ok(None),
+            Some(Observed::One(observed)) => self.take_in(channel, &observed, noise, gate),
+            Some(Observed::Two(observed)) => self.take_in(channel, &observed, noise, gate),
+            Some(Observed::Three(observed)) => self.take_in(channel, &observed, noise, gate),
+        }
+    }
+
+    fn update_window(&mut self, rows: &SMatrix<f64, 12, 12>) -> Result<(), FilterError> {
+        // From the filter's errors to those of the window.
+        let mut map = SMatrix::<f64, 12, N>::zeros();
+        let c_bn = self.nav().q_nb.to_rotation_matrix().transpose();
+        map.fixed_view_mut::<3, 3>(0, 3)
+            .copy_from(&-Matrix3::identity());
+        map.fixed_view_mut::<3, 3>(3, 6).copy_from(c_bn.matrix());
+        for axis in 0..AXES {
+            let (sensor, at) = (self.sensors().axis(axis), self.sensors().start(axis));
+            for i in 0..sensor.order {
+                map[(6 + axis, at + i)] = sensor.h[i];
+            }
+        }
+        let observed = Observation {
+            innovation: SVector::zeros(),
+            h: rows * map,
+            extra: SMatrix::zeros(),
+        };
+        self.filter
+            .update(&observed, &SMatrix::identity(), &Gate::OPEN)
+            .map(drop)
+    }
+
+    fn apply_correction(&mut self, error: &[f64]) {
+        let error = |i: usize, _| error.get(i).copied().unwrap_or(0.0);
+        self.filter.apply_correction(&SVector::from_fn(error));
+    }
+
+    fn set_nav(&mut self, nav: NavState) {
+        self.filter.set_nav(nav);
+    }
+
+    fn set_sensor_error(&mut self, error: &[f64; AXES]) {
+        self.filter.set_sensor_error(error);
+    }
+
+    fn set_position_velocity_covariance(
+        &mut self,
+        position: &Matrix3,
+        velocity: &Matrix3,
+        correlated: &[Vector3; 2],
+    ) {
+        self.filter
+            .set_position_velocity_covariance(position, velocity);
+        self.filter
+            .correlate_with_fix_errors(&correlated[0], &correlated[1]);
+    }
+
+    fn log_to(&mut self, log: LogTo) {
+        let n = self.filter.states();
+        let covariance = self.covariance().view((0, 0), (n, n)).into_owned();
+        (log.0)(Logged::Start(self.filter.nav().time, covariance));
+        self.log = Some(log);
+        self.tape = Some(Box::default());
+    }
+
+    fn record(&mut self) {
+        self.log = None;
+        self.tape = Some(Box::default());
+    }
+
+    fn adjoint(&self) -> Option<Adjoint> {
+        let tape = self.tape.as_deref()?;
+        let dynamic = |m: &SMatrix<f64, N, N>| DMatrix::from_column_slice(N, N, m.as_slice());
+        Some(Adjoint {
+            transition: dynamic(&tape.transition()),
+            gradient: DVector::from_column_slice(tape.gradient.as_slice()),
+            information: dynamic(&tape.information),
+        })
+    }
+
+    fn numbers(&mut self, each: &mut Each) {
+        self.filter.numbers(each);
+    }
+
+    fn boxed(&self) -> Box<dyn Estimator> {
+        Box::new(Self {
+            filter: self.filter.clone(),
+            tape: None,
+            log: None,
+        })
+    }
+
+    fn turn(&mut self, q_vb: &Quaternion) {
+        self.filter.turn(q_vb);
+    }
+
+    fn renew(&mut self, kind: Parameter, std: f64) {
+        self.filter.renew(kind, std);
+    }
+
+    fn with_lasting(
+        &self,
+        lasting: &[Option<Lasting>; 2],
+    ) -> Result<Box<dyn Estimator>, FilterError> {
+        let carried = self.filter.carried();
+        let states = self.sensors().states() + carried.parameters(lasting).states();
+        let start = Start::Lasting(carried, self.estimates(), self.covariance(), lasting);
+        sized(states, start)
+    }
+}

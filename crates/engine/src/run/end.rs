@@ -1,0 +1,96 @@
+//! The end of the log: what is concluded from all of it.
+
+use super::Run;
+use crate::{
+    align::{Stamps, compare},
+    fixes::{FixStudy, FixWatch},
+    health::CovarianceHealth,
+    not_aligned::NotAligned,
+    observer::Observer,
+    solution::Solution,
+    summary::Summary,
+    vibration::Vibration,
+};
+use alloc::boxed::Box;
+use undrift_nav::parameters::Parameter;
+
+impl Run {
+    /// The end; `later` are the stamps of measurements that were never taken in.
+    pub(crate) fn end(
+        mut self,
+        later: impl Iterator<Item = f64>,
+        observer: &mut dyn Observer,
+    ) -> Result<Summary, Box<NotAligned>> {
+        self.summary.implausible = self.plausible.findings();
+        self.summary.judge_signs();
+        self.summary.repeated = self.queue.repeated();
+        self.summary.study = self
+            .fixes
+            .as_ref()
+            .and_then(FixWatch::study)
+            .map(|study| FixStudy {
+                repeated: self.summary.repeated,
+                ..study
+            });
+        self.summary.louder = self.vibration.as_ref().and_then(Vibration::louder);
+        self.summary.no_mounting = self.search.as_ref().and_then(|search| search.failure());
+        if self.has_ended() {
+            return Ok(self.summary);
+        }
+        if self.solution.is_none() && self.summary.restarts.is_empty() {
+            let mut fixes = self.log.stamps;
+            for time in self.queue.fixes().chain(later) {
+                fixes = Some(Stamps::and(fixes, time));
+            }
+            let samples = self.log.first_sample.map(|first| Stamps {
+                first,
+                last: self.summary.ended,
+                count: self.summary.align_samples,
+            });
+            return Err(Box::new(NotAligned {
+                failure: self.alignment.aligner.failure(self.log.fixes),
+                times: samples.zip(fixes).map(|(imu, gnss)| {
+                    let fault = compare(&imu, &gnss);
+                    ([imu, gnss], fault)
+                }),
+                implausible: self.summary.implausible,
+            }));
+        }
+        if let Some(solution) = &mut self.solution {
+            solution.node(self.settings.nodes, observer);
+        }
+        if let Some(last) = self.log.last_fix {
+            self.summary.without_gnss(last, self.summary.ended);
+        }
+        self.streak.judge(&mut self.summary);
+        self.receiver.close(&mut self.summary);
+        let Some(Solution { filter, .. }) = &self.solution else {
+            self.summary.diverged = self.summary.restarts.last().map(|last| last.time);
+            return Ok(self.summary);
+        };
+        self.summary.covariance = Some(CovarianceHealth::of(&**filter));
+        for (kind, _, prior) in filter.parameters().blocks() {
+            if let Some((value, std)) = filter.parameter(kind) {
+                let n = kind.width();
+                let (mut value, mut std) = (value, std);
+                let of_time = [Parameter::TimeOffset, Parameter::VelocityTimeOffset];
+                if let Some(now) = filter.time_offset(kind).filter(|_| of_time.contains(&kind)) {
+                    (value[0], std[0]) = now;
+                }
+                let furthest = value[..n]
+                    .iter()
+                    .copied()
+                    .max_by(|a, b| a.abs().total_cmp(&b.abs()));
+                let far = furthest.filter(|value| value.abs() > crate::watch::FAR * prior.std);
+                let of_fixes = [Parameter::PositionError, Parameter::VelocityError];
+                let far = far.filter(|_| !of_fixes.contains(&kind));
+                self.summary
+                    .far
+                    .extend(far.map(|value| (kind, value, value.abs() / prior.std)));
+                let (value, std) = (value[..n].to_vec(), std[..n].to_vec());
+                self.summary.parameters.push((kind, value, std));
+            }
+        }
+        Ok(self.summary)
+    }
+}

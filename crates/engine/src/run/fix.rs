@@ -1,0 +1,218 @@
+//! What a fix does to the navigator: it aligns, is studied, corrects the solution, or is judged.
+
+use super::{Run, begins, carries_velocity, part};
+use crate::{
+    course::CourseWatch,
+    estimator::STAMP_ROUNDING,
+    events::{Part, RestartCause},
+    observer::Observer,
+    settings::GnssUse,
+    solution::Solution,
+    watch::Streak,
+};
+use alloc::sync::Arc;
+use undrift_nav::{
+    filter::{FilterError, Outcome, Update},
+    sample::{GnssFix, ImuSample},
+};
+
+impl Run {
+    /// Shows the aligner a fix; whether it completes the alignment and navigation begins.
+    fn align(
+        &mut self,
+        fix: &GnssFix,
+        sample: &ImuSample,
+        observer: &mut dyn Observer,
+    ) -> Result<bool, FilterError> {
+        let aligner = &mut self.alignment.aligner;
+        aligner.advance(sample, fix.time);
+        if self.settings.gating && !self.receiver.is_consistent(fix) {
+            return Ok(false);
+        }
+        let mut seen = *fix;
+        if self.settings.gnss_use == GnssUse::Position {
+            seen.velocity = None;
+        }
+        let Some(mut aligned) = aligner.fix(&seen, &self.settings)? else {
+            return Ok(false);
+        };
+        match self.summary.restarts.last_mut() {
+            Some(restart) => restart.resumed = Some(fix.time),
+            None => {
+                self.summary.started = Some(fix.time);
+                self.summary.alignment = Some(aligned.how);
+                if let Some(start) = &self.settings.start {
+                    aligned.filter.apply_correction(start);
+                }
+            }
+        }
+        self.alignment.again = false;
+        self.log.shown(fix.time, true);
+        observer.used(fix.time);
+        self.streak = Streak::default();
+        self.receiver.forget_solution(fix.time, &mut self.summary);
+        self.course = CourseWatch::new();
+        let solution = self.solution.insert(Solution::new(aligned.filter));
+        if let Some(vibration) = &self.vibration {
+            solution.filter.set_white_noise(&vibration.variances());
+        }
+        if let Some(log) = &self.settings.log {
+            solution.filter.log_to(log.clone());
+        }
+        solution.node(self.settings.nodes, observer);
+        // The rest of this sample's interval.
+        let rest = sample.time - fix.time;
+        if rest > STAMP_ROUNDING {
+            self.begin(&part(sample, rest));
+        }
+        Ok(true)
+    }
+
+    /// What the fixes show of themselves, where it is time to look: the filter follows it from now on.
+    fn study(&mut self, fix: &GnssFix) -> Result<(), FilterError> {
+        let Some(study) = self.fixes.as_mut().and_then(|fixes| fixes.next(fix)) else {
+            return Ok(());
+        };
+        let stated = self.settings.from_fixes.unwrap_or_default();
+        let errors = study.errors(&stated, &self.settings.parameters);
+        let before = self.settings.fix_errors;
+        if errors == before {
+            return Ok(());
+        }
+        self.summary.fix_errors.push((fix.time, errors));
+        let settings = Arc::make_mut(&mut self.settings);
+        settings.fix_errors = errors;
+        settings.parameters = errors.with_states(settings.parameters);
+        if let (Some(solution), Some((_, covariance))) =
+            (&mut self.solution, errors.apply(fix).position)
+        {
+            let lasting = errors.lasting(&before, &covariance);
+            solution.filter = solution.filter.with_lasting(&lasting)?;
+        }
+        Ok(())
+    }
+
+    /// A fix within the present sample, or a part of it.
+    pub(super) fn fix(
+        &mut self,
+        fix: &GnssFix,
+        part: Option<Part>,
+        sample: &ImuSample,
+        observer: &mut dyn Observer,
+    ) -> Result<(), FilterError> {
+        let withheld = self.settings.outages.iter().any(|o| o.contains(fix.time));
+        let begins = begins(fix, part);
+        let fix = self.settings.quality.apply(fix);
+        let fix = &self.vertical.judge(fix, begins, &mut self.summary);
+        if begins && !withheld {
+            self.study(fix)?;
+        }
+        let settings = Arc::clone(&self.settings);
+        let fix = &settings.fix_errors.apply(fix);
+        if self.solution.is_none() && withheld {
+            self.summary.withheld += u64::from(begins);
+            return Ok(());
+        }
+        let latency = self.latency();
+        let due = fix.time
+            + match part {
+                Some(Part::Velocity) => latency.velocity.unwrap_or(latency.position),
+                _ => latency.position,
+            };
+        if (self.solution.is_none() || self.alignment.again) && begins && !withheld {
+            // A solution before this one says when it holds: within this sample.
+            let held = GnssFix { time: due, ..*fix };
+            if self.align(&held, sample, observer)? {
+                return Ok(());
+            }
+        }
+        let Some(solution) = &mut self.solution else {
+            self.summary.fixes_before += u64::from(begins);
+            return Ok(());
+        };
+        if due < solution.began - STAMP_ROUNDING {
+            // Of a time before the start, in which an alignment had it already.
+            self.summary.fixes_before += u64::from(begins);
+            return Ok(());
+        }
+        solution.advance_to(due);
+        if !withheld {
+            solution.grow_to(due);
+            if settings.gating {
+                solution.grow_by_products(due);
+            }
+        }
+        if begins {
+            observer.fix(&*solution.filter, fix, withheld);
+        }
+        if withheld {
+            self.summary.withheld += u64::from(begins);
+            // An outage is no fault of the receiver's.
+            self.log.shown(fix.time, carries_velocity(fix, part));
+            solution.node(self.settings.nodes, observer);
+            return Ok(());
+        }
+        let filter = &mut *solution.filter;
+        let updates =
+            self.receiver
+                .update(filter, fix, part, due, &self.settings, &mut self.summary);
+        if carries_velocity(fix, part) {
+            self.vehicle.fix(filter, fix, &self.settings);
+            if self.settings.gating && !self.receiver.repeats() {
+                self.course.fix(filter, fix, &mut self.summary);
+            }
+        }
+        let done = updates.each_ref();
+        observer.updated(fix.time, done.map(|u| u.as_ref()?.as_ref().ok().copied()));
+        // A solution that only a fix would throw off the Earth has nothing in common with the fixes any more.
+        let off = |update: &Result<Update, FilterError>| *update == Err(FilterError::Implausible);
+        if updates[0].is_some() {
+            self.summary.late_samples.note(filter);
+        }
+        let diverged = filter.check().is_err() || updates.iter().flatten().any(off);
+        self.note_updates(fix, part, updates, observer);
+        if diverged {
+            self.give_up(fix.time);
+        } else if self.settings.gating && self.settings.restart {
+            if self.streak.is_sick(fix.time) {
+                self.align_again(fix.time, RestartCause::LargeInnovations);
+            } else if self.receiver.is_hopeless(fix.time) {
+                self.align_again(fix.time, RestartCause::GaveWayOften);
+            }
+        }
+        if let Some(solution) = &mut self.solution {
+            solution.node(self.settings.nodes, observer);
+        }
+        Ok(())
+    }
+
+    /// Notes what became of a fix.
+    fn note_updates(
+        &mut self,
+        fix: &GnssFix,
+        part: Option<Part>,
+        updates: [Option<Result<Update, FilterError>>; 2],
+        observer: &mut dyn Observer,
+    ) {
+        let time = fix.time;
+        let mut used = false;
+        for update in updates.into_iter().flatten() {
+            match update {
+                Ok(update) if update.outcome == Outcome::Rejected => {}
+                Ok(update) => {
+                    used = true;
+                    self.streak.watch(update, time, &mut self.summary);
+                }
+                Err(FilterError::Implausible) => {}
+                Err(_) => self.summary.bad_fixes += 1,
+            }
+        }
+        if used {
+            self.summary.fixes += u64::from(begins(fix, part));
+            observer.used(time);
+            if let Some(last) = self.log.shown(time, carries_velocity(fix, part)) {
+                self.summary.without_gnss(last, time);
+            }
+        }
+    }
+}

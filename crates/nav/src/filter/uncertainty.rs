@@ -1,0 +1,120 @@
+//! Uncertainty that is set or added from outside of the model: starts, gaps, contradicted solutions.
+
+use super::Filter;
+use crate::{Matrix3, Vector3, parameters::Parameter};
+
+/// What a vehicle accelerates at its start [m/s²], one standard deviation.
+const START_ACCEL: f64 = 2.0;
+
+impl<const N: usize> Filter<N> {
+    /// Sets the covariance of position and velocity [m², (m/s)²], north-east-down, as of a fix that they
+    /// were taken from: free of correlation with all else but the lever arm and the time offset, where
+    /// these are estimated. A start taken from a fix that holds `τ` later is `v τ` ahead, and its
+    /// velocity off by what the vehicle accelerates meanwhile.
+    pub fn set_position_velocity_covariance(&mut self, position: &Matrix3, velocity: &Matrix3) {
+        for i in 0..6 {
+            for j in 0..N {
+                self.p[(i, j)] = 0.0;
+                self.p[(j, i)] = 0.0;
+            }
+        }
+        self.p.fixed_view_mut::<3, 3>(0, 0).copy_from(position);
+        self.p.fixed_view_mut::<3, 3>(3, 3).copy_from(velocity);
+        if let Some(at) = self.parameter_start(Parameter::LeverArm) {
+            let across = self.c_nb * self.p.fixed_view::<3, 3>(at, at);
+            let mut own = self.p.fixed_view_mut::<3, 3>(0, 0);
+            own += across * self.c_nb.transpose();
+            self.p.fixed_view_mut::<3, 3>(0, at).copy_from(&across);
+            let across = across.transpose();
+            self.p.fixed_view_mut::<3, 3>(at, 0).copy_from(&across);
+        }
+        if let Some(at) = self.parameter_start(Parameter::TimeOffset) {
+            let variance = self.p[(at, at)];
+            let v = self.nav.v_n;
+            for i in 0..3 {
+                for j in 0..3 {
+                    self.p[(i, j)] += v[i] * v[j] * variance;
+                }
+                self.p[(i, at)] = v[i] * variance;
+                self.p[(at, i)] = v[i] * variance;
+            }
+        }
+        let offset = self.parameter_start(Parameter::VelocityTimeOffset);
+        if let Some(at) = offset.or(self.parameter_start(Parameter::TimeOffset)) {
+            for i in 3..6 {
+                self.p[(i, i)] += START_ACCEL * START_ACCEL * self.p[(at, at)];
+            }
+        }
+    }
+
+    /// Position and velocity were taken from a fix whose errors have time-correlated parts, of these standard
+    /// deviations north, east, down [m, m/s]: they have those parts, too. To be called after
+    /// [`Filter::set_position_velocity_covariance`]; it does nothing where [`Parameter::PositionError`] and
+    /// [`Parameter::VelocityError`] are not estimated.
+    pub fn correlate_with_fix_errors(&mut self, position: &Vector3, velocity: &Vector3) {
+        let kinds = [Parameter::PositionError, Parameter::VelocityError];
+        for (k, (kind, std)) in kinds.into_iter().zip([position, velocity]).enumerate() {
+            let Some(at) = self.parameter_start(kind) else {
+                continue;
+            };
+            for i in 0..3 {
+                let across = std[i] * self.p[(at + i, at + i)];
+                self.p[(3 * k + i, at + i)] = across;
+                self.p[(at + i, 3 * k + i)] = across;
+            }
+        }
+    }
+
+    /// Adds uncertainty to position \[m\], velocity [m/s] and tilt \[rad\], one standard deviation each axis:
+    /// for a solution that fixes have contradicted for a while.
+    pub fn inflate(&mut self, position: &Vector3, velocity: f64, tilt: f64) {
+        for i in 0..3 {
+            self.p[(i, i)] += position[i] * position[i];
+            self.p[(3 + i, 3 + i)] += velocity * velocity;
+        }
+        for i in 6..8 {
+            self.p[(i, i)] += tilt * tilt;
+        }
+    }
+
+    /// Adds uncertainty to the heading \[rad\] and to the error of gyro z [rad/s], one standard deviation: for a
+    /// heading that the course contradicts.
+    pub fn inflate_heading(&mut self, heading: f64, gyro: f64) {
+        self.p[(8, 8)] += heading * heading;
+        let (sensor, at) = (self.sensors.axis(2), self.sensors.start(2));
+        let size: f64 = sensor.h[..sensor.order].iter().map(|h| h * h).sum();
+        if size > 0.0 {
+            for i in 0..sensor.order {
+                for j in 0..sensor.order {
+                    self.p[(at + i, at + j)] +=
+                        gyro * gyro * sensor.h[i] * sensor.h[j] / (size * size);
+                }
+            }
+        }
+    }
+
+    /// Adds uncertainty for `duration` seconds without samples in which the body may have turned
+    /// with `rate` [rad/s] and accelerated with `accel` [m/s²] (one standard deviation each axis).
+    pub fn inflate_over_gap(&mut self, duration: f64, rate: f64, accel: f64) {
+        let (v, a) = (accel * duration, rate * duration);
+        let r = 0.5 * v * duration;
+        for i in 0..3 {
+            self.p[(i, i)] += r * r;
+            self.p[(3 + i, 3 + i)] += v * v;
+            self.p[(i, 3 + i)] += r * v;
+            self.p[(3 + i, i)] += r * v;
+            self.p[(6 + i, 6 + i)] += a * a;
+        }
+        self.previous = None;
+    }
+
+    /// Adds the covariance of a turn \[rad²\] and of a change of velocity \[m²/s²\], body axes, that the samples just
+    /// passed may have missed.
+    pub fn inflate_missed_motion(&mut self, turn: &Matrix3, velocity: &Matrix3) {
+        for (at, covariance) in [(3, velocity), (6, turn)] {
+            let turned = self.c_nb * covariance * self.c_nb.transpose();
+            let mut own = self.p.fixed_view_mut::<3, 3>(at, at);
+            own += turned;
+        }
+    }
+}

@@ -1,0 +1,261 @@
+//! What is fitted, and the fits.
+
+use super::{
+    super::{HIGH_ORDER_SAMPLES, Origin},
+    REFINE_EFFORT,
+    folds::TrainingSet,
+};
+use crate::{
+    BiasModel,
+    allan::Terms,
+    arma::{self, ArmaFit, FitOptions},
+    compared::Method,
+    composite::{self, CompositeTerms, Flag, TermSet},
+    model_file::{Arma, AxisModel},
+};
+use undrift_nav::shaping::ShapingFilter;
+
+/// What is fitted.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Recipe {
+    /// White noise of the Allan deviation.
+    White,
+    /// White noise and random walk of the Allan deviation.
+    AllanWalk,
+    /// A sum of terms by maximum likelihood.
+    Terms(TermSet),
+    /// ARMA(p, q) by maximum likelihood.
+    Arma(usize, usize),
+    /// The same of an order that F tests or AIC have chosen, as the source paper does. Pairs of roots that cancel pass both by
+    /// chance ([`crate::pandit_wu`]), so that it is not recommended: BIC's order is.
+    ArmaByTest(usize, usize),
+    /// ARMA(1,1) with a unit root.
+    UnitRoot,
+    /// AR(p) by Burg's method.
+    Burg(usize),
+    /// As others fit it.
+    Compared(Method),
+}
+
+/// A recipe fitted.
+pub(super) struct Fitted {
+    pub(super) model: AxisModel,
+    pub(super) parameters: usize,
+    pub(super) origin: Origin,
+}
+
+impl Recipe {
+    pub(super) fn name(self) -> String {
+        match self {
+            Self::White => "white".to_owned(),
+            Self::AllanWalk => "white + random walk (Allan)".to_owned(),
+            Self::Terms(set) => name_of(set),
+            Self::Arma(p, q) | Self::ArmaByTest(p, q) => format!("ARMA({p},{q})"),
+            Self::UnitRoot => "ARMA(1,1), unit root".to_owned(),
+            Self::Burg(p) => format!("AR({p}), Burg"),
+            Self::Compared(method) => method.candidate().to_owned(),
+        }
+    }
+
+    /// Parameters beside the level.
+    pub(super) fn parameters(self) -> usize {
+        match self {
+            Self::White => 1,
+            Self::AllanWalk | Self::UnitRoot => 2,
+            Self::Terms(set) => set.parameters(),
+            Self::Arma(p, q) | Self::ArmaByTest(p, q) => p + q + 1,
+            Self::Burg(p) => p + 1,
+            Self::Compared(_) => Method::PARAMETERS,
+        }
+    }
+
+    /// Whether it is scored for comparison alone.
+    pub(super) fn is_compared(self) -> bool {
+        matches!(
+            self,
+            Self::ArmaByTest(..) | Self::AllanWalk | Self::Compared(_)
+        )
+    }
+
+    /// Fits a part of the record, from the optimum of the whole where that is known; `known`: coefficients
+    /// near which that of an ARMA may lie.
+    pub(super) fn fit(
+        self,
+        part: &TrainingSet,
+        whole: Option<&Fitted>,
+        known: &[(Vec<f64>, Vec<f64>)],
+    ) -> Option<Fitted> {
+        let of_whole = whole.and_then(|whole| match &whole.origin {
+            Origin::Arma(fit) => Some(fit),
+            _ => None,
+        });
+        let (model, origin) = match self {
+            Self::White => (white(&part.allan), Origin::Allan),
+            Self::AllanWalk => {
+                let walk = part.allan.random_walk.value;
+                let model = AxisModel {
+                    random_walk: (walk > 0.0).then_some(walk),
+                    ..white(&part.allan)
+                };
+                // A half may show no walk; the whole has to.
+                (walk > 0.0 || whole.is_some()).then_some((model, Origin::Allan))?
+            }
+            Self::Terms(set) => {
+                let fit = terms(set, part, whole)?;
+                (in_terms(&fit.terms), Origin::Composite(Box::new(fit)))
+            }
+            Self::Arma(p, q) | Self::ArmaByTest(p, q) => {
+                let most = if p > 1 {
+                    HIGH_ORDER_SAMPLES
+                } else {
+                    usize::MAX
+                };
+                let most = most / part.records.len();
+                let first = |record: &&'_ [f64]| -> usize { record.len().min(most) };
+                let records: Vec<_> = part.records.iter().map(|r| &r[..first(r)]).collect();
+                let fit = match of_whole {
+                    Some(whole) => arma::refit(&records, whole),
+                    None => arma::fit_several(&records, p, q, &with_effort(REFINE_EFFORT), known),
+                };
+                arma_of(fit.ok()?, part.rate_hz)
+            }
+            Self::UnitRoot => {
+                let options = FitOptions {
+                    unit_root: true,
+                    ..with_effort(REFINE_EFFORT)
+                };
+                let fit = match of_whole {
+                    Some(whole) => arma::refit(&part.records, whole),
+                    None => arma::fit_several(&part.records, 1, 1, &options, &[]),
+                };
+                arma_of(fit.ok()?, part.rate_hz)
+            }
+            Self::Burg(p) => (burg(p, part)?, Origin::Burg),
+            Self::Compared(method) => {
+                let model = match part.compared(method) {
+                    Ok(terms) => in_terms(&terms),
+                    // A half of which the method makes nothing is white noise; the whole has to have more.
+                    Err(_) if whole.is_some() => white(&part.allan),
+                    Err(_) => return None,
+                };
+                (model, Origin::Compared(method))
+            }
+        };
+        Some(self.fitted((model, origin)))
+    }
+
+    pub(super) fn fitted(self, (model, origin): (AxisModel, Origin)) -> Fitted {
+        Fitted {
+            model,
+            // The level is one.
+            parameters: self.parameters() + 1,
+            origin,
+        }
+    }
+}
+
+impl Fitted {
+    pub(super) fn shaping(&self, turn_on: f64, rate_hz: f64) -> Option<ShapingFilter> {
+        let model = AxisModel {
+            turn_on,
+            ..self.model.clone()
+        };
+        model.shaping(BiasModel::Arma, 1.0 / rate_hz).ok()
+    }
+}
+
+/// "white + two Gauss-Markov + random walk".
+pub(super) fn name_of(set: TermSet) -> String {
+    let mut name = "white".to_owned();
+    if set.quantisation {
+        name += " + quantisation";
+    }
+    match set.gauss_markov {
+        0 => {}
+        1 => name += " + Gauss-Markov",
+        _ => name += " + two Gauss-Markov",
+    }
+    if set.flicker {
+        name += " + flicker";
+    }
+    if set.random_walk {
+        name += " + random walk";
+    }
+    name
+}
+
+pub(super) fn white(terms: &Terms) -> AxisModel {
+    AxisModel {
+        white: Some(terms.white.value.max(f64::MIN_POSITIVE)),
+        ..AxisModel::default()
+    }
+}
+
+/// A composite model in the terms of the model file.
+pub(super) fn in_terms(terms: &CompositeTerms) -> AxisModel {
+    let (instability, walk) = terms.slow();
+    AxisModel {
+        white: Some(terms.white),
+        quantisation: (terms.quantisation > 0.0).then_some(terms.quantisation),
+        instability,
+        random_walk: (walk > 0.0).then_some(walk),
+        ..AxisModel::default()
+    }
+}
+
+/// A sum of terms by maximum likelihood. None too where the likelihood of the whole leaves a term out: the
+/// model without it is a candidate itself. A half may leave one out.
+pub(super) fn terms(
+    set: TermSet,
+    part: &TrainingSet,
+    whole: Option<&Fitted>,
+) -> Option<composite::CompositeFit> {
+    let start = whole.and_then(|whole| match &whole.origin {
+        Origin::Composite(fit) => Some(fit.terms),
+        _ => None,
+    });
+    let options = composite::FitOptions {
+        start,
+        block: Some(part.block),
+        ..composite::FitOptions::default()
+    };
+    let (interval, marginal) = (1.0 / part.rate_hz, part.marginal);
+    let fit = composite::fit_marginal(&part.records, interval, set, &options, marginal).ok()?;
+    let is_smaller = fit.flags.iter().any(|f| matches!(f, Flag::Vanished(_)));
+    (whole.is_some() || !is_smaller).then_some(fit)
+}
+
+pub(super) fn arma_of(fit: ArmaFit, rate_hz: f64) -> (AxisModel, Origin) {
+    let arma = Arma {
+        ar: fit.ar.clone(),
+        ma: fit.ma.clone(),
+        sigma: fit.sigma,
+        rate_hz,
+    };
+    let model = AxisModel {
+        arma: Some(arma),
+        ..AxisModel::default()
+    };
+    (model, Origin::Arma(Box::new(fit)))
+}
+
+pub(super) fn burg(p: usize, part: &TrainingSet) -> Option<AxisModel> {
+    let fit = arma::burg(&part.end_to_end, p).ok()?;
+    let arma = Arma {
+        ar: fit.ar,
+        ma: Vec::new(),
+        sigma: fit.variance.sqrt(),
+        rate_hz: part.rate_hz,
+    };
+    Some(AxisModel {
+        arma: Some(arma),
+        ..AxisModel::default()
+    })
+}
+
+pub(super) fn with_effort(effort: f64) -> FitOptions {
+    FitOptions {
+        effort,
+        ..FitOptions::default()
+    }
+}
