@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use undrift_base::hash::hexadecimal;
 use undrift_drive::{drive::ConfigError, findings::Finding, reference::COMPONENTS};
 use undrift_results::{
-    self as results, Axis, Cut, Navigate, Number, OutageErrors, finding, findings,
+    self as results, Axis, Cut, Navigate, Number, OutageErrors, known_finding, known_findings,
 };
 
 /// What came of one log: numbers in rows, or why there are none. The same to the bit wherever it was
@@ -33,7 +33,7 @@ pub struct FleetOutcome {
     /// Bias models or axes that nothing came of, and why.
     pub failed_parts: BTreeMap<String, String>,
     /// What was found out about the log.
-    #[serde(default, deserialize_with = "findings")]
+    #[serde(default, deserialize_with = "known_findings")]
     pub findings: Vec<Finding>,
     /// The same in sentences, and those of identified axes; who keeps outcomes fills them in.
     pub warnings: Vec<String>,
@@ -54,7 +54,7 @@ pub struct Row {
     /// The model that was recommended, or the sentence of `finding`.
     pub note: Option<String>,
     /// Why the numbers cannot be trusted, if so.
-    #[serde(default, deserialize_with = "finding")]
+    #[serde(default, deserialize_with = "known_finding")]
     pub finding: Option<Finding>,
     /// A number for each of [`FleetOutcome::columns`]; `None` where there is none.
     pub values: Vec<Option<f64>>,

@@ -15,7 +15,7 @@ pub(crate) fn known<'de, D: Deserializer<'de>, T: DeserializeOwned>(
 ///
 /// # Errors
 /// What is no list.
-pub fn findings<'de, D: Deserializer<'de>>(list: D) -> Result<Vec<Finding>, D::Error> {
+pub fn known_findings<'de, D: Deserializer<'de>>(list: D) -> Result<Vec<Finding>, D::Error> {
     readable(list, read)
 }
 
@@ -23,7 +23,7 @@ pub fn findings<'de, D: Deserializer<'de>>(list: D) -> Result<Vec<Finding>, D::E
 ///
 /// # Errors
 /// A kind that this version does not have.
-pub fn finding<'de, D: Deserializer<'de>>(one: D) -> Result<Option<Finding>, D::Error> {
+pub fn known_finding<'de, D: Deserializer<'de>>(one: D) -> Result<Option<Finding>, D::Error> {
     let one = Option::<Value>::deserialize(one)?;
     one.map(read).transpose().map_err(D::Error::custom)
 }
@@ -47,9 +47,9 @@ mod tests {
 
     #[derive(Deserialize)]
     struct Found {
-        #[serde(deserialize_with = "findings")]
+        #[serde(deserialize_with = "known_findings")]
         findings: Vec<Finding>,
-        #[serde(default, deserialize_with = "finding")]
+        #[serde(default, deserialize_with = "known_finding")]
         finding: Option<Finding>,
     }
 

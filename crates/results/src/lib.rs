@@ -46,7 +46,7 @@ pub use identify::{
     RecordShare, Residuals, TurnOn, Used,
 };
 pub use keyed::{Key, Keyed};
-pub use known::{finding, findings};
+pub use known::{known_finding, known_findings};
 pub use lead::is_clear_lead;
 pub use montecarlo::{Group, MonteCarlo, MonteCarloDrive, MonteCarloModel, NisKind, Verdict};
 pub use navigate::{

@@ -2,7 +2,7 @@
 
 use super::{
     Curve, Drive, Key, Keyed, Number, Numbers, Track,
-    known::{findings, known},
+    known::{known, known_findings},
 };
 use crate::findings::Finding;
 use serde::{Deserialize, Serialize};
@@ -55,7 +55,7 @@ pub struct Navigate {
     #[serde(deserialize_with = "known")]
     pub windows: Vec<Window>,
     /// What was found out about logs and solution.
-    #[serde(deserialize_with = "findings")]
+    #[serde(deserialize_with = "known_findings")]
     pub findings: Vec<Finding>,
     /// The same in sentences; filled in where results are shown.
     pub warnings: Vec<String>,

@@ -2,7 +2,7 @@
 
 use super::{
     Drive, Number, Numbers, Track,
-    known::{finding, findings},
+    known::{known_finding, known_findings},
 };
 use crate::findings::{Finding, WhyLeftOut};
 use serde::{Deserialize, Serialize};
@@ -47,7 +47,7 @@ pub struct Outages {
     /// Normalised innovations squared of each model per degree of freedom.
     pub nis_per_dof: BTreeMap<String, NisOfParts>,
     /// What was found out about the logs.
-    #[serde(deserialize_with = "findings")]
+    #[serde(deserialize_with = "known_findings")]
     pub findings: Vec<Finding>,
     /// The same in sentences; filled in where results are shown.
     pub warnings: Vec<String>,
@@ -113,7 +113,10 @@ pub struct ModelErrors {
     /// Outage by outage.
     pub per_outage: Vec<OutageErrors>,
     /// Why the numbers cannot be trusted, if so.
-    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "finding")]
+    #[serde(
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "known_finding"
+    )]
     pub finding: Option<Finding>,
     /// The same as a sentence; filled in where results are shown.
     #[serde(skip_serializing_if = "Option::is_none")]
