@@ -33,6 +33,7 @@ mod section;
 pub(crate) mod tables;
 #[cfg(test)]
 mod tests;
+mod text;
 
 pub use aids::{Aids, scalars};
 pub use epoch::Beginning;
@@ -43,9 +44,9 @@ pub use logs::Logs;
 pub use scalars::{ScalarLog, Scalars};
 pub(crate) use section::DEGREES_MINUTES;
 pub use section::Section;
-pub use section::{parse, read_text};
 pub(crate) use tables::AXLE_STD;
 pub use tables::{read_initial, read_switch};
+pub use text::{parse, read_text};
 
 use crate::{
     align::AlignSettings,

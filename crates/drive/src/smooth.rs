@@ -10,6 +10,11 @@
 //! [`Path`] fills in the samples between two nodes: it integrates the log from the smoothed node, with
 //! its sensor errors, and spreads the small difference at the next node over the span.
 
+mod path;
+mod store;
+
+pub use path::Path;
+
 use crate::{
     estimator::{
         Adjoint, Estimator, ReceiverClock, position_std_on_receiver_clock, vehicle_attitude,
@@ -18,15 +23,13 @@ use crate::{
     replay::{Doubt, Measurements, Observer, ReplayError, Samples, Settings, replay},
 };
 use nalgebra::{DMatrix, DVector};
-use std::{
-    fs::File,
-    io::{self, BufWriter, Read, Seek, SeekFrom, Write},
-};
+use std::io;
+use store::Store;
 use undrift_nav::{
     Quaternion, Vector3,
     covariance::{AXES, NAV, Sensors},
     earth::Geodetic,
-    mechanisation::{Increments, NavState, RawIncrements},
+    mechanisation::NavState,
     parameters::{Coupling, Parameter, Parameters},
     sample::ImuSample,
 };
@@ -120,48 +123,6 @@ impl Smoothed {
 
 /// Numbers of a record before the matrices: a flag, time, position, velocity, quaternion, rate, how long the filter has run.
 const HEAD: usize = 16;
-
-/// Where the forward pass is kept until it is smoothed.
-enum Store {
-    File(BufWriter<File>),
-    Memory(Vec<u8>),
-}
-
-impl Store {
-    /// A temporary file without a name, or memory where no folder takes one.
-    fn new() -> io::Result<Self> {
-        use io::ErrorKind::{NotFound, PermissionDenied, ReadOnlyFilesystem};
-        // The standard library panics when WebAssembly asks it for the folder.
-        if cfg!(target_family = "wasm") {
-            return Ok(Self::Memory(Vec::new()));
-        }
-        match tempfile::tempfile() {
-            Ok(file) => Ok(Self::File(BufWriter::with_capacity(1 << 16, file))),
-            Err(error) => match error.kind() {
-                NotFound | PermissionDenied | ReadOnlyFilesystem => Ok(Self::Memory(Vec::new())),
-                _ => Err(error),
-            },
-        }
-    }
-
-    fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
-        match self {
-            Self::File(file) => file.write_all(bytes),
-            Self::Memory(kept) => kept.write_all(bytes),
-        }
-    }
-
-    /// Fills `bytes` with what was appended from position `at` on.
-    fn read(&mut self, at: usize, bytes: &mut [u8]) -> io::Result<()> {
-        match self {
-            Self::File(file) => {
-                file.seek(SeekFrom::Start(at as u64))?;
-                file.get_mut().read_exact(bytes)
-            }
-            Self::Memory(kept) => kept.get(at..).unwrap_or_default().read_exact(bytes),
-        }
-    }
-}
 
 /// The forward pass, node by node.
 pub struct History {
@@ -470,202 +431,5 @@ impl Observer for History {
     }
 }
 
-/// Times closer than this \[s\] are the same.
-const SAME: f64 = 1e-6;
-
-/// The smoothed solution at every sample, from the nodes and a second pass over the log.
-pub struct Path<'a> {
-    smoothed: &'a Smoothed,
-    /// The node that the present span starts at.
-    node: usize,
-    /// Integrated from there.
-    nav: NavState,
-    previous: Option<RawIncrements>,
-    /// Ends of the samples of the span so far.
-    pending: Vec<NavState>,
-}
-
-impl<'a> Path<'a> {
-    /// From the first node on; `None` where there is none.
-    pub fn new(smoothed: &'a Smoothed) -> Option<Self> {
-        Some(Self {
-            nav: smoothed.nodes.first()?.nav,
-            smoothed,
-            node: 0,
-            previous: None,
-            pending: Vec::new(),
-        })
-    }
-
-    /// Takes the next sample; gives `out` the solution at the ends of all samples that a node now
-    /// closes, in order, as a node of its own.
-    ///
-    /// # Errors
-    /// What `out` returns.
-    pub fn add<E>(
-        &mut self,
-        sample: &ImuSample,
-        mut out: impl FnMut(Node) -> Result<(), E>,
-    ) -> Result<(), E> {
-        let raw = RawIncrements {
-            dt: sample.dt,
-            dtheta: sample.dtheta,
-            dvel: sample.dvel,
-        };
-        let previous = self.previous.replace(raw);
-        while self.nav.time < sample.time - SAME {
-            let Some(next) = self.smoothed.nodes.get(self.node + 1) else {
-                return Ok(());
-            };
-            let error = self
-                .smoothed
-                .sensor_error(&self.smoothed.nodes[self.node], sample);
-            let less = |raw: RawIncrements| RawIncrements {
-                dt: raw.dt,
-                dtheta: raw.dtheta - Vector3::new(error[0], error[1], error[2]) * raw.dt,
-                dvel: raw.dvel - Vector3::new(error[3], error[4], error[5]) * raw.dt,
-            };
-            let now = less(raw);
-            let whole =
-                Increments::from_raw(now.dt, now.dtheta, now.dvel, previous.map(less).as_ref());
-            let until = if next.nav.time < sample.time - SAME {
-                next.nav.time
-            } else {
-                sample.time
-            };
-            let from = self.nav.time.max(sample.time - sample.dt);
-            self.nav
-                .step(&whole.part(((until - from) / sample.dt).max(0.0)));
-            self.nav.time = until;
-            if until == sample.time {
-                self.pending.push(self.nav);
-            }
-            if until >= next.nav.time - SAME {
-                self.close(&mut out)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// The next node is reached: what is missing there is spread over the span.
-    fn close<E>(&mut self, out: &mut impl FnMut(Node) -> Result<(), E>) -> Result<(), E> {
-        let (from, to) = (
-            &self.smoothed.nodes[self.node],
-            &self.smoothed.nodes[self.node + 1],
-        );
-        let dr = to.nav.position.offset_to(&self.nav.position);
-        let dv = self.nav.v_n - to.nav.v_n;
-        let psi = -(self.nav.q_nb * to.nav.q_nb.inverse()).scaled_axis();
-        let span = (to.nav.time - from.nav.time).max(SAME);
-        for nav in self.pending.drain(..) {
-            let w = ((nav.time - from.nav.time) / span).clamp(0.0, 1.0);
-            let mix = |a: f64, b: f64| a + w * (b - a);
-            // The cubic with the right value and slope at both ends.
-            let drift = dr * (w * w * (3.0 - 2.0 * w)) + dv * (span * w * w * (w - 1.0));
-            out(Node {
-                nav: nav.without_error(&drift, &(dv * w), &(psi * w)),
-                nav_std: core::array::from_fn(|i| mix(from.nav_std[i], to.nav_std[i])),
-                q_bv: to.q_bv,
-                vehicle_std: core::array::from_fn(|i| mix(from.vehicle_std[i], to.vehicle_std[i])),
-                predicted: to.predicted,
-                estimates: from
-                    .estimates
-                    .iter()
-                    .zip(&to.estimates)
-                    .map(|(a, b)| mix(*a, *b))
-                    .collect(),
-                sensor_error: core::array::from_fn(|i| {
-                    mix(from.sensor_error[i], to.sensor_error[i])
-                }),
-                sensor_error_std: core::array::from_fn(|i| {
-                    mix(from.sensor_error_std[i], to.sensor_error_std[i])
-                }),
-                omega_nb_b: from.omega_nb_b,
-                late: 0.0,
-                receiver_clock: to.receiver_clock,
-            })?;
-        }
-        self.nav = to.nav;
-        self.node += 1;
-        Ok(())
-    }
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use undrift_nav::{
-        Matrix3,
-        attitude::{from_rpy, to_rpy},
-    };
-
-    /// A sensor that heads for 30 deg in a vehicle 5 deg to the right of it.
-    #[test]
-    fn the_vehicles_attitude_is_the_sensors_turned_by_the_mounting() {
-        let yaw = |deg: f64| from_rpy(&Vector3::new(0.0, 0.0, deg.to_radians()));
-        let node = Node {
-            nav: NavState {
-                time: 1.0,
-                position: Geodetic::from_degrees(45.0, 7.0, 300.0),
-                v_n: Vector3::zeros(),
-                q_nb: yaw(30.0),
-            },
-            nav_std: [1.0; NAV],
-            q_bv: yaw(5.0),
-            vehicle_std: [0.1, 0.2, 0.3],
-            predicted: Predicted([Matrix3::identity(); 3]),
-            estimates: Vec::new(),
-            sensor_error: [0.0; AXES],
-            sensor_error_std: [0.0; AXES],
-            omega_nb_b: Vector3::zeros(),
-            late: 0.0,
-            receiver_clock: ReceiverClock::default(),
-        };
-        let (q_nv, std) = node.vehicle_attitude();
-        assert!((to_rpy(&q_nv).z.to_degrees() - 35.0).abs() < 1e-9);
-        assert_eq!(std, [0.1, 0.2, 0.3]);
-    }
-    /// Heading east with the antenna 1.5 m ahead of the IMU, of which half a metre is estimated; the fix holds 0.1 s later.
-    #[test]
-    fn the_antenna_is_ahead_of_the_imu_and_where_the_fix_holds() {
-        use undrift_nav::{parameters::Prior, shaping::ShapingFilter};
-        let white = ShapingFilter::white(1e-3, 0.01).unwrap();
-        let smoothed = Smoothed {
-            nodes: Vec::new(),
-            start: Vec::new(),
-            sensors: Sensors::new([white; AXES]),
-            parameters: Parameters::none().with(Parameter::LeverArm, Prior::constant(1.0)),
-        };
-        let position = Geodetic::from_degrees(45.0, 7.0, 300.0);
-        let node = Node {
-            nav: NavState {
-                time: 1.0,
-                position,
-                v_n: Vector3::new(3.0, 4.0, 0.0),
-                q_nb: from_rpy(&Vector3::new(0.0, 0.0, std::f64::consts::FRAC_PI_2)),
-            },
-            nav_std: [1.0; NAV],
-            q_bv: Quaternion::identity(),
-            vehicle_std: [0.0; 3],
-            predicted: Predicted([Matrix3::identity(); 3]),
-            estimates: vec![0.5, 0.0, 0.0],
-            sensor_error: [0.0; AXES],
-            sensor_error_std: [0.0; AXES],
-            // To the right: the antenna goes south.
-            omega_nb_b: Vector3::new(0.0, 0.0, 0.2),
-            late: 0.1,
-            receiver_clock: ReceiverClock::default(),
-        };
-        let (found, velocity) = smoothed.antenna(&node, &Vector3::new(1.0, 0.0, 0.0));
-        assert!(
-            (velocity - Vector3::new(2.7, 4.0, 0.0)).norm() < 1e-12,
-            "{velocity}"
-        );
-        let offset = position.ned_to(&found);
-        // A metre of a sphere of six million: rounding of the latitude.
-        assert!(
-            (offset - Vector3::new(0.27, 1.9, 0.0)).norm() < 1e-6,
-            "{offset}"
-        );
-    }
-}
+mod tests;

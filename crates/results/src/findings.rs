@@ -1,52 +1,15 @@
 //! What a run finds out about its logs and its solution, as values: numbers in SI units, times in the
 //! log's own time base. Their sentences are made where results are shown.
 
+mod kinds;
 mod weight;
 
+pub use kinds::{NoError, Severity, WhyLeftOut};
 pub use undrift_engine::Log;
 pub use weight::{is_doubtful, is_jump, ranked, verdict};
 
 use serde::{Deserialize, Serialize};
 use undrift_engine::{Contradiction, FixMend, Implausible, Lean, Part, RestartCause, WindowPart};
-
-/// How much a finding weighs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum Severity {
-    /// Worth knowing; it leaves the result usable.
-    Note,
-    /// The result must not be trusted before this is looked at.
-    Warning,
-    /// There is no result, or none from some time on.
-    Unusable,
-}
-
-/// Why a solution has no error although there is a truth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum NoError {
-    /// The truth covers another time.
-    NoOverlap,
-    /// The truth has no two samples within 2 s of each other during the solution.
-    TooSparse,
-}
-
-/// Why an outage is left out of an experiment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum WhyLeftOut {
-    /// It begins before the solution.
-    NotStarted,
-    /// It begins in a gap of the fixes, so that it would be longer than it is called.
-    InGap,
-    /// There is no reference at its end.
-    NoReference,
-    /// Inertial samples are missing in it.
-    NoSamples,
-}
 
 /// One thing found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -3,8 +3,9 @@
 use super::{
     error::{ConfigError, DriveError},
     logs::Logs,
-    section::{Section, parse, read_text},
+    section::Section,
     tables::{read_delimiter, read_span},
+    text::{parse, read_text},
 };
 use std::path::{Path, PathBuf};
 use toml::de::DeValue;

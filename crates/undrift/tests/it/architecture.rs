@@ -314,3 +314,21 @@ fn what_is_added_has_few_places_and_the_page_names_them() {
         assert_eq!(files_with(word), named, "{chapter}: {word}");
     }
 }
+
+/// A file that has outgrown its name is divided by meaning, its tests put beside it.
+#[test]
+fn no_file_is_longer_than_500_lines() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(crates).unwrap() {
+        let folder = entry.unwrap().path().join("src");
+        if folder.is_dir() {
+            sources(&folder, &mut files);
+        }
+    }
+    assert!(files.len() > 500, "{} files", files.len());
+    for path in files {
+        let lines = std::fs::read_to_string(&path).unwrap().lines().count();
+        assert!(lines <= 500, "{}: {lines} lines", path.display());
+    }
+}

@@ -1,0 +1,328 @@
+use super::*;
+
+use Severity::{Note, Unusable, Warning};
+use undrift_engine::FixMend;
+
+fn late(delay: f64) -> Finding {
+    Finding::Late { delay }
+}
+
+fn rejected(height: bool, gave_way: bool) -> Finding {
+    Finding::Rejected(Contradiction {
+        part: Part::Position,
+        height,
+        start: 1.0,
+        end: 2.0,
+        fixes: 5,
+        first: 1.0,
+        last: 1.0,
+        growth: 0.0,
+        largest: 1.0,
+        frozen: false,
+        gave_way,
+    })
+}
+
+fn accuracy(factor: f64) -> Finding {
+    Finding::WrongAccuracy {
+        part: Part::Position,
+        factor,
+        adapted: false,
+        correlated: false,
+    }
+}
+
+fn held(length: f64) -> Finding {
+    Finding::Held {
+        axis: 1,
+        value: 0.0,
+        start: 0.0,
+        length,
+        samples: 100,
+        saturated: false,
+    }
+}
+
+fn constant(vertical: bool) -> Finding {
+    Finding::Constant {
+        axis: 1,
+        value: 0.0,
+        samples: 100,
+        vertical,
+    }
+}
+
+fn far(sigmas: f64) -> Finding {
+    Finding::FarParameter {
+        parameter: "lever_arm".to_owned(),
+        value: 1.0,
+        sigmas,
+    }
+}
+
+fn gaps(longest: f64) -> Finding {
+    Finding::LongGaps {
+        gaps: 1,
+        first: 0.0,
+        longest,
+    }
+}
+
+fn disagreement(overall: f64) -> Finding {
+    Finding::Disagreement {
+        part: undrift_engine::WindowPart::Position,
+        start: 60.0,
+        end: 90.0,
+        inside: 0.5,
+        rms: 4.0,
+        overall,
+        more: 0,
+    }
+}
+
+fn not_run(all: bool) -> Finding {
+    Finding::NotRun {
+        models: vec!["white".to_owned()],
+        all,
+    }
+}
+
+fn drift(outside: u64, outages: u64) -> Finding {
+    Finding::OptimisticDrift {
+        model: "arma".to_owned(),
+        inside: 0.8,
+        outside,
+        outages,
+        tuned: false,
+    }
+}
+
+fn of_model(what: Finding) -> Finding {
+    Finding::OfModel {
+        model: "white".to_owned(),
+        what: Box::new(what),
+    }
+}
+
+/// Each with its severity and its place between cause and symptom.
+#[test]
+fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
+    let axes = Finding::WrongAxes {
+        forward: None,
+        right: None,
+        axes: None,
+    };
+    let out_of_order = Finding::OutOfOrder {
+        log: Log::Imu,
+        rows: 3,
+        line: 9,
+    };
+    let set_back = Finding::SetBack {
+        log: Log::Imu,
+        line: 9,
+        step: 1.0,
+    };
+    let left_out = |outages, of| Finding::OutagesLeftOut {
+        why: crate::findings::WhyLeftOut::InGap,
+        outages,
+        of,
+        first: 0.0,
+    };
+    let reference = |fixes, of| Finding::RejectedReference { fixes, of };
+    let down = |z| Finding::NotDown {
+        down: [0.0, 0.0, z],
+    };
+    let velocity = |mend| Finding::WrongVelocity { mend };
+    let gravity = |ratio| Finding::WrongGravity { ratio };
+    let turns = |ratio| Finding::WrongTurnRate { ratio };
+    let noisy = |factor| Finding::NoisyFixes { factor };
+    for (k, (finding, severity, rank)) in [
+        (Finding::Diverged { time: 1.0 }, Unusable, 0),
+        (Finding::NoOutage, Unusable, 0),
+        (not_run(true), Unusable, 0),
+        (not_run(false), Warning, 7),
+        (axes, Unusable, 1),
+        (Finding::WrongTurnAxis { axis: 0 }, Unusable, 1),
+        (velocity(Some(FixMend::VelocityEastNorth)), Unusable, 1),
+        (velocity(None), Warning, 1),
+        (constant(true), Unusable, 1),
+        (constant(false), Warning, 1),
+        (late(3.1), Unusable, 1),
+        (late(-3.1), Unusable, 1),
+        (late(3.0), Warning, 1),
+        (gravity(0.49), Unusable, 1),
+        (gravity(2.01), Unusable, 1),
+        (gravity(0.5), Warning, 1),
+        (turns(2.0), Warning, 1),
+        (turns(2.01), Unusable, 1),
+        (down(-0.51), Warning, 1),
+        (down(-0.49), Note, 1),
+        (out_of_order, Warning, 1),
+        (Finding::NoTurns, Warning, 1),
+        (Finding::WrongSign { axis: 2 }, Warning, 1),
+        (noisy(20.1), Warning, 1),
+        (noisy(20.0), Note, 7),
+        (gaps(1.1), Note, 2),
+        (gaps(1.0), Note, 7),
+        (held(1.1), Warning, 2),
+        (held(1.0), Note, 2),
+        (set_back, Warning, 2),
+        (Finding::VelocityBias { bias: [0.0; 3] }, Warning, 2),
+        (rejected(true, true), Warning, 2),
+        (rejected(true, false), Note, 6),
+        (rejected(false, true), Note, 6),
+        (far(7.1), Warning, 3),
+        (far(7.0), Note, 3),
+        (
+            Finding::OptimisticModel {
+                factor: 2.0,
+                tuned: false,
+            },
+            Warning,
+            3,
+        ),
+        (drift(0, 20), Warning, 4),
+        (drift(20, 20), Unusable, 4),
+        (Finding::LargeInnovations { start: 0.0 }, Warning, 5),
+        (disagreement(0.8), Warning, 5),
+        (disagreement(0.79), Unusable, 5),
+        (Finding::FixJitter { std: 0.02 }, Note, 2),
+        (Finding::RoundedFixes { step: 1.0 }, Note, 2),
+        (Finding::NoVerticalVelocity { start: 1.0 }, Note, 7),
+        (of_model(late(9.0)), Warning, 5),
+        (of_model(late(1.0)), Note, 5),
+        (accuracy(1.5), Note, 4),
+        (accuracy(1.0), Note, 4),
+        (accuracy(0.9), Note, 8),
+        (reference(11, 100), Warning, 7),
+        (reference(10, 100), Note, 7),
+        (left_out(6, 11), Warning, 7),
+        (left_out(5, 10), Note, 7),
+        (Finding::Bridged { gaps: 1 }, Note, 7),
+        (Finding::StartedLate { time: 1.0 }, Warning, 7),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        assert_eq!(finding.severity(), severity, "{k}: {finding:?}");
+        assert_eq!(finding.rank(), rank, "{k}: {finding:?}");
+    }
+}
+
+/// P(X ≥ k) of a binomial of 20 and 0.2, tables: 0.0867 for 7, 0.0321 for 8.
+#[test]
+fn more_than_a_fifth_outside_is_beyond_chance_below_a_twentieth() {
+    assert!(!is_beyond_chance(7, 20) && is_beyond_chance(8, 20));
+    assert!(!is_beyond_chance(0, 20) && !is_beyond_chance(0, 0));
+    // Of two both: 0.04.
+    assert!(is_beyond_chance(2, 2) && !is_beyond_chance(1, 2));
+}
+
+#[test]
+fn a_verdict_is_the_worst_severity_and_names_what_explains_it() {
+    let cause = |found: &[Finding]| {
+        let (severity, cause) = verdict(found);
+        let cause = cause.map(|cause| found.iter().position(|of| std::ptr::eq(of, cause)).unwrap());
+        (severity, cause)
+    };
+    assert_eq!(cause(&[]), (Note, None));
+    assert_eq!(cause(&[gaps(5.0), accuracy(2.0)]), (Note, None));
+    // A fault of the sensors explains what the solution shows, whatever it weighs itself.
+    let large = Finding::LargeInnovations { start: 0.0 };
+    assert_eq!(cause(&[gaps(5.0), large.clone()]), (Warning, Some(0)));
+    assert_eq!(cause(&[far(9.0), large.clone()]), (Warning, Some(0)));
+    assert_eq!(cause(&[far(5.0), large.clone()]), (Warning, Some(1)));
+    assert_eq!(
+        cause(&[gaps(5.0), held(5.0), large.clone()]),
+        (Warning, Some(1))
+    );
+    // Late samples make innovations large; they turn no heading and move no antenna.
+    let late_samples = Finding::LateSamples {
+        delay: [0.1, 0.01],
+        most: 1.0,
+    };
+    let off = Finding::HeadingOff {
+        start: 1.0,
+        end: 2.0,
+        angle: 0.2,
+        more: 0,
+    };
+    assert_eq!(
+        cause(&[late_samples.clone(), large.clone()]),
+        (Warning, Some(0))
+    );
+    assert_eq!(
+        cause(&[late_samples.clone(), far(9.0), off.clone()]),
+        (Warning, Some(1))
+    );
+    assert_eq!(cause(&[late_samples.clone(), off]), (Warning, Some(1)));
+    // A solution that disagrees with the fixes for most of the log has a cause, too: what is doubtful itself, of the sensors or
+    // the fixes.
+    let ends = disagreement(0.5);
+    assert_eq!(cause(std::slice::from_ref(&ends)), (Unusable, Some(0)));
+    assert_eq!(
+        cause(&[far(5.0), accuracy(2.0), ends.clone()]),
+        (Unusable, Some(2))
+    );
+    assert_eq!(cause(&[far(9.0), ends.clone()]), (Unusable, Some(0)));
+    assert_eq!(
+        cause(&[Finding::FixJitter { std: 0.1 }, far(9.0), ends]),
+        (Unusable, Some(0))
+    );
+    // What ends a solution is explained by a wrong setting: surely one that spoils all, else any.
+    let end = Finding::Diverged { time: 1.0 };
+    assert_eq!(cause(&[end.clone(), large.clone()]), (Unusable, Some(0)));
+    assert_eq!(
+        cause(&[end.clone(), late(1.0), large.clone()]),
+        (Unusable, Some(1))
+    );
+    assert_eq!(
+        cause(&[end.clone(), late(1.0), constant(true)]),
+        (Unusable, Some(2))
+    );
+    let sorted = ranked(vec![
+        accuracy(0.5),
+        large.clone(),
+        late(1.0),
+        end.clone(),
+        held(2.0),
+    ]);
+    assert_eq!(sorted, [end, late(1.0), held(2.0), large, accuracy(0.5)]);
+    assert!(is_doubtful(&[gaps(5.0), late(1.0)]) && !is_doubtful(&[gaps(5.0)]));
+}
+
+/// Half a metre for six seconds, then accepted.
+fn jump() -> Contradiction {
+    Contradiction {
+        part: Part::Position,
+        height: false,
+        start: 100.0,
+        end: 106.0,
+        fixes: 7,
+        first: 0.5,
+        last: 0.6,
+        growth: 0.017,
+        largest: 0.6,
+        frozen: false,
+        gave_way: true,
+    }
+}
+
+#[test]
+fn a_jump_lasts_stays_and_is_of_the_positions_alone() {
+    let with = |change: fn(&mut Contradiction)| {
+        let mut of = jump();
+        change(&mut of);
+        is_jump(&of)
+    };
+    assert!(with(|_| {}));
+    // It came back, or the solution followed as where more than the positions contradicts it.
+    assert!(!with(|of| of.gave_way = false));
+    assert!(!with(|of| of.end = 105.0));
+    // A solution that drifts away.
+    assert!(!with(|of| of.last = 0.9));
+    assert!(!with(|of| of.frozen = true));
+    assert!(!with(|of| of.part = Part::Velocity));
+    // Of a height the gate itself sees to that.
+    assert!(with(|of| (of.height, of.end) = (true, 100.0)));
+}
