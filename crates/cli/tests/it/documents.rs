@@ -385,6 +385,28 @@ fn the_index_has_every_page_once_and_keeps_the_lab_apart() {
     assert_eq!(sorted, Vec::from_iter(pages.keys().cloned()));
 }
 
+/// What a user reads: so many pages at most, so many words together. Measurements and reasons are for the lab.
+const USER_PAGES: usize = 30;
+const USER_WORDS: usize = 35_000;
+
+#[test]
+fn what_a_user_reads_is_short() {
+    let mut pages = pages();
+    pages.remove("SUMMARY.md");
+    pages.retain(|name, _| !name.starts_with("lab/"));
+    assert!(pages.len() <= USER_PAGES, "{} pages", pages.len());
+    let words = |text: &String| text.split_whitespace().count();
+    let mut counts: Vec<_> = pages
+        .iter()
+        .map(|(name, text)| (words(text), name))
+        .collect();
+    counts.sort();
+    let all: usize = counts.iter().map(|(count, _)| count).sum();
+    assert!(all <= USER_WORDS, "{all} words: {counts:?}");
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    assert!(readme.lines().count() <= 90 && words(&readme) <= 650);
+}
+
 /// Targets of the links of a page that lie in the repository.
 fn links(text: &str) -> Vec<&str> {
     text.split("](")

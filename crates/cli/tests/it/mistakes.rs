@@ -88,11 +88,9 @@ fn first(code: i32, stdout: &str, stderr: &str) -> String {
 const HEAD: &str = "\
 # Mistakes and their messages
 
-What goes wrong when a log is used for the first time, and the first line of the answer: the cause, and what to do.
-`crates/cli/tests/it/mistakes.rs` makes each mistake with the real command on a simulated drive and compares this page;
-`UNDRIFT_BLESS=1` writes it. A result begins with its verdict: `usable`; `usable with care`, where the warning must be
-looked at first; or `not usable`, where a setting or a log is certainly wrong and the numbers mean nothing. The exit codes
-are those of [every verb](terminal.md#exit-codes), without `--strict`. The last table has the kinds of logs that other programs write. Damaged files are in [lab/reliability.md](lab/reliability.md).
+What goes wrong when a log is used for the first time, and the first line of the answer: the cause, and what to do. A test makes each mistake and compares this page.
+A result begins with its verdict: `usable`; `usable with care`, where the warning must be looked at first; or `not usable`, where a setting or a log is certainly wrong.
+The exit codes are those [without `--strict`](terminal.md#exit-codes). The last table has the kinds of logs that other programs write. What is noticed in general: [faults.md](faults.md).
 ";
 
 #[test]
