@@ -41,8 +41,8 @@ fn trends() -> impl TypedValueParser<Value = Trend> {
 
 /// Identify the errors of a sensor from a static recording, and write the model file.
 ///
-/// A record that moves, or whose numbers are not in the units stated, is refused. The noise of every axis is tested, its Allan deviation taken, and models of it are fitted on the
-/// first half of the record; the one that is recommended leaves the least drift on the other half
+/// A record that moves, or whose numbers are not in the units stated, is refused. The noise of every axis is tested, its Allan deviation taken, and models of it are fitted on each
+/// half of the record; the one that is recommended leaves the least drift on the other half
 /// (docs/identify.md).
 #[derive(Args)]
 #[command(after_help = "Examples:

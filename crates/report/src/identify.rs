@@ -244,7 +244,7 @@ fn models<'a>(axes: impl Iterator<Item = Named<'a>>) -> Table {
     ];
     Table::of(
         "models",
-        "Each axis: terms of the Allan deviation, and the model recommended by its drift on the held-out half of the recording.",
+        "Each axis: terms of the Allan deviation, and the model recommended by its drift on halves of the recording that it was not fitted to.",
         axes,
         &Vec::from_iter(of_allan().into_iter().chain(of_model)),
     )
@@ -356,7 +356,7 @@ fn compared(name: &str, axes: &[(&str, &Axis)]) -> Option<Section> {
     let spectrum = (!spectrum.series.is_empty()).then_some(spectrum);
     let rows = Table::of(
         &format!("compared-{name}"),
-        "Recommended models and the drift they leave after the longest horizon on the held-out half.",
+        "Recommended models and the drift they leave after the longest horizon, on halves that they were not fitted to.",
         axes,
         &[
             ("record", &|(run, _)| (*run).into()),
