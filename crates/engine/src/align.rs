@@ -13,16 +13,15 @@ mod motion;
 mod rest;
 mod result;
 mod segments;
-pub(crate) mod settings;
 mod sightings;
 mod wahba;
 
+pub use crate::settings::align::{AlignSettings, Heading};
 pub(crate) use clocks::compare;
 pub use clocks::{ClockFault, Stamps, rounded};
 pub use result::{
     Alignment, AlignmentFailure, AttitudeSource, HeadingSource, MotionFailure, RestFailure,
 };
-pub use settings::{AlignSettings, Heading};
 
 use crate::{
     derived::{Positions, antenna},

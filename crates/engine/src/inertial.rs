@@ -6,7 +6,7 @@
 //! axis reads on the average. What an axis may have read meanwhile is in doubt by its usual spread: correlated
 //! over [`TURN_LASTS`], so that it grows with the time squared first and linearly then.
 
-use super::summary::Summary;
+use super::{checked::Checked, summary::Summary};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{Matrix3, Vector3, covariance::AXES, sample::ImuSample};
@@ -49,15 +49,6 @@ const TURN_LASTS: f64 = 5.0;
 const RATE: f64 = 0.3;
 /// Acceleration that a stuck axis may at least miss \[m/s²\].
 const FORCE: f64 = 1.0;
-
-/// A sample as the filter is to have it.
-#[derive(Clone)]
-#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Checked {
-    pub(super) sample: ImuSample,
-    /// Covariances of the turn \[rad²\] and of the change of velocity \[m²/s²\] in it that are in doubt, body axes.
-    pub(super) doubt: Option<[Matrix3; 2]>,
-}
 
 /// Watches the six axes; one sample is held back, to see what follows it.
 #[derive(Clone)]

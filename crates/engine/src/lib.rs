@@ -40,6 +40,7 @@ extern crate std;
 mod aid;
 pub mod align;
 mod bridge;
+mod checked;
 #[cfg(feature = "checkpoint")]
 mod checkpoint;
 mod constraints;

@@ -6,10 +6,11 @@ mod fix;
 
 use super::{
     aid::Measurement,
+    checked::Checked,
     constraints::{self, Vehicle},
     course::CourseWatch,
     events::{Part, Restart, RestartCause},
-    inertial::{Checked, Inertial},
+    inertial::Inertial,
     measurement::{Latency, Measured, Queue},
     observer::Observer,
     plausible::Plausible,

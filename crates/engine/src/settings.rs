@@ -1,12 +1,13 @@
 //! How a log is navigated.
 
+pub mod align;
 pub mod fix_errors;
 pub mod quality;
 
 use crate::{
-    align::settings::AlignSettings,
     estimator::{LogTo, STAMP_ROUNDING},
     settings::{
+        align::AlignSettings,
         fix_errors::{FixErrors, FromFixes},
         quality::QualityStd,
     },

@@ -44,7 +44,6 @@ mod whittle;
 pub use autoregressive::{ArFit, burg, order_by_aicc, yule_walker};
 pub use fit::{FitOptions, fit, fit_from, fit_several, log_likelihood};
 pub(crate) use fit::{climb_to, refit};
-pub(crate) use kernel::vector;
 pub use likelihood::{Likelihood, Mean};
 pub use model::{ArmaFit, Warning};
 pub(crate) use polynomial::inverse_roots;

@@ -22,9 +22,10 @@
 //! # Ok::<(), undrift_noise::ModelError>(())
 //! ```
 
-use crate::composite::{self, GaussMarkov};
+use crate::composite::GaussMarkov;
 use crate::model_file::{AXES, Arma, AxisModel, ImuModel, ModelError};
 use crate::prediction::Predictor;
+use crate::terms;
 use std::fmt;
 use undrift_nav::shaping::{MAX_ORDER, ShapingError, ShapingFilter};
 
@@ -285,7 +286,7 @@ impl AxisModel {
                     sum = sum.plus(&ShapingFilter::random_walk(k, interval)?)?;
                 }
                 if let Some(q) = rounding {
-                    sum = sum.plus(&composite::quantisation(q, interval)?)?;
+                    sum = sum.plus(&terms::quantisation(q, interval)?)?;
                 }
                 Ok(sum)
             }
@@ -315,7 +316,7 @@ impl AxisModel {
         let mut sum = with_processes(ShapingFilter::white(white, interval)?, &slow.processes)?;
         sum = with_processes(sum, walk.as_slice())?;
         if let (None, Some(q)) = (&self.arma, self.quantisation) {
-            sum = sum.plus(&composite::quantisation(q, interval)?)?;
+            sum = sum.plus(&terms::quantisation(q, interval)?)?;
         }
         sum.autocovariance(&mut lags);
         Ok(lags)

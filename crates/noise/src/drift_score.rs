@@ -18,7 +18,8 @@ mod recommend;
 
 pub use recommend::{Recommendation, Scored, recommend};
 
-use crate::composite::{CompositeError, present_mean};
+use crate::composite::CompositeError;
+use crate::terms::present_mean;
 use undrift_nav::shaping::ShapingFilter;
 
 /// Horizons of docs/theory.md, section 6 \[s\].

@@ -27,7 +27,9 @@ pub mod stationarity;
 mod steady;
 pub mod synthesis;
 pub mod temperature;
+mod terms;
 mod transform;
+mod vector;
 pub mod wavelet;
 pub mod whiteness;
 

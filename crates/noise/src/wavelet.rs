@@ -26,7 +26,7 @@ pub use moments::{MomentFit, fit_moments};
 use crate::allan::DeviationKind;
 use crate::allan::confidence::edf;
 use crate::allan::gauss_markov::{Ar1, ar1_variance};
-use crate::composite::{CompositeError, CompositeTerms, GaussMarkov};
+use crate::terms::{self, CompositeError, CompositeTerms, GaussMarkov};
 
 /// One scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,7 +64,7 @@ pub struct WaveletVariance {
 pub fn wavelet_variance(record: &[f64], interval: f64) -> Result<WaveletVariance, CompositeError> {
     // Checks the interval as every model will.
     undrift_nav::shaping::ShapingFilter::none(interval)?;
-    let (centre, present) = crate::composite::present_mean(record)?;
+    let (centre, present) = terms::present_mean(record)?;
     if present < 16 {
         return Err(CompositeError::TooShort {
             present,

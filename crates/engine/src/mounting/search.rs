@@ -4,8 +4,8 @@
 use super::{BLOCK, LONGEST_PASS, MIN_BLOCKS, Mounting, MountingError, MountingEstimator};
 use crate::{
     align::{AlignSettings, Heading},
+    checked::Checked,
     estimator::Estimator,
-    inertial::Checked,
     settings::Settings,
     vehicle::Constraints,
 };

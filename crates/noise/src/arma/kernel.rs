@@ -26,16 +26,13 @@ mod loops;
 mod power;
 mod products;
 mod run;
-pub(crate) mod vector;
 
+use crate::vector::{LANES, Row, total, vectorised};
 use loops::{SumsAbout, Turn};
 pub(super) use power::PowerSum;
 pub(super) use products::products;
 use run::{Run, Scratch};
-use vector::{total, vectorised};
 
-/// Pieces of a block that run side by side.
-const LANES: usize = 16;
 /// Samples of one piece; more than twice the highest order.
 const PIECE: usize = 64;
 /// Samples of one block.
@@ -64,9 +61,6 @@ pub(super) struct Accumulated {
     /// The newest r values of g, newest first.
     pub(super) last_impulse: Vec<f64>,
 }
-
-/// One row: the same place in every piece.
-type Row = [f64; LANES];
 
 /// The sums at every point, in one pass over the record. Samples before the record count as
 /// `centre`. Those of o are zero unless `with_ones`. All points are of the same order.

@@ -1,11 +1,11 @@
 //! Composite terms by maximum likelihood.
 
 use super::averages::{Averages, Marginal, NO_MARGINAL};
-use super::search::{SCALES, covariance};
-use super::{
-    CompositeError, CompositeTerms, GaussMarkov, MAX_GAUSS_MARKOV, TermSet, sort_processes,
-};
+use super::search::covariance;
 use crate::quasi_newton::{Objective, Point, best_of};
+use crate::terms::{
+    CompositeError, CompositeTerms, GaussMarkov, MAX_GAUSS_MARKOV, SCALES, TermSet, sort_processes,
+};
 use crate::wavelet::{
     MomentFit, WaveletVariance, fit_moments, model_variance, pooled, wavelet_variance,
 };

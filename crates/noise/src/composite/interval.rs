@@ -7,9 +7,9 @@
 
 use super::averages::{Averages, Marginal, NO_MARGINAL};
 use super::fit::CompositeFit;
-use super::search::SCALES;
 use super::{CompositeError, TermSet};
 use crate::quasi_newton::{Objective, Point, bfgs};
+use crate::terms::SCALES;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 

@@ -52,7 +52,7 @@ pub fn log_likelihood(
 ) -> Result<RecordLikelihood, CompositeError> {
     let centre = match level {
         Level::Known(value) => value,
-        Level::Estimated => present_mean(record)?.0,
+        Level::Estimated => crate::terms::present_mean(record)?.0,
     };
     if !centre.is_finite() {
         return Err(CompositeError::NotFinite);
@@ -99,28 +99,6 @@ pub fn log_likelihood(
         level: centre + shift,
         level_standard_error: error,
     })
-}
-
-/// Mean of the samples present \[unit\], and their number.
-pub(crate) fn present_mean(record: &[f64]) -> Result<(f64, usize), CompositeError> {
-    let (mut total, mut present) = (0.0, 0usize);
-    for block in record.chunks(256) {
-        let (mut sum, mut count) = (0.0, 0);
-        for &value in block {
-            if !value.is_nan() {
-                sum += value;
-                count += 1;
-            }
-        }
-        total += sum;
-        present += count;
-    }
-    let mean = total / present.max(1) as f64;
-    if mean.is_finite() {
-        Ok((mean, present))
-    } else {
-        Err(CompositeError::NotFinite)
-    }
 }
 
 struct LikelihoodSums {

@@ -1,15 +1,7 @@
 //! How a smooth function of a few logarithms is minimised, and how certain its minimum is.
 
-use crate::quasi_newton::{Objective, Point, Scales, moved};
+use crate::quasi_newton::{Objective, Point, moved};
 use nalgebra::DMatrix;
-
-/// Functions are log-likelihoods of logarithms, with curvatures 0.1 to 1e6.
-pub(crate) const SCALES: Scales = Scales {
-    step: 1e-3,
-    longest: 1.5,
-    edge: f64::INFINITY,
-    curved: true,
-};
 
 /// Covariance at a minimum of a negative log-likelihood: the inverse of its second differences, with
 /// steps that raise the function by about a tenth. None where it is not curved upwards in every
@@ -29,6 +21,7 @@ pub(crate) fn covariance(objective: &mut Objective, least: &Point) -> Option<DMa
 mod tests {
     use super::*;
     use crate::quasi_newton::best_of;
+    use crate::terms::SCALES;
 
     fn minimise(f: &dyn Fn(&[f64]) -> f64, start: &[f64], tolerance: f64) -> Point {
         let all = |z: &[Vec<f64>]| z.iter().map(|z| f(z)).collect();

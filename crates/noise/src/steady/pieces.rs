@@ -2,7 +2,7 @@
 
 use super::Innovations;
 use super::matrix::{Matrix, Vector, add, apply, dot, identity, product, transposed};
-use crate::arma::vector::{Task, multiply_add, vectorised};
+use crate::vector::{Task, multiply_add, vectorised};
 
 /// Pieces side by side.
 pub(super) const LANES: usize = 8;

@@ -2,9 +2,9 @@
 //! with them by restricted maximum likelihood (Patterson & Thompson 1971; Harville 1974).
 
 use crate::composite::predictor::{Predictor, dot};
-use crate::composite::search::SCALES;
 use crate::composite::{CompositeTerms, GaussMarkov, TermSet, block_average};
 use crate::quasi_newton::{Objective, best_of};
+use crate::terms::SCALES;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use undrift_nav::shaping::ShapingFilter;
 

@@ -10,9 +10,8 @@
 use super::scatter;
 use super::{ModelCurve, WaveletPoint, WaveletVariance, drift_variance};
 use crate::allan::nnls;
-use crate::composite::search::SCALES;
-use crate::composite::{CompositeError, CompositeTerms, GaussMarkov, TermSet, sort_processes};
 use crate::quasi_newton::{Objective, best_of};
+use crate::terms::{CompositeError, CompositeTerms, GaussMarkov, SCALES, TermSet, sort_processes};
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 

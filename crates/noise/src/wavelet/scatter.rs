@@ -5,7 +5,7 @@
 //! section 8.4, Serroukh & Walden 2000. `|H_m|² = sin⁴(πfm) / (m² sin²(πf))`.
 
 use super::WaveletPoint;
-use crate::composite::{CompositeTerms, GaussMarkov};
+use crate::terms::{CompositeTerms, GaussMarkov};
 use nalgebra::DMatrix;
 use std::f64::consts::PI;
 

@@ -1,9 +1,7 @@
 //! The loops over the rows of a block.
 
-use super::{
-    LANES, PIECE, Row,
-    vector::{Task, add_products, multiply_add},
-};
+use super::{LANES, PIECE, Row};
+use crate::vector::{Task, add_products, multiply_add};
 
 /// `$body` with the slice `$name` as an array of known length where it is short, so that the loops
 /// over it are unrolled.

@@ -1,9 +1,7 @@
 //! Powers summed over a rational spectrum.
 
-use super::{
-    LANES, Row,
-    vector::{Task, total, vectorised},
-};
+use super::{LANES, Row};
+use crate::vector::{Task, total, vectorised};
 
 /// Powers at frequencies, sixteen to a row.
 #[derive(Default)]

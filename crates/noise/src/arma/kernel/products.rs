@@ -5,8 +5,8 @@ use super::{
     BLOCK, LANES, PIECE, Row,
     loops::{Block, DelayedProducts, Turn},
     run::responses,
-    vector::{total, vectorised},
 };
+use crate::vector::{total, vectorised};
 
 /// With y the record about its level, `a = (φ(B) y − x₀)/θ(B)` the innovations from a known state x₀, `w = y/θ(B)` and
 /// `v = a/θ(B)`: the sums of products with a, delayed by 1, 2, ….

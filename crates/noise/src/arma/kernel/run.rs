@@ -3,9 +3,9 @@
 use super::{
     Accumulated, BLOCK, LANES, PIECE, Row,
     loops::{Block, Lagged, ProductsWith, Recurse, Respond, recurse_any},
-    vector::{total, vectorised},
 };
 use crate::arma::MAX_FIT_ORDER;
+use crate::vector::{total, vectorised};
 
 /// Response to the start below which it is dropped: what is left out then is at most this times
 /// √(P₁₁/(1−θ²)) ~ 10⁴ in log-likelihood.

@@ -1,8 +1,5 @@
-use super::{
-    loops::Recurse,
-    vector::{Task, vectorised},
-    *,
-};
+use super::{loops::Recurse, *};
+use crate::vector::{Task, vectorised};
 
 fn noise(n: usize) -> Vec<f64> {
     let mut s = 1u64;

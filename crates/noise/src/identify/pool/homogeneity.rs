@@ -11,9 +11,9 @@
 //! The record that differs most is set aside and the others are compared again, else it would make all of them differ.
 
 use super::Share;
-use crate::composite::search::SCALES;
 use crate::composite::{Averages, CompositeTerms, GaussMarkov};
 use crate::quasi_newton::{Objective, Point, bfgs};
+use crate::terms::SCALES;
 use statrs::distribution::{Binomial, ChiSquared, ContinuousCDF, DiscreteCDF};
 
 /// Factors that matter.

@@ -1,6 +1,10 @@
 //! Loops over rows, compiled for the processor that there is.
 
-use super::{LANES, Row};
+/// Numbers that are computed side by side.
+pub(crate) const LANES: usize = 16;
+
+/// One row: the same place in every piece.
+pub(crate) type Row = [f64; LANES];
 
 /// A loop that is compiled twice: for every processor, and for those with 256-bit vectors and
 /// fused multiply-add, where they are found at run time. The two differ by rounding.

@@ -1,0 +1,348 @@
+//! The terms of a composite model: independent processes, whose parameters hold at every sample rate.
+
+use crate::quasi_newton::Scales;
+use nalgebra::DMatrix;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use undrift_nav::shaping::{MAX_ORDER, ShapingError, ShapingFilter};
+
+/// How their parameters are searched: functions are log-likelihoods of logarithms, with curvatures 0.1 to 1e6.
+pub(crate) const SCALES: Scales = Scales {
+    step: 1e-3,
+    longest: 1.5,
+    edge: f64::INFINITY,
+    curved: true,
+};
+
+/// Correlation times \[s\] of the Gauss-Markov processes that make flicker noise, a decade apart; what is slower
+/// is a random walk.
+pub const FLICKER_TAUS: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
+
+/// Most Gauss-Markov processes in one model.
+pub const MAX_GAUSS_MARKOV: usize = 2;
+
+/// Why a composite model cannot be evaluated or fitted.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum CompositeError {
+    /// Fewer samples than needed (missing ones not counted).
+    #[error("too few samples: {present}, {needed} are needed")]
+    TooShort {
+        /// Samples present.
+        present: usize,
+        /// Samples needed.
+        needed: usize,
+    },
+    /// All samples present are equal.
+    #[error("the recording is constant")]
+    Constant,
+    /// A sample or the result is infinite.
+    #[error("the recording has values that are not finite")]
+    NotFinite,
+    /// The model gives a sample no variance at all.
+    #[error("the model has zero variance at some sample")]
+    NoVariance,
+    /// The set of terms is empty or too large.
+    #[error("a composite model needs at least one term and at most two Gauss-Markov processes")]
+    BadTerms,
+    /// No start gave a finite likelihood.
+    #[error("the likelihood is not finite at any start")]
+    NoOptimum,
+    /// The terms make no shaping filter.
+    #[error(transparent)]
+    Shaping(#[from] ShapingError),
+}
+
+/// A first-order Gauss-Markov process.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct GaussMarkov {
+    /// Standard deviation σ \[unit\]; 0 where there is none.
+    pub sigma: f64,
+    /// Correlation time τ \[s\].
+    pub tau_s: f64,
+}
+
+impl GaussMarkov {
+    /// Coefficient σ √(2/τ) [unit/√s] of the random walk that the process is at times far below τ.
+    pub fn drive(&self) -> f64 {
+        if self.sigma > 0.0 {
+            self.sigma * (2.0 / self.tau_s).sqrt()
+        } else {
+            0.0
+        }
+    }
+}
+
+/// The terms of a composite model; a term of 0 is absent.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct CompositeTerms {
+    /// White noise density N [unit·√s = unit/√Hz].
+    pub white: f64,
+    /// Quantisation Q [unit·s], the standard deviation of the rounding error of the integrated
+    /// signal: ε_k = (e_k − e_{k−1}) Q/T with e white, an MA(1) with θ = 1 of σ_Q = Q/T a sample.
+    pub quantisation: f64,
+    /// Random walk coefficient K [unit/√s].
+    pub random_walk: f64,
+    /// Coefficient B of flicker noise (bias instability) \[unit\], of power density `B²/(2πf)`; see [`flicker`].
+    pub flicker: f64,
+    /// Gauss-Markov processes, by growing correlation time after a fit.
+    #[serde(serialize_with = "list", deserialize_with = "listed")]
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<GaussMarkov>"))]
+    pub gauss_markov: [GaussMarkov; MAX_GAUSS_MARKOV],
+}
+
+/// Those that are there, as a list.
+fn list<S: Serializer>(processes: &[GaussMarkov], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(processes.iter().filter(|process| process.sigma > 0.0))
+}
+
+fn listed<'de, D: Deserializer<'de>, const N: usize>(
+    from: D,
+) -> Result<[GaussMarkov; N], D::Error> {
+    let mut there = Vec::deserialize(from)?.into_iter();
+    Ok(std::array::from_fn(|_| there.next().unwrap_or_default()))
+}
+
+/// The shaping filter of quantisation Q [unit·s] at a sample interval \[s\], see
+/// [`CompositeTerms::quantisation`].
+pub(crate) fn quantisation(q: f64, interval: f64) -> Result<ShapingFilter, ShapingError> {
+    if !(q >= 0.0 && q.is_finite()) {
+        return Err(ShapingError::BadParameter("the quantisation"));
+    }
+    let variance = (q / interval).powi(2);
+    let mut filter = ShapingFilter::none(interval)?;
+    filter.order = 1;
+    filter.h[0] = 1.0;
+    filter.r = variance;
+    filter.q[0][0] = variance;
+    filter.s[0] = -variance;
+    filter.p0[0][0] = variance;
+    Ok(filter)
+}
+
+/// Flicker noise of coefficient B \[unit\] as a sum: Gauss-Markov processes at [`FLICKER_TAUS`] and the coefficient
+/// [unit/√s] of the random walk that the slower ones are over any drive. Processes of one σ, spaced by a factor ρ in τ, sum
+/// to the power density `σ²/(2 f ln ρ)` within 5 % for ρ = 10, so `σ² = B² ln ρ/π`; those of τ = 10⁴, 10⁵… s drive
+/// `K² = Σ 2σ²/τ`. Keshner 1982; IEEE Std 952-1997, C.1.1 for B.
+pub fn flicker(b: f64) -> ([GaussMarkov; FLICKER_TAUS.len()], f64) {
+    let sigma = b * (10f64.ln() / std::f64::consts::PI).sqrt();
+    let next = 10.0 * FLICKER_TAUS[FLICKER_TAUS.len() - 1];
+    let walk = sigma * (2.0 / (0.9 * next)).sqrt();
+    (FLICKER_TAUS.map(|tau_s| GaussMarkov { sigma, tau_s }), walk)
+}
+
+impl CompositeTerms {
+    /// The terms with flicker noise as the sum that stands for it: all Gauss-Markov processes, and the random walk
+    /// [unit/√s].
+    pub fn slow(&self) -> (Vec<GaussMarkov>, f64) {
+        let mut processes: Vec<GaussMarkov> = self.gauss_markov.to_vec();
+        processes.retain(|process| process.sigma != 0.0);
+        if self.flicker == 0.0 {
+            return (processes, self.random_walk);
+        }
+        let (decades, walk) = flicker(self.flicker);
+        processes.extend(decades);
+        (processes, self.random_walk.hypot(walk))
+    }
+
+    /// The shaping filter of the sum at a sample interval \[s\]: states in the order Gauss-Markov (flicker noise last),
+    /// random walk (starting at zero), quantisation. At another rate build it anew from the terms:
+    /// the quantisation's pole at 0 keeps `ShapingFilter::at_interval` from it.
+    ///
+    /// # Errors
+    /// A term or the interval is negative or not finite.
+    pub fn to_shaping(&self, interval: f64) -> Result<ShapingFilter, ShapingError> {
+        let mut sum = ShapingFilter::white(self.white, interval)?;
+        let (processes, walk) = self.slow();
+        for process in processes {
+            let part = ShapingFilter::gauss_markov(process.sigma, process.tau_s, interval)?;
+            sum = sum.plus(&part)?;
+        }
+        if walk != 0.0 {
+            sum = sum.plus(&ShapingFilter::random_walk(walk, interval)?)?;
+        }
+        if self.quantisation != 0.0 {
+            sum = sum.plus(&quantisation(self.quantisation, interval)?)?;
+        }
+        Ok(sum)
+    }
+
+    /// Which terms are present.
+    pub fn set(&self) -> TermSet {
+        TermSet {
+            white: self.white != 0.0,
+            quantisation: self.quantisation != 0.0,
+            random_walk: self.random_walk != 0.0,
+            flicker: self.flicker != 0.0,
+            gauss_markov: self.gauss_markov.iter().filter(|g| g.sigma != 0.0).count(),
+        }
+    }
+
+    /// The same terms with every amplitude times `factor` (correlation times kept).
+    pub fn scaled(&self, factor: f64) -> Self {
+        let process = |g: GaussMarkov| GaussMarkov {
+            sigma: g.sigma * factor,
+            ..g
+        };
+        Self {
+            white: self.white * factor,
+            quantisation: self.quantisation * factor,
+            random_walk: self.random_walk * factor,
+            flicker: self.flicker * factor,
+            gauss_markov: self.gauss_markov.map(process),
+        }
+    }
+}
+
+/// Which terms a fit may use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TermSet {
+    /// White noise.
+    pub white: bool,
+    /// Quantisation.
+    pub quantisation: bool,
+    /// Random walk.
+    pub random_walk: bool,
+    /// Flicker noise.
+    pub flicker: bool,
+    /// Number of Gauss-Markov processes, at most [`MAX_GAUSS_MARKOV`].
+    pub gauss_markov: usize,
+}
+
+impl TermSet {
+    /// Number of parameters.
+    pub fn parameters(&self) -> usize {
+        self.amplitudes() + self.gauss_markov
+    }
+
+    /// Number of amplitudes: all parameters but the correlation times.
+    pub(crate) fn amplitudes(&self) -> usize {
+        usize::from(self.white)
+            + usize::from(self.quantisation)
+            + usize::from(self.random_walk)
+            + usize::from(self.flicker)
+            + self.gauss_markov
+    }
+
+    pub(crate) fn check(&self) -> Result<(), CompositeError> {
+        if self.parameters() == 0 || self.gauss_markov > MAX_GAUSS_MARKOV {
+            return Err(CompositeError::BadTerms);
+        }
+        Ok(())
+    }
+
+    /// Search coordinates: the logarithms of N, Q, K, B, of each process's drive σ√(2/τ), then of each
+    /// τ. The drive, unlike σ, stays determined when τ is beyond the record.
+    pub(crate) fn coordinates(&self, terms: &CompositeTerms) -> Vec<f64> {
+        let mut z = Vec::with_capacity(self.parameters());
+        if self.white {
+            z.push(terms.white.ln());
+        }
+        if self.quantisation {
+            z.push(terms.quantisation.ln());
+        }
+        if self.random_walk {
+            z.push(terms.random_walk.ln());
+        }
+        if self.flicker {
+            z.push(terms.flicker.ln());
+        }
+        let processes = &terms.gauss_markov[..self.gauss_markov];
+        z.extend(processes.iter().map(|g| g.drive().ln()));
+        z.extend(processes.iter().map(|g| g.tau_s.ln()));
+        z
+    }
+
+    /// The terms at search coordinates.
+    pub(crate) fn terms(&self, z: &[f64]) -> CompositeTerms {
+        let mut values = z.iter().map(|v| v.exp());
+        let mut next = |wanted: bool| match wanted {
+            true => values.next().unwrap_or(0.0),
+            false => 0.0,
+        };
+        let mut terms = CompositeTerms {
+            white: next(self.white),
+            quantisation: next(self.quantisation),
+            random_walk: next(self.random_walk),
+            flicker: next(self.flicker),
+            ..CompositeTerms::default()
+        };
+        let drives: [f64; MAX_GAUSS_MARKOV] = std::array::from_fn(|i| next(i < self.gauss_markov));
+        for (i, drive) in drives.into_iter().enumerate() {
+            let tau_s = next(i < self.gauss_markov);
+            let sigma = drive * (0.5 * tau_s).sqrt();
+            terms.gauss_markov[i] = GaussMarkov { sigma, tau_s };
+        }
+        terms
+    }
+
+    /// Standard errors of the logarithms of the terms' own parameters from the covariance of the
+    /// search coordinates: `ln σ = ln drive + ½ ln τ − ½ ln 2`.
+    pub(crate) fn relative_errors(&self, covariance: &DMatrix<f64>) -> CompositeTerms {
+        let at = |i: usize, j: usize| covariance[(i, j)];
+        let mut index = 0;
+        let mut next = |wanted: bool| {
+            if !wanted {
+                return 0.0;
+            }
+            index += 1;
+            at(index - 1, index - 1).max(0.0).sqrt()
+        };
+        let mut errors = CompositeTerms {
+            white: next(self.white),
+            quantisation: next(self.quantisation),
+            random_walk: next(self.random_walk),
+            flicker: next(self.flicker),
+            ..CompositeTerms::default()
+        };
+        let first = self.amplitudes() - self.gauss_markov;
+        for i in 0..self.gauss_markov {
+            let (drive, tau) = (first + i, first + self.gauss_markov + i);
+            let sigma = at(drive, drive) + at(drive, tau) + 0.25 * at(tau, tau);
+            errors.gauss_markov[i] = GaussMarkov {
+                sigma: sigma.max(0.0).sqrt(),
+                tau_s: at(tau, tau).max(0.0).sqrt(),
+            };
+        }
+        errors
+    }
+}
+
+// Six states of an axis: two Gauss-Markov, random walk and quantisation leave two for the caller.
+const _: () = assert!(MAX_GAUSS_MARKOV + 2 <= MAX_ORDER);
+
+/// Sorts the processes by correlation time (and `errors` with them); absent ones last.
+pub(crate) fn sort_processes(terms: &mut CompositeTerms, errors: Option<&mut CompositeTerms>) {
+    let [a, b] = terms.gauss_markov;
+    if b.sigma != 0.0 && (a.sigma == 0.0 || b.tau_s < a.tau_s) {
+        terms.gauss_markov.swap(0, 1);
+        if let Some(errors) = errors {
+            errors.gauss_markov.swap(0, 1);
+        }
+    }
+}
+
+/// Mean of the samples present \[unit\], and their number.
+pub(crate) fn present_mean(record: &[f64]) -> Result<(f64, usize), CompositeError> {
+    let (mut total, mut present) = (0.0, 0usize);
+    for block in record.chunks(256) {
+        let (mut sum, mut count) = (0.0, 0);
+        for &value in block {
+            if !value.is_nan() {
+                sum += value;
+                count += 1;
+            }
+        }
+        total += sum;
+        present += count;
+    }
+    let mean = total / present.max(1) as f64;
+    if mean.is_finite() {
+        Ok((mean, present))
+    } else {
+        Err(CompositeError::NotFinite)
+    }
+}
+
+#[cfg(test)]
+mod tests;
