@@ -27,7 +27,7 @@ pub use demo::{
 pub use drive::{Drive, Start, name, names, parts_used};
 pub use fleet::{
     Bin, Effect, Fleet, FleetEffects, FleetGroup, FleetLabel, FleetLog, FleetMeasure, FleetOutlier,
-    FleetPart, LeftOut, Level, Scatter, Slope, Trouble, Warned,
+    FleetPart, LeftOut, Level, Slope, Trouble, Warned,
 };
 pub use identify::{
     Adf, Allan, ArmaOrigin, Axis, AxisDoubt, AxisPool, AxisSeries, AxisTemperature, BoxJenkins,
