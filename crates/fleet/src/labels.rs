@@ -1,14 +1,14 @@
-//! Which labels of logs can be factors of the [mixed model](super::mixed): those whose values differ, and repeat.
+//! Which labels of logs are [compared](super::ratios): those whose values differ, and repeat.
 
-use super::effects::MOST_LEVELS;
+use super::ratios::MOST_LEVELS;
 use std::collections::BTreeMap;
 use undrift_results::LeftOut;
 
 /// Labels of a log by name.
 pub type Labels = BTreeMap<String, String>;
 
-/// Logs that a level takes at least, on average, so that levels do not use up the degrees of freedom.
-const LOGS_OF_A_LEVEL: usize = 3;
+/// Logs of a value, on average, of a label that is compared.
+const LOGS_OF_A_VALUE: usize = 3;
 
 /// The logs of a value.
 struct Value<'a> {
@@ -22,6 +22,7 @@ struct Value<'a> {
 pub fn chosen<'a>(
     logs: &[(Option<&'a str>, &'a Labels)],
 ) -> impl Iterator<Item = (&'a str, Option<LeftOut>)> {
+    let most = MOST_LEVELS.min(logs.len() / LOGS_OF_A_VALUE);
     let mut labels: BTreeMap<&str, BTreeMap<&str, Value<'_>>> = BTreeMap::new();
     for (unit, of_log) in logs {
         for (label, value) in of_log.iter().filter(|(_, value)| !value.is_empty()) {
@@ -35,17 +36,11 @@ pub fn chosen<'a>(
             value.of_one_unit &= value.unit == *unit;
         }
     }
-    let mut room = logs.len() / LOGS_OF_A_LEVEL;
-    labels.into_iter().map(move |(label, values)| {
-        let why = left_out(&values, room);
-        if why.is_none() {
-            room -= values.len();
-        }
-        (label, why)
-    })
+    let labels = labels.into_iter();
+    labels.map(move |(label, values)| (label, left_out(&values, most)))
 }
 
-fn left_out(values: &BTreeMap<&str, Value<'_>>, room: usize) -> Option<LeftOut> {
+fn left_out(values: &BTreeMap<&str, Value<'_>>, most: usize) -> Option<LeftOut> {
     let count = |is: fn(&Value<'_>) -> bool| values.values().filter(|v| is(v)).count();
     let all = values.len();
     if all < 2 {
@@ -53,9 +48,9 @@ fn left_out(values: &BTreeMap<&str, Value<'_>>, room: usize) -> Option<LeftOut> 
     } else if count(|value| value.logs == 1) == all {
         Some(LeftOut::Unique)
     } else if 2 * count(|value| value.of_one_unit) > all {
-        // It would stand for most units, so that none of those could be compared.
+        // A comparison of single units.
         Some(LeftOut::Unit)
-    } else if all > MOST_LEVELS.min(room) {
+    } else if all > most {
         Some(LeftOut::Many)
     } else {
         None
@@ -88,23 +83,5 @@ mod tests {
         assert_eq!(of(|k| k.to_string()), Some(LeftOut::Unique));
         assert_eq!(of(|k| format!("car of {}", k / 6)), Some(LeftOut::Unit));
         assert_eq!(of(|k| format!("{}", k % 30)), Some(LeftOut::Many));
-    }
-
-    #[test]
-    fn several_labels_leave_degrees_of_freedom() {
-        let labels = |k: usize| {
-            let names = ["a", "b", "c"].map(str::to_owned).into_iter();
-            names
-                .zip([10, 9, 8])
-                .map(|(name, n)| (name, (k % n).to_string()))
-                .collect::<Labels>()
-        };
-        let labels: Vec<Labels> = (0..60).map(labels).collect();
-        let logs: Vec<_> = labels.iter().map(|labels| (None, labels)).collect();
-        let found: Vec<_> = chosen(&logs).collect();
-        assert_eq!(
-            found,
-            [("a", None), ("b", None), ("c", Some(LeftOut::Many))]
-        );
     }
 }

@@ -6,14 +6,13 @@
 //! files that it names: no clock, no machine, no order. So whoever runs the jobs, wherever and however
 //! often, gets the same outcomes to the bit. `docs/fleet.md` has the manifest and the columns.
 
-mod effects;
 mod fingerprint;
 mod gather;
 mod labels;
 mod manifest;
-mod mixed;
 mod outcome;
 mod process;
+mod ratios;
 mod run;
 mod summary;
 #[cfg(feature = "parquet")]

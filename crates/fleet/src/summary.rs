@@ -5,8 +5,8 @@ mod measures;
 
 use super::{
     FleetOutcome, Row,
-    effects::{self, Effects, Sample},
     labels::{self, Labels},
+    ratios::{self, Effects, Sample},
 };
 use measures::MEASURES;
 use std::collections::BTreeMap;
@@ -165,7 +165,7 @@ impl Tally {
             return None;
         }
         let (logs, labels, effects) = self.effects(place, &parts);
-        let model = effects.as_ref().map(|effects| effects.model);
+        let tested = effects.as_ref().map(|effects| effects.tested);
         let effects = effects.unwrap_or_default();
         let outlier = |(at, effect): (usize, Effect)| {
             let log = logs.get(at)?;
@@ -197,7 +197,7 @@ impl Tally {
                 .map(|(at, part)| self.part(place, part, level(at)))
                 .collect(),
             best: self.best(place, &parts),
-            effects: model,
+            effects: tested,
             outliers,
             by_unit: self.groups(place, &parts, &effects.units, |log| log.unit.as_deref()),
             by_sensor: self.groups(place, &parts, &sensors, |log| log.sensor.as_deref()),
@@ -205,7 +205,7 @@ impl Tally {
         })
     }
 
-    /// A label with the effects of its values, which are none where they cannot be told from others'.
+    /// A label with the effects of its values.
     fn label(
         &self,
         place: usize,
@@ -214,16 +214,11 @@ impl Tally {
         left_out: Option<LeftOut>,
         effects: Option<BTreeMap<String, Effect>>,
     ) -> FleetLabel {
-        let aliased = effects.as_ref().is_some_and(BTreeMap::is_empty);
+        let groups = |effects| self.groups(place, parts, &effects, |log| log.label(label));
         FleetLabel {
             label: label.to_owned(),
-            by_value: match left_out {
-                Some(_) => Vec::new(),
-                None => self.groups(place, parts, &effects.unwrap_or_default(), |log| {
-                    log.label(label)
-                }),
-            },
-            left_out: left_out.or(aliased.then_some(LeftOut::Aliased)),
+            by_value: effects.map_or_else(Vec::new, groups),
+            left_out,
         }
     }
 
@@ -263,7 +258,7 @@ impl Tally {
                 temperature_c: log.temperature_c,
             })
             .collect();
-        let effects = effects::effects(&samples, parts.len());
+        let effects = ratios::effects(&samples, parts.len());
         (logs, labels, effects)
     }
 

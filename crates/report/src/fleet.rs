@@ -18,6 +18,10 @@ const ROWS: usize = 200;
 /// Names that a sentence tells of a longer list.
 const NAMES: usize = 12;
 
+/// What the comparisons are not.
+const ONE_AT_A_TIME: &str = "Unit, sensor, labels and temperature are compared one at a time. Causes that go together, such as \
+     a unit that was always warm, are not separated: undrift.fleet.effects in Python estimates them together.";
+
 /// The sections.
 pub fn sections(runs: &[Run<'_, Fleet>]) -> Vec<Section> {
     runs.iter().flat_map(|(name, run)| of(name, run)).collect()
@@ -28,7 +32,17 @@ fn of(name: &str, run: &Fleet) -> Vec<Section> {
     let findings = measures.map(|(k, m)| text(measure::findings(m, k == 0)));
     // What was asked comes first.
     let first = run.measures.first().map(answers::of).and_then(text);
-    let blocks = [first, warnings(&alarms(run)), text([what_was_done(run)])];
+    let alone = run
+        .measures
+        .iter()
+        .any(|measure| !answers::of(measure).is_empty());
+    let alone = text(alone.then(|| ONE_AT_A_TIME.to_owned()));
+    let blocks = [
+        first,
+        alone,
+        warnings(&alarms(run)),
+        text([what_was_done(run)]),
+    ];
     let blocks = blocks.into_iter().chain(findings).flatten();
     let mut sections = Vec::from_iter(Section::of("The fleet", blocks));
     let measures = run.measures.iter();
@@ -318,6 +332,15 @@ mod tests {
                 "f: Failures and warnings"
             ]
         );
+        // Nothing is compared.
+        assert!(!crate::tests::sentences(&sections[0]).contains(&ONE_AT_A_TIME));
+        let mut compared = run.clone();
+        compared.measures[1].effects = Some(undrift::results::FleetEffects {
+            temperature: Some(undrift::results::Slope::default()),
+            ..undrift::results::FleetEffects::default()
+        });
+        let first = &super::of("f", &compared)[0];
+        assert_eq!(crate::tests::sentences(first)[0], ONE_AT_A_TIME);
         let crate::Block::Table(table) = &sections[3].blocks[0] else {
             panic!("no table");
         };

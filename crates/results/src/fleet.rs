@@ -56,13 +56,13 @@ pub struct Warned {
     pub warnings: Vec<String>,
 }
 
-/// What a measure depends on, by a linear mixed model of its logarithm: fixed effects of part, sensor, labels and temperature,
-/// random ones of unit and log. Probabilities are adjusted for everything that is asked of the measure.
+/// What a measure depends on: unit, sensor, labels and temperature, each compared on its own, by the logarithms of the
+/// logs. Probabilities are adjusted for everything that is compared. Causes that go together are not separated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct FleetEffects {
-    /// Logs in the model.
+    /// Logs that are compared.
     pub logs: u64,
     /// Units that are compared.
     pub units: u64,
@@ -70,25 +70,8 @@ pub struct FleetEffects {
     pub significance: Number,
     /// The same of single logs.
     pub significance_of_logs: Number,
-    /// Temperature of the levels \[°C\].
-    pub reference_c: Number,
-    /// Standard deviations of the logarithm.
-    pub scatter: Scatter,
     /// Growth with temperature, if temperatures are known and differ.
     pub temperature: Option<Slope>,
-}
-
-/// Standard deviations of the logarithm of a measure.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(default)]
-pub struct Scatter {
-    /// Between units, without those that stand out.
-    pub unit: Number,
-    /// Between logs of a unit.
-    pub log: Number,
-    /// Between the parts of a log, beyond what they differ by in all.
-    pub rest: Number,
 }
 
 /// Growth with temperature.
@@ -161,7 +144,7 @@ pub struct FleetMeasure {
     pub best: BTreeMap<String, u64>,
     /// What it depends on; without it there are too few logs.
     pub effects: Option<FleetEffects>,
-    /// Logs that differ from the others and the rest of their unit, the most significant first.
+    /// Logs that differ from the rest of their unit, the most significant first.
     pub outliers: Vec<FleetOutlier>,
     /// By serial number of the IMU.
     pub by_unit: Vec<FleetGroup>,
@@ -183,7 +166,7 @@ pub struct FleetPart {
     pub logs: u64,
     /// Their median.
     pub median: Number,
-    /// The level at the reference temperature, a geometric mean over units.
+    /// Geometric mean over units; of a single unit, over its logs.
     pub level: Option<Level>,
     /// By temperature.
     pub temperature: Vec<Bin>,
@@ -203,7 +186,7 @@ pub struct FleetOutlier {
     pub report: Option<String>,
     /// Temperature \[°C\].
     pub temperature_c: Number,
-    /// Against what the others and the rest of its unit predict.
+    /// Ratio to the geometric mean of the rest of its unit, or of all logs if no log has a unit.
     pub effect: Effect,
 }
 
@@ -229,14 +212,14 @@ pub struct Bin {
 pub struct FleetLabel {
     /// The label.
     pub label: String,
-    /// Why it is not in the model.
+    /// Why it is not compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub left_out: Option<LeftOut>,
-    /// By value, of a label in the model.
+    /// By value, of a label that is compared.
     pub by_value: Vec<FleetGroup>,
 }
 
-/// Why a label is not in the model.
+/// Why a label is not compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
@@ -247,10 +230,8 @@ pub enum LeftOut {
     Unique,
     /// Most values belong to a single unit each.
     Unit,
-    /// It has more than 50 values, or too many for the logs.
+    /// It has more than 50 values, or more than a third of the logs.
     Many,
-    /// It is determined by the sensor, the labels before it or the absence of a temperature.
-    Aliased,
 }
 
 /// Logs of one unit, sensor or value of a label.
@@ -264,8 +245,7 @@ pub struct FleetGroup {
     pub logs: u64,
     /// Their medians by part.
     pub median: Numbers,
-    /// A unit against the others, drawn towards them as far as its logs are few (BLUP) unless it stands out; a sensor
-    /// or value against the mean of the others.
+    /// Ratio of its geometric mean to that of the other units, sensors or values; of units if there are four.
     pub effect: Option<Effect>,
 }
 

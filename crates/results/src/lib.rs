@@ -37,7 +37,7 @@ pub use errors::COMPONENTS;
 pub use findings::Finding;
 pub use fleet::{
     Bin, Effect, Fleet, FleetEffects, FleetGroup, FleetLabel, FleetLog, FleetMeasure, FleetOutlier,
-    FleetPart, LeftOut, Level, Scatter, Slope, Trouble, Warned,
+    FleetPart, LeftOut, Level, Slope, Trouble, Warned,
 };
 pub use identify::{
     Adf, Allan, ArmaOrigin, Axis, AxisDoubt, AxisPool, AxisSeries, AxisTemperature, BoxJenkins,

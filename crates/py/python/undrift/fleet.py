@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from undrift import _fleet_inputs, _store, _undrift
+from undrift._fleet_effects import Effects, effects
 from undrift._fleet_progress import Lines
 from undrift._result import Result, optional
 
@@ -35,7 +36,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Done",
+    "Effects",
     "Fleet",
+    "effects",
     "fingerprint",
     "gather",
     "jobs",

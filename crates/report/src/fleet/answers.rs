@@ -18,7 +18,7 @@ pub(super) fn factor(effect: &Effect) -> String {
 
 /// The answers for a measure, the units first; none where nothing could be compared.
 pub(super) fn of(measure: &Measure) -> Vec<String> {
-    let Some(model) = &measure.effects else {
+    let Some(effects) = &measure.effects else {
         return Vec::new();
     };
     let name = measure.name.replace('_', " ");
@@ -28,7 +28,7 @@ pub(super) fn of(measure: &Measure) -> Vec<String> {
         let values = |n| format!("{} of {}", many(n, "value"), label.label);
         of_groups(&name, &label.by_value, values)
     });
-    let temperature = model.temperature.as_ref();
+    let temperature = effects.temperature.as_ref();
     let temperature = temperature.map(|slope| of_temperature(&name, slope));
     let groups = groups.into_iter().flatten().chain(labels);
     groups.chain(temperature).collect()
@@ -42,9 +42,6 @@ pub(super) fn left_out(measure: &Measure) -> Option<String> {
             LeftOut::Unique => "different in each log",
             LeftOut::Unit => "most values of one unit only",
             LeftOut::Many => "too many values",
-            LeftOut::Aliased => {
-                "not separable from the sensor, other labels or missing temperatures"
-            }
         };
         Some(format!("{} ({why})", label.label))
     };
@@ -236,13 +233,13 @@ mod tests {
                 label("a", Some(LeftOut::Unit)),
                 label("b", None),
                 label("c", Some(LeftOut::Many)),
-                label("d", Some(LeftOut::Aliased)),
+                label("d", Some(LeftOut::Unique)),
             ],
             ..Measure::default()
         };
         assert_eq!(
             left_out(&measure).unwrap(),
-            "Labels not compared: a (most values of one unit only), c (too many values), d (not separable from the sensor, other labels or missing temperatures)."
+            "Labels not compared: a (most values of one unit only), c (too many values), d (different in each log)."
         );
         assert_eq!(left_out(&Measure::default()), None);
     }

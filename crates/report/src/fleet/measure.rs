@@ -125,9 +125,8 @@ pub(super) fn overview(run: &Fleet, measure: &Measure) -> Table {
     let mut rows = Table::of(
         &measure.name,
         &format!(
-            "The {}. Level: geometric mean over units at {} °C with its 95 % interval.",
-            measure.what,
-            measure.effects.map_or(25.0, |model| model.reference_c.0)
+            "The {}. Level: geometric mean over units with its 95 % interval.",
+            measure.what
         ),
         &measure.parts,
         &[
@@ -194,7 +193,7 @@ fn outliers(measure: &Measure) -> Option<Block> {
         &format!("{}-outliers", measure.name),
         &shortened(
             &format!(
-                "Logs that differ from what the others and the rest of their unit predict.{own}"
+                "Logs that differ from the rest of their unit, or from all if no log has a unit.{own}"
             ),
             measure.outliers.len(),
         ),
@@ -203,7 +202,7 @@ fn outliers(measure: &Measure) -> Option<Block> {
             ("log", &|o| Cell::from(&o.log).linked(o.report.as_deref())),
             ("unit", &|o| (&o.unit).into()),
             ("temperature [°C]", &|o| Cell::number(o.temperature_c.0, 1)),
-            ("times as predicted (95 %)", &|o| {
+            ("times the rest (95 %)", &|o| {
                 answers::factor(&o.effect).into()
             }),
             ("p", &|o| probability(o.effect.p.0).into()),
@@ -279,7 +278,7 @@ fn groups(measure: &Measure, what: &str, groups: &[Group]) -> Vec<Block> {
         return Vec::new();
     }
     let caption = format!(
-        "Median over the logs of each {what}, sorted by {by}, largest first, and how it compares with the others at the same temperature (95 % interval; p adjusted for all that is compared); bold, on top: significant."
+        "Median over the logs of each {what}, sorted by {by}, largest first, and the ratio of its geometric mean to the others' (95 % interval; p adjusted for all that is compared); bold, on top: significant."
     );
     let shown = || sorted.iter().copied().take(ROWS);
     let mut rows = Table::of(
