@@ -335,9 +335,9 @@ mod tests {
         // Nothing is compared.
         assert!(!crate::tests::sentences(&sections[0]).contains(&ONE_AT_A_TIME));
         let mut compared = run.clone();
-        compared.measures[1].effects = Some(undrift::results::FleetEffects {
-            temperature: Some(undrift::results::Slope::default()),
-            ..undrift::results::FleetEffects::default()
+        compared.measures[1].effects = Some(undrift_results::FleetEffects {
+            temperature: Some(undrift_results::Slope::default()),
+            ..undrift_results::FleetEffects::default()
         });
         let first = &super::of("f", &compared)[0];
         assert_eq!(crate::tests::sentences(first)[0], ONE_AT_A_TIME);
