@@ -345,9 +345,9 @@ fn a_log_that_does_not_belong_is_found_in_its_unit() {
     assert!(found(&effects).is_empty() && effects.units["SN0013"].times.0 < 1.4);
     // Of two logs of a unit, and among logs without a unit.
     let two = Planted { logs: 2, ..NOTHING };
-    for named in [true, false] {
+    for (named, bad) in [(true, 30), (true, 31), (false, 30)] {
         let mut logs = fleet(5, two);
-        logs[31].times(20.0);
+        logs[bad].times(20.0);
         let mut samples = Vec::from_iter(logs.iter().map(sample));
         if !named {
             samples.iter_mut().for_each(|sample| sample.unit = None);
@@ -356,8 +356,10 @@ fn a_log_that_does_not_belong_is_found_in_its_unit() {
         let places = Vec::from_iter(effects.logs.iter().map(|(place, _)| *place));
         assert_eq!(
             (places, effects.units.len()),
-            (vec![31], 30 * usize::from(named))
+            (vec![bad], 30 * usize::from(named))
         );
+        // Without a unit logs are compared by Welch's test, not within a unit of 60.
+        assert!(named || effects.factors[0]["odd"].freedom.0 < 57.0);
     }
 }
 
@@ -415,4 +417,17 @@ fn what_cannot_be_compared_is_not() {
     assert_eq!(four.tested.temperature, None);
     assert_eq!(Vec::from_iter(four.factors[0].keys()), ["even"]);
     assert_eq!(four.factors[1].len(), 3);
+}
+
+/// Where temperatures hardly differ within units the slope is that of the units' means.
+#[test]
+fn the_slope_is_taken_where_temperatures_differ() {
+    for (step, freedom) in [(1.0, 28.0), (10.0, 269.0)] {
+        let mut logs = fleet(7, NOTHING);
+        for (k, log) in logs.iter_mut().enumerate() {
+            log.temperature = 10.0 * (k / 10 % 3) as f64 + step * (k % 2) as f64;
+        }
+        let slope = of(&logs).tested.temperature.unwrap();
+        assert_eq!(slope.freedom.0, freedom);
+    }
 }
