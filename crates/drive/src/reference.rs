@@ -95,11 +95,11 @@ impl Errors {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Predicted(pub [Matrix3; 3]);
 
-/// The groups of components that [`Predicted`] tells of: name, and place of the first of three in [`Errors`].
+/// The groups of components in [`Predicted`]: name, and index of the first of three in [`Errors`].
 pub const GROUPS: [(&str, usize); 3] = [("position", 0), ("velocity", 4), ("attitude", 7)];
 
 impl Predicted {
-    /// By a filter as it stands.
+    /// From the present covariance of a filter.
     pub fn of(filter: &dyn Estimator) -> Self {
         let p = filter.covariance();
         Self([0, 3, 6].map(|at| p.fixed_view::<3, 3>(at, at).into_owned()))

@@ -104,7 +104,7 @@ pub struct Slope {
     pub high: Number,
     /// Degrees of freedom of the interval.
     pub freedom: Number,
-    /// Probability of as large a slope where there is none.
+    /// Probability of as large a slope if the true slope is zero.
     pub p: Number,
     /// Whether it is significant.
     pub found: bool,
@@ -123,7 +123,7 @@ pub struct Effect {
     pub high: Number,
     /// Degrees of freedom of the interval.
     pub freedom: Number,
-    /// Probability of as large a difference where there is none.
+    /// Probability of as large a difference if the true one is zero.
     pub p: Number,
     /// Whether it is significant.
     pub found: bool,
@@ -189,7 +189,7 @@ pub struct FleetPart {
     pub temperature: Vec<Bin>,
 }
 
-/// A log that stands out.
+/// An outlier among the logs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
@@ -264,7 +264,7 @@ pub struct FleetGroup {
     pub logs: u64,
     /// Their medians by part.
     pub median: Numbers,
-    /// A unit against the others, drawn towards them as far as its logs are few (BLUP) unless it stands out; a sensor
+    /// A unit against the others, drawn towards them as far as its logs are few (BLUP) unless it is an outlier; a sensor
     /// or value against the mean of the others.
     pub effect: Option<Effect>,
 }
