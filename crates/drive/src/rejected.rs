@@ -38,7 +38,7 @@ impl Rejected {
         Ok(rejected)
     }
 
-    /// Notes whether position and velocity of the fix at this time \[s\] were used; in order of time.
+    /// Notes whether position and velocity of the fix at this time \[s\] were rejected; in order of time.
     pub fn note(&mut self, time: f64, updates: [Option<Update>; 2]) {
         let is_rejected = |update: &Update| update.outcome == Outcome::Rejected;
         for (times, update) in self.times.iter_mut().zip(updates) {

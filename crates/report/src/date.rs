@@ -20,7 +20,7 @@ pub fn clock(name: &str) -> &str {
     }
 }
 
-/// A time of a drive \[s\] as a date, with its source; "no date" in words without one.
+/// A time of a drive \[s\] as a date, with its source, or that the logs hold no date. `None` for data without a drive file.
 pub fn of_drive(drive: &Drive, time: f64) -> Option<String> {
     if drive.file.is_none() || !time.is_finite() {
         return None;

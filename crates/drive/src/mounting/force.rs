@@ -125,7 +125,7 @@ fn turns(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<(f64, f64)> {
         gyros += rate * rate;
         both += turned * rate;
     }
-    // Gravity has fixed up and down, so both rates have the same sign even if the sensor is upside down.
+    // `down` is measured by gravity: the signs agree even if the sensor is upside down in the file.
     let correlation = both / (course * gyros).sqrt();
     let ratio = (gyros / course).sqrt();
     (correlation.is_finite() && ratio.is_finite()).then_some((correlation, ratio))
