@@ -133,10 +133,10 @@ def test_a_killed_worker_does_not_show(
     logs: Path, tmp_path: Path, expected: dict[str, bytes], cluster: Any
 ) -> None:
     client, workers = cluster
-    calls: list[tuple[int, int]] = []
+    told: list[tuple[int, int]] = []
 
     def progress(done: int, all_: int) -> None:
-        calls.append((done, all_))
+        told.append((done, all_))
         if done == LOGS // 2:
             # In the midst of a log, most likely: there is one for each thread always.
             os.kill(workers[0].pid, signal.SIGKILL)
@@ -148,7 +148,7 @@ def test_a_killed_worker_does_not_show(
     # One that was done, but not reported yet when its worker died, is found done.
     assert result.processed + result.skipped == LOGS and result.skipped <= 1
     assert (result.failed, result.lost, result.damaged) == (1, {}, ())
-    assert calls == [(n, LOGS) for n in range(LOGS + 1)]
+    assert told == [(n, LOGS) for n in range(LOGS + 1)]
     assert files(tmp_path) == expected
     table = pytest.importorskip("pyarrow.parquet").read_table(tmp_path / "results.parquet")
     assert len(set(table["log"].to_pylist())) == LOGS
@@ -208,7 +208,7 @@ def test_the_pure_function_by_itself(
     }
 
 
-def test_mistakes_are_reported(tmp_path: Path) -> None:
+def test_mistakes_are_told(tmp_path: Path) -> None:
     manifest = tmp_path / "fleet.toml"
     with pytest.raises(undrift.UndriftError, match="No such file"):
         fleet.jobs(manifest)
