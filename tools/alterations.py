@@ -417,8 +417,8 @@ def no_vertical_velocity(imu, gnss, rng):
 
 
 def carried(speed):
-    """Standing on something that moves off gently, northwards, while there are no fixes for half a minute: in what stands at
-    its start and whose IMU has the vehicle's axes."""
+    """At rest on something that moves off gently, northwards, while there are no fixes for half a minute: in vehicles that are at rest
+    at the start and whose IMU has the vehicle's axes."""
 
     def alter(imu, gnss, rng):
         begin, ramp = 15.0, 25.0

@@ -110,7 +110,7 @@ export function workingFolder() {
   return preopened;
 }
 
-// A file of the folder by its path, `undefined` where there is none.
+// A file of the folder by its path, `undefined` if it is missing.
 export function found(folder, path) {
   return path.split("/").reduce((at, part) => at?.contents?.get(part), folder.dir);
 }

@@ -37,7 +37,7 @@ async function undrift(args, results = []) {
         else if (said.warning !== undefined) warnings.push(said.warning);
         else {
           running = undefined;
-          // What the program writes beside a panic tells nobody anything here.
+          // The program's other output on a panic is no use here.
           if (said.problem) warnings.push(`error: the program stopped (${said.problem}). Please report it, with the log if you can share it.`);
           done({ ...said, warnings });
         }

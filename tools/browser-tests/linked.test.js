@@ -41,7 +41,7 @@ test("a cursor in one figure shows its time in all, and the place on the map", a
   assert.match(seen.texts[0], /^time \[s\] \d/);
   assert.ok(seen.values.filter(v => v.length).every(v => v.some(text => /\d/.test(text))), JSON.stringify(seen.values));
   assert.ok(!seen.hidden && Math.hypot(seen.mark[0] - seen.expected[0], seen.mark[1] - seen.expected[1]) < 3, JSON.stringify(seen));
-  // The page stands still when values come and go.
+  // The page does not move when values come and go.
   await page.mouse.move(2, 2);
   await settled(page);
   assert.equal(await page.evaluate(() => document.documentElement.scrollHeight), seen.height);
@@ -201,7 +201,7 @@ test("bias models have one colour and one pattern in all figures, and ways on th
   await close();
 });
 
-test("the verdict stands first, the contents have numbers", async () => {
+test("the verdict is first, the contents have numbers", async () => {
   for (const [name, note] of [["navigate", /NIS \/ dof [\d.]+/], ["outages", /least [\d.]+ m/], ["identify", /N [\d.]+ °\/√h/]]) {
     const { page, close } = await open(browser, name, { ...from, javaScriptEnabled: false });
     assert.match(await page.locator("section").first().locator("h2 + *").first().getAttribute("class"), /^verdict( care| unusable)?$/, name);

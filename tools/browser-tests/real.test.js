@@ -39,7 +39,7 @@ for (const name of NAMES) {
     }
   });
 
-  test(`${name}: no text says that a number is none`, async () => {
+  test(`${name}: no text shows a number that is not finite`, async () => {
     const { page, close } = await open(browser, name, from);
     const text = await page.evaluate(() => document.querySelector("main").innerText);
     assert.doesNotMatch(text, /\b(NaN|undefined|null|Infinity|inf)\b/);

@@ -27,7 +27,7 @@ const tile = (() => {
   ]);
 })();
 
-// A report as a web server has it, and what it asks others for.
+// A report as served by a web server, and what it asks others for.
 async function served(name, { folder = real, html, answer = route => route.fulfill({ contentType: "image/png", body: tile }), ...options } = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
   const asked = [], troubles = [], page = await context.newPage();
@@ -101,7 +101,7 @@ async function covered(page) {
   return { zoom: Number(zooms[0]), count: boxes.length };
 }
 
-test("a map asks for its background when told to, for its place, and no longer when it is taken away", async () => {
+test("a map asks for its background on demand, for its place, and no longer when it is taken away", async () => {
   for (const name of ["navigate", "outages"]) {
     const { page, asked, troubles, box, close } = await served(name);
     await settled(page);

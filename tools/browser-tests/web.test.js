@@ -280,7 +280,7 @@ test("logs cut at every twentieth are a result or a message, never a dead page",
 const corpora = ["fuzz/corpus-seeds", "fuzz/corpus", "fuzz/artifacts"].map(name => path.join(root, name)).filter(existsSync);
 const hostile = corpora.flatMap(folder => readdirSync(folder, { recursive: true }).map(name => path.join(folder, String(name)))).filter(name => statSync(name).isFile());
 
-test("the corpora of the fuzz targets are a result or a message", { skip: missing || (hostile.length ? false : "there are none") }, async () => {
+test("the corpora of the fuzz targets are a result or a message", { skip: missing || (hostile.length ? false : "no corpora") }, async () => {
   const { page, troubles, close } = await open();
   for (const name of hostile) await survives(page, path.basename(name), [readFileSync(name)], name);
   assert.deepEqual(troubles, []);

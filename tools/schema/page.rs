@@ -1,6 +1,6 @@
 //! JSON Schema of a file that is read key by key: what each key takes as its reader asks for it, what it
 //! means as the file's page in docs/ says. Included by the tests beside the readers:
-//! `UPDATE=1 cargo test schema` writes docs/schema anew.
+//! `UPDATE=1 cargo test schema` rewrites docs/schema.
 
 // Each file's reader takes some of these only.
 #![allow(dead_code)]
@@ -98,7 +98,7 @@ pub(crate) fn rows(page: &str) -> BTreeMap<Key, Row> {
     rows
 }
 
-/// A default that stands alone in its cell.
+/// A default that is alone in its cell.
 fn value_of(cell: &str) -> Option<Value> {
     serde_json::from_str(cell.trim_matches('`')).ok()
 }

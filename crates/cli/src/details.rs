@@ -69,7 +69,7 @@ pub fn drive(source: &Source) {
     text_of(file, || source.text().unwrap_or_default());
 }
 
-/// Shows a file of settings as it stands.
+/// Prints a file of settings unchanged.
 pub fn text(file: &Path) {
     text_of(file, || std::fs::read_to_string(file).unwrap_or_default());
 }

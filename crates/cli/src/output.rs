@@ -87,7 +87,7 @@ fn real(file: &Path) -> Option<PathBuf> {
     file.canonicalize().ok().filter(|real| real.is_file())
 }
 
-/// Whether a path stands for standard output.
+/// Whether a path means standard output.
 fn is_standard(file: &Path) -> bool {
     file == Path::new("-")
 }

@@ -58,7 +58,7 @@ pub fn allan(identified: &Identify) -> String {
     Vec::from_iter(plots).join("\n").trim_end().to_owned()
 }
 
-/// The last letter of an axis' name stands for it.
+/// Short name of an axis: the last letter of its name.
 fn letter(name: &str) -> char {
     name.chars().last().unwrap_or('*')
 }

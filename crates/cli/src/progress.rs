@@ -256,7 +256,7 @@ mod tests {
             of("navigated", "samples", 1_000_000, 250_000, 2700),
             "navigated: 25 %, 93 samples/s, 2 h 15 min left"
         );
-        // Nothing done tells nothing of the rest.
+        // No estimate of the remaining time before any work is done.
         assert_eq!(
             of("identified", "axes", 6, 0, 3),
             "identified: 0 of 6 axes, 0.00/s"

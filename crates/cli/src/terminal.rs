@@ -1,4 +1,4 @@
-//! What goes to the terminal: how much, in which colours, and what a script is told at the end.
+//! What goes to the terminal: how much, in which colours, and the exit status for scripts.
 //!
 //! Results go to standard output; warnings, details and progress to standard error.
 //!

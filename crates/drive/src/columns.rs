@@ -299,7 +299,7 @@ fn letters(name: &str) -> String {
     letters.map(|c| c.to_ascii_lowercase()).collect()
 }
 
-/// What a column's name means, and the unit that it tells in brackets or by its ending.
+/// What a column's name means, and the unit that it states in brackets or by its ending.
 pub fn meaning(column: &str) -> Option<(Meaning, Option<String>)> {
     let name = column.trim().to_ascii_lowercase();
     let (stem, unit) = split_unit(&name);

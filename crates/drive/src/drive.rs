@@ -123,7 +123,7 @@ pub struct Drive {
     pub gating: bool,
     /// Whether the stated standard deviations of the fixes are corrected by the innovations.
     pub adapt: bool,
-    /// How the kind of solution bears on the standard deviation of a position.
+    /// How the fix quality scales the standard deviation of a position.
     pub quality: QualityStd,
     /// The time-correlated part of the position's error.
     pub correlation: Correlation,
@@ -131,7 +131,7 @@ pub struct Drive {
     pub std_factors: StdFactors,
     /// Noise model of the IMU, if the file names one.
     pub model: Option<ImuModel>,
-    /// What the times of the samples count from, where a log or the drive file tells it.
+    /// What the times of the samples count from, where a log or the drive file states it.
     pub epoch: Option<Epoch>,
     /// How the inertial log begins.
     pub beginning: Beginning,
@@ -356,7 +356,7 @@ impl Drive {
 }
 
 /// The files that a drive file's text names, by their tables: "imu", "gnss" and so on, and "model", which
-/// may be a preset as well. Of a text that is no drive file, those that can be told.
+/// may be a preset as well. Of a text that is not a valid drive file, those that can be found.
 pub fn files_named(text: &str) -> Vec<(&'static str, String)> {
     let Ok(table) = parse(text, "") else {
         return Vec::new();

@@ -31,10 +31,10 @@ use undrift_io::{
     table::Preview,
 };
 
-/// Tells what a file is.
+/// Identifies a log file: its format, columns and units.
 ///
 /// # Errors
-/// If the file cannot be opened or is no log. What cannot be read of it is told in the parts.
+/// If the file cannot be opened or is not a log. Parts that cannot be read are marked in the result.
 pub fn inspect(path: &Path) -> Result<Inspection, ReadError> {
     of_log(path, Opened::hold(path)?)
 }
@@ -101,8 +101,8 @@ fn of_log(path: &Path, held: Option<Memory>) -> Result<Inspection, ReadError> {
     Ok(inspection)
 }
 
-/// What the names of columns alone tell: the parts that they can serve, each with the keys that no
-/// number was looked at for. A unit that no name tells is left out.
+/// What the names of columns alone show: the parts that they can serve, each with the keys that no
+/// number was looked at for. Units that no name states are omitted.
 pub fn by_names(names: &[String]) -> Vec<Part> {
     let table = Preview {
         names: names.to_vec(),
@@ -180,7 +180,7 @@ mod tests {
 
     #[test]
     fn names_alone_tell_no_unit_that_they_do_not_say() {
-        let told = |names: &[&str]| {
+        let keys_of = |names: &[&str]| {
             let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
             let parts = by_names(&names).into_iter();
             let lines = |part: Part| part.lines.into_iter().map(|l| (l.key, l.value)).collect();
@@ -197,7 +197,7 @@ mod tests {
         let names = [
             "gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z",
         ];
-        assert_eq!(told(&names), [[gyro, accel]]);
+        assert_eq!(keys_of(&names), [[gyro, accel]]);
         let [gyro, accel] = imu("g?_dps", "a?_g");
         let names = ["t_ms", "gx_dps", "gy_dps", "gz_dps", "ax_g", "ay_g", "az_g"];
         let expected = [
@@ -208,7 +208,7 @@ mod tests {
             accel,
             ("accel_unit", "\"g\"".to_owned()),
         ];
-        assert_eq!(told(&names), [expected]);
+        assert_eq!(keys_of(&names), [expected]);
         let names = [
             "UTC_date",
             "UTC_time",
@@ -226,8 +226,11 @@ mod tests {
             ("velocity", "[\"vx_ecef\", \"vy_ecef\", \"vz_ecef\"]"),
             ("velocity_axes", "\"ecef\""),
         ];
-        assert_eq!(told(&names), [earth_fixed.map(|(k, v)| (k, v.to_owned()))]);
-        let fixes = told(&["time", "lat", "lon", "height"]);
+        assert_eq!(
+            keys_of(&names),
+            [earth_fixed.map(|(k, v)| (k, v.to_owned()))]
+        );
+        let fixes = keys_of(&["time", "lat", "lon", "height"]);
         assert_eq!(fixes.concat().len(), 2, "time and position: {fixes:?}");
     }
 

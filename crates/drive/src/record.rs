@@ -159,7 +159,7 @@ const BEGINNING: usize = 4000;
 /// Reads a record in one pass.
 ///
 /// # Errors
-/// A file that cannot be read; columns or units that neither the format nor the header tells.
+/// A file that cannot be read; columns or units that neither the format nor the header states.
 pub fn read(opened: Opened, format: &RecordFormat) -> Result<Record, ReadError> {
     let record = Record {
         name: opened.name().to_path_buf(),

@@ -17,7 +17,7 @@ use undrift_results::{Numbers, by_name};
 /// Index of the horizontal error in [`Errors`].
 pub const HORIZONTAL: usize = 3;
 
-/// One value per component of [`COMPONENTS`]; NaN where the reference does not have it.
+/// One value per component of [`COMPONENTS`], north-east-down \[m, m/s, deg\]; NaN where the reference does not have it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors(pub [f64; 10]);
 
@@ -48,7 +48,7 @@ impl Errors {
         ])
     }
 
-    /// Of a navigation state against the truth at its time.
+    /// Of a navigation state against the reference at the same time.
     pub fn against_truth(nav: &NavState, truth: &TruthSample) -> Self {
         let dr = truth.position.offset_to(&nav.position);
         let dv = truth.v_n.map(|v| nav.v_n - v);
@@ -56,7 +56,7 @@ impl Errors {
         Self::new(&dr, dv, rpy)
     }
 
-    /// Of the predicted antenna against a fix; the attitude stays unknown.
+    /// Of the predicted antenna against a fix, with the lever arm \[m\] in body axes; the attitude stays unknown.
     pub fn against_fix(filter: &dyn Estimator, fix: &GnssFix, lever_b: &Vector3) -> Self {
         let antenna = filter.antenna_position(lever_b);
         Self::of_antenna(&antenna, &filter.antenna_velocity(lever_b), fix)
@@ -95,11 +95,11 @@ impl Errors {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Predicted(pub [Matrix3; 3]);
 
-/// The groups of components that [`Predicted`] tells of: name, and place of the first of three in [`Errors`].
+/// The groups of components in [`Predicted`]: name, and index of the first of three in [`Errors`].
 pub const GROUPS: [(&str, usize); 3] = [("position", 0), ("velocity", 4), ("attitude", 7)];
 
 impl Predicted {
-    /// By a filter as it stands.
+    /// From the present covariance of a filter.
     pub fn of(filter: &dyn Estimator) -> Self {
         let p = filter.covariance();
         Self([0, 3, 6].map(|at| p.fixed_view::<3, 3>(at, at).into_owned()))

@@ -38,7 +38,7 @@ impl Rejected {
         Ok(rejected)
     }
 
-    /// Notes what became of the position and the velocity of the fix of this time \[s\]; in order of time.
+    /// Notes whether position and velocity of the fix at this time \[s\] were rejected; in order of time.
     pub fn note(&mut self, time: f64, updates: [Option<Update>; 2]) {
         let is_rejected = |update: &Update| update.outcome == Outcome::Rejected;
         for (times, update) in self.times.iter_mut().zip(updates) {
@@ -189,7 +189,7 @@ mod tests {
         let mut aiding: Vec<Measurement> = (0..10)
             .map(|k| Measurement::Gnss(at(f64::from(k))))
             .collect();
-        // One without a position is none.
+        // A fix without a position does not count.
         aiding[4] = Measurement::Gnss(GnssFix {
             position: None,
             ..at(4.0)

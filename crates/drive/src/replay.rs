@@ -30,21 +30,21 @@ pub type Measurements<'a> = dyn Iterator<Item = Result<Measurement, ReadError>> 
 
 /// As [`undrift_engine::Observer`], of one that may fail: the replay ends with its error.
 pub trait Observer {
-    /// A sample was processed, and every fix up to its end; the filter stands at the sample's end.
+    /// A sample was processed, and every fix up to its end; the filter is at the sample's end.
     ///
     /// # Errors
     /// Its own; the replay ends with it.
     fn sample(&mut self, _filter: &dyn Estimator) -> Result<(), ReplayError> {
         Ok(())
     }
-    /// A fix was reached; the filter stands at its time, before any update with it.
+    /// A fix was reached; the filter is at its time, before any update with it.
     fn fix(&mut self, _filter: &dyn Estimator, _fix: &GnssFix, _withheld: bool) {}
     /// A fix at `time` \[s\] went into the solution, or began it.
     fn used(&mut self, _time: f64) {}
-    /// What became of the position and the velocity of the fix of this time \[s\], where they were
-    /// shown to the filter.
+    /// Whether position and velocity of the fix at this time \[s\] were used, down-weighted or
+    /// rejected, where they were shown to the filter.
     fn updated(&mut self, _time: f64, _updates: [Option<Update>; 2]) {}
-    /// A block of samples was judged to be rest or motion; the filter stands at its end.
+    /// A block of samples was judged to be rest or motion; the filter is at its end.
     fn judged(&mut self, _filter: &dyn Estimator, _rest: bool) {}
     /// The mounting was found, or found better: from the next sample on body axes are the vehicle's.
     fn mounted(&mut self, _mounting: &Mounting) {}
@@ -126,7 +126,7 @@ pub enum ReplayError {
     /// The filter cannot be built.
     #[error(transparent)]
     Filter(#[from] FilterError),
-    /// A sample or measurement that is none.
+    /// Invalid sample or measurement.
     #[error(transparent)]
     Push(PushError),
 }
@@ -140,7 +140,7 @@ impl From<PushError> for ReplayError {
     }
 }
 
-/// Two streams, each in order of time, as one. An error is passed on where it stands.
+/// Two streams, each in order of time, as one. Errors are passed on in place.
 pub fn merge<E>(
     first: impl Iterator<Item = Result<Measurement, E>>,
     second: impl Iterator<Item = Result<Measurement, E>>,

@@ -159,7 +159,7 @@ impl History {
         self.nodes == 0
     }
 
-    /// Writes down a node: the filter as it stands and the tape since the node before. Without a tape
+    /// Stores a node: the present state of the filter and the tape since the node before. Without a tape
     /// nothing after this node says anything about what was before it.
     ///
     /// # Errors
@@ -209,7 +209,7 @@ impl History {
         self.store.append(&self.record)
     }
 
-    /// Goes back through the nodes; `None` if there are none.
+    /// Goes back through the nodes; `None` without nodes.
     ///
     /// # Errors
     /// If the temporary file cannot be read.

@@ -1,4 +1,4 @@
-//! The temperature of an inertial log: where it stands, and what a model makes of it.
+//! The temperature of an inertial log: the column that holds it, and how a model uses it.
 
 use crate::columns::{Meaning, meaning};
 use std::path::Path;

@@ -193,10 +193,10 @@ pub fn run(
     let models = models::models(&experiment.source, &identified)?;
 
     let total = samples(models.len(), rides.len(), paper::replays(&experiment));
-    let told = |more| done(Stage::Navigation, more, total);
-    told(0);
+    let progress = |more| done(Stage::Navigation, more, total);
+    progress(0);
     let runs: Vec<_> = (0..CUTS.len())
-        .map(|length| ridden(&rides, length, &models, &told))
+        .map(|length| ridden(&rides, length, &models, &progress))
         .collect();
     let lengths = runs.iter().map(|runs| pooled::pooled(&models, runs));
     let lengths = lengths.collect();
@@ -207,7 +207,7 @@ pub fn run(
             &runs[0],
             &identified,
             &record,
-            &told,
+            &progress,
         )?),
         false => None,
     };

@@ -2,7 +2,7 @@
 //! large as its covariance says.
 //!
 //! The motion is the same in every run; the sensors' errors with their turn-on constants, the GNSS
-//! noise and, where asked for, the error of the first attitude are drawn anew. What is measured is in
+//! noise and, where asked for, the error of the first attitude are drawn for each run. What is measured is in
 //! [`undrift_drive::consistency`]. Runs go over all cores; the result does not depend on how many there are.
 //!
 //! The true bias is what can be predicted of the sensor's next error by the model that the errors
@@ -92,7 +92,7 @@ struct Shared<'a> {
     models: Vec<(String, Settings)>,
 }
 
-/// Carries out `runs` runs of `spec`; `done` is told of each.
+/// Carries out `runs` runs of `spec`; `done` is called after each.
 ///
 /// # Errors
 /// For a specification that cannot be simulated or filtered, and for a run without alignment. A run
@@ -185,7 +185,7 @@ impl<'a> Shared<'a> {
             .collect();
         let mut stepper = Stepper::new(&spec.trajectory);
         stepper.advance_to(fix_times.first().copied().unwrap_or(0.0));
-        // Told before the first run rather than by it.
+        // Reports errors before the first run.
         SensorErrors::new(&spec.sensors()?, spec.rate_hz, 0)?;
         Ok(Self {
             spec,

@@ -58,7 +58,7 @@ struct Held {
 }
 
 impl Held {
-    /// Takes up a sample that goes on where the filter stands, after the rest of the one before.
+    /// Takes up a sample that begins at the filter's time, after the rest of the one before.
     fn begin(&mut self, sample: &ImuSample) -> Result<(), String> {
         let filter = &mut self.estimator;
         filter
@@ -82,7 +82,7 @@ impl Held {
             let end = filter.sample_end().unwrap_or(now);
             if !(now - STAMP_ROUNDING..=end + STAMP_ROUNDING).contains(&to) {
                 return Err(format!(
-                    "cannot advance to {to} s: the filter stands at {now} s and the sample taken up ends at {end} s"
+                    "cannot advance to {to} s: the filter is at {now} s and the sample taken up ends at {end} s"
                 ));
             }
         } else if !self.begun {

@@ -157,7 +157,7 @@ pub fn write_csv(py: Python<'_>, path: PathBuf, columns: Named<'_>) -> PyResult<
         for row in 0..rows {
             for (k, column) in columns.iter().enumerate() {
                 let comma = if k > 0 { "," } else { "" };
-                // Nothing stands for what is not there.
+                // A missing value is an empty cell.
                 match column.get(row).copied().filter(|value| !value.is_nan()) {
                     None => write!(file, "{comma}")?,
                     Some(value) => write!(file, "{comma}{value:?}")?,

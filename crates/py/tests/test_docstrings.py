@@ -35,13 +35,13 @@ def test_parameters_are_documented(name: str) -> None:
     text = inspect.getdoc(found) or ""
     assert "\nRaises\n------\n" in text, name
     section = text.partition("\nParameters\n----------\n")[2].partition("\n\n")[0]
-    told = [
+    documented = [
         one.strip().lstrip("*")
         for line in section.split("\n")
         if not line.startswith(" ")
         for one in line.partition(" : ")[0].split(",")
     ]
-    assert told == list(inspect.signature(found).parameters), name
+    assert documented == list(inspect.signature(found).parameters), name
     if inspect.signature(found).return_annotation != "None":
         assert "\nReturns\n-------\n" in text, name
 

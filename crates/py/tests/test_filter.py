@@ -127,15 +127,15 @@ def test_covariance_and_innovation(sim: undrift.Simulation) -> None:
     state = filter.state
     # 3 m north: predicted less measured is -3 m, NIS (3 m)^2 over the sum of both variances.
     north = 3.0 / 6_356_752.0
-    (told,) = filter.update_gnss(
+    (update,) = filter.update_gnss(
         position=(state.lat + north, state.lon, state.height), position_cov=np.diag([4.0, 4.0, 9.0])
     )
-    assert filter.innovation is told and told.kind == "position" and told.dof == 3
+    assert filter.innovation is update and update.kind == "position" and update.dof == 3
     # The radius of the meridian differs from the polar one by up to 1 %.
-    assert told.innovation == pytest.approx([-3.0, 0.0, 0.0], abs=0.03)
+    assert update.innovation == pytest.approx([-3.0, 0.0, 0.0], abs=0.03)
     variance = 4.0 + sim.gnss.position_std[0, 0] ** 2
-    assert told.nis == pytest.approx(told.innovation[0] ** 2 / variance, rel=1e-9)
-    assert told.outcome == "used" and told.factor == 1.0
+    assert update.nis == pytest.approx(update.innovation[0] ** 2 / variance, rel=1e-9)
+    assert update.outcome == "used" and update.factor == 1.0
     (far,) = filter.update_gnss(
         position=(state.lat + 1000 * north, state.lon, state.height), gate=(9.0, 100.0)
     )
@@ -147,7 +147,7 @@ def test_every_measurement_is_taken(sim: undrift.Simulation) -> None:
     filter = start_of(sim, 0, parameters=parameters)
     rest, force = sim.imu.gyro[:50].mean(axis=0), sim.imu.accel[:50].mean(axis=0)
     filter.predict(rest, force)
-    for told, kind, dof in (
+    for update, kind, dof in (
         (filter.update_zero_velocity(), "zero velocity", 3),
         (filter.update_earth_rate(rest, 0.002), "earth rate", 3),
         (filter.update_level(force, 0.05), "level", 2),
@@ -156,8 +156,8 @@ def test_every_measurement_is_taken(sim: undrift.Simulation) -> None:
         (filter.update_barometer(20.0), "barometer", 1),
         (filter.update_course(0.5, 0.1), "course", 1),
     ):
-        assert told is not None and told.kind == kind and told.dof == dof
-        assert len(told.innovation) == len(told.whitened) == dof
+        assert update is not None and update.kind == kind and update.dof == dof
+        assert len(update.innovation) == len(update.whitened) == dof
     state = filter.state
     assert set(state.parameters) == set(parameters)
     value, std = state.parameters["barometer_bias"]
@@ -218,7 +218,7 @@ def test_a_refused_update_leaves_the_filter_as_it_was(
     filter.predict(*REST)
     before, innovation = everything(filter), filter.innovation
     state = filter.state
-    # A good position stands before what is refused.
+    # A good position precedes what is refused.
     good = {"position": (state.lat + 1e-7, state.lon, state.height)}
     with pytest.raises(undrift.UndriftError, match=problem):
         filter.update_gnss(**{**good, **fix})
@@ -329,7 +329,7 @@ def test_numbers_of_numpy_are_numbers(sim: undrift.Simulation) -> None:
     filter.update_zero_velocity(f32(0.1), gate=(f32(9.0), np.inf))
     filter.update_gnss(position=np.array([0.5, 0.1, 0.0]), position_std=f32(2.0))
     filter.update_barometer(f32(1.0), np.int32(2))
-    # As float32 has it.
+    # As in float32.
     assert filter.time == pytest.approx(1.02, abs=1e-6)
 
 

@@ -39,22 +39,22 @@ def test_identify_is_the_terminals(
                header=",".join(noise), comments="")
     done = terminal("identify", path, "--rate", RATE, "--units", "rad/s,m/s^2", "-o", model,
                     "--json", "-")
-    told = json.loads(done.stdout)
+    printed = json.loads(done.stdout)
     of_file = undrift.identify(path, rate=RATE, units="rad/s,m/s^2")
-    assert json.loads(of_file.json) == told
-    told["record"] = "<record>"
-    assert json.loads(found.json) == told
+    assert json.loads(of_file.json) == printed
+    printed["record"] = "<record>"
+    assert json.loads(found.json) == printed
     assert of_file.model().to_toml() == model.read_text()
     bare = undrift.identify(np.column_stack(list(noise.values())), rate=RATE)
-    assert bare.data["axes"] == told["axes"]
+    assert bare.data["axes"] == printed["axes"]
 
 
 def test_what_was_found_has_names(found: undrift.Identified) -> None:
     axis = found.axes["gyro_z"]
-    told = found.data["axes"]["gyro_z"]
-    assert [c.name for c in axis.candidates] == told["ranking"]
-    assert found.recommended["gyro_z"] == axis.recommended.name == told["chosen"]["name"]
-    assert axis.adev.tolist() == told["allan"]["adev"] and axis.tests["adf"] == told["adf"]
+    printed = found.data["axes"]["gyro_z"]
+    assert [c.name for c in axis.candidates] == printed["ranking"]
+    assert found.recommended["gyro_z"] == axis.recommended.name == printed["chosen"]["name"]
+    assert axis.adev.tolist() == printed["allan"]["adev"] and axis.tests["adf"] == printed["adf"]
     assert list(found.axes) == ["gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"]
     assert found.verdict == "usable"
     assert axis.reason and axis.stationarity and not found.failed

@@ -122,5 +122,5 @@ def test_the_model_is_the_terminals(terminal_json: Callable[..., Any]) -> None:
         pytest.skip("no reader of TOML")
     import tomllib
 
-    told = terminal_json("model", "icm20602")
-    assert json.loads(json.dumps(tomllib.loads(NoiseModel.load("icm20602").to_toml()))) == told
+    of_terminal = terminal_json("model", "icm20602")
+    assert json.loads(json.dumps(tomllib.loads(NoiseModel.load("icm20602").to_toml()))) == of_terminal

@@ -27,14 +27,14 @@ def saved(simulation: undrift.Simulation, tmp_path_factory: pytest.TempPathFacto
     return simulation.save(tmp_path_factory.mktemp("drive"))
 
 
-def without_names(told: Any) -> Any:
+def without_names(of_terminal: Any) -> Any:
     """A result without what its files are called."""
-    told["drive"] = {
+    of_terminal["drive"] = {
         key: value
-        for key, value in told["drive"].items()
+        for key, value in of_terminal["drive"].items()
         if key not in ("file", "imu", "gnss", "truth", "odometer", "barometer")
     }
-    return told
+    return of_terminal
 
 
 def test_a_stated_date_is_that_of_the_solution(saved: Path) -> None:
@@ -56,10 +56,10 @@ def test_navigate_is_the_terminals(
     # Without bias states the solution is not usable.
     done = undrift.navigate(saved, bias_model=bias_model, smooth=smooth, strict=False)
     flags = ["--smooth"] if smooth else []
-    told = terminal_json("navigate", saved, "--bias-model", bias_model, *flags)
-    assert json.loads(done.json) == told
-    assert done.rmse == told["rms_error"]
-    assert done.fixes == told["summary"]["fixes"]
+    of_terminal = terminal_json("navigate", saved, "--bias-model", bias_model, *flags)
+    assert json.loads(done.json) == of_terminal
+    assert done.rmse == of_terminal["rms_error"]
+    assert done.fixes == of_terminal["summary"]["fixes"]
 
 
 def test_the_text_is_the_terminals(saved: Path, terminal: Run) -> None:
@@ -147,7 +147,7 @@ def test_tables_of_all_kinds_are_one_drive(
             value = "0.03, 0.03, 0.03 m/s" if isinstance(value, tuple) else value
             text += f"{key} = {json.dumps(value)}\n"
     (tmp_path / "drive.toml").write_text(text)
-    told = terminal_json("navigate", tmp_path / "drive.toml")
+    of_terminal = terminal_json("navigate", tmp_path / "drive.toml")
 
     def convert(frame: Any) -> Any:
         if kind == "arrow":
@@ -160,10 +160,10 @@ def test_tables_of_all_kinds_are_one_drive(
 
     given = {name: {"file": convert(logs[name]), **KEYS[name]} for name in logs}
     done = undrift.navigate(given["imu"], given["gnss"], "adis16405")
-    assert without_names(done.data) == without_names(told)
+    assert without_names(done.data) == without_names(of_terminal)
 
 
-def test_short_keys_and_columns_told_by_their_names(simulation: undrift.Simulation) -> None:
+def test_short_keys_and_columns_known_by_their_names(simulation: undrift.Simulation) -> None:
     imu, gnss = simulation.imu, simulation.gnss
     done = undrift.navigate(
         {"time": imu.time, "gyro": imu.gyro, "accel": imu.accel},
@@ -244,18 +244,18 @@ def test_outages_are_the_terminals(
 ) -> None:
     names = ["white", "gauss-markov", "arma"]
     done = undrift.outages(saved, bias_models=names, length=8.0, count=3, start=75.0, smooth=smooth)
-    told = terminal_json(
+    of_terminal = terminal_json(
         "outages", saved, "--bias-models", ",".join(names), "--length", 8, "--count", 3,
         "--start", 75, *(["--smooth"] if smooth else []),
     )
-    assert json.loads(done.json) == told
+    assert json.loads(done.json) == of_terminal
     of_arrays = undrift.outages(
         simulation, bias_models=names, length=8.0, count=3, start=75.0, smooth=smooth
     )
-    assert without_names(of_arrays.data) == without_names(told)
+    assert without_names(of_arrays.data) == without_names(of_terminal)
     assert list(done.models) == names and done.cuts.shape == (3, 2)
     arma = done.models["arma"]
-    assert arma.max == told["models"]["arma"]["max"]
+    assert arma.max == of_terminal["models"]["arma"]["max"]
     curve = arma.outages[0]
     assert curve.start == done.cuts[0, 0] and curve.since[-1] <= 8.0 + 1e-6
     largest = max(drift.horizontal.max() for drift in arma.outages)

@@ -40,7 +40,7 @@ def plain(record: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
 
 
 def null(value: float) -> float | None:
-    """A number as JSON has it."""
+    """A number as in JSON."""
     return value if math.isfinite(value) else None
 
 

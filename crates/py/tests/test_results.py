@@ -78,7 +78,7 @@ def test_a_fit_outside_of_its_band_is_marked(curve: Any) -> None:
     fit = curve.terms.deviation(curve.tau)
     fitted = curve.tau >= curve.terms.shortest_tau
     assert np.array_equal(outside, fitted & ((fit < curve.lower) | (fit > curve.upper)))
-    # A sine is none of the terms: they miss it by far.
+    # No term models a sine: the residual is large.
     x = np.random.Generator(np.random.PCG64(1)).standard_normal(20_000)
     sine = undrift.allan(x + 3.0 * np.sin(np.arange(20_000) / 100.0), 100.0)
     assert sine.outside.sum() >= 3

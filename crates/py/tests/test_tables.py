@@ -33,7 +33,7 @@ def same(found: undrift.Navigation, expected: undrift.Navigation) -> None:
 
 
 def navigate(*logs: Any, **settings: Any) -> undrift.Navigation:
-    """With the antenna where the simulation's drive file has it."""
+    """With the antenna where the simulation's drive file puts it."""
     return undrift.navigate(*logs, lever_arm=(0.0, 0.0, 0.0), **settings)
 
 

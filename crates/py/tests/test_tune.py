@@ -75,12 +75,12 @@ def test_values_lie_where_they_may(tuning: undrift.Tuning) -> None:
 
 
 def test_fields_are_the_json(tuning: undrift.Tuning) -> None:
-    told = tuning.data
-    assert told["kind"] == "tune"
+    stored = tuning.data
+    assert stored["kind"] == "tune"
     for field in ("start", "guessed", "unseen", "held_out", "converged", "windows", "evaluations"):
-        assert getattr(tuning, field) == told[field], field
-    assert [dataclasses.asdict(parameter) for parameter in tuning.parameters] == told["parameters"]
-    for drift, of_json in zip(tuning.drift, told["drift"], strict=True):
+        assert getattr(tuning, field) == stored[field], field
+    assert [dataclasses.asdict(parameter) for parameter in tuning.parameters] == stored["parameters"]
+    for drift, of_json in zip(tuning.drift, stored["drift"], strict=True):
         assert json.loads(json.dumps(dataclasses.asdict(drift))) == of_json
 
 

@@ -1,4 +1,4 @@
-//! Results into a document: one told, several of a kind compared, several kinds one after the other.
+//! Results into a document: one reported, several of a kind compared, several kinds one after the other.
 
 use super::{
     Document, Section, demo, fleet, identify, montecarlo, navigate, outages,

@@ -126,7 +126,7 @@ fn significant(value: f64) -> i32 {
     6 - value.abs().log10().floor() as i32
 }
 
-/// A number with so many decimals, fewer where the last are zeros; null where it is none.
+/// A number with so many decimals, fewer where the last are zeros; null if it is not finite.
 fn number(value: f64, decimals: i32) -> Value {
     if !value.is_finite() {
         return Value::Null;
@@ -200,7 +200,7 @@ mod tests {
         );
     }
     #[test]
-    fn values_in_a_tiny_span_are_told_apart() {
+    fn values_in_a_tiny_span_are_distinguished() {
         let x = [1.0, 1.0 + 1e-12, 1.0 + 3e-12, 1.0 + 7e-12];
         let Value::Array(kept) = list(&x) else {
             panic!("no list");

@@ -7,7 +7,7 @@ pub fn utc(iso: &str) -> String {
     iso.replace('T', " ").replace('Z', " UTC")
 }
 
-/// What tells a date, by its name in results.
+/// Source of a date, by its name in results.
 pub fn clock(name: &str) -> &str {
     match name {
         "gnss" => "from the GNSS receiver",
@@ -20,7 +20,7 @@ pub fn clock(name: &str) -> &str {
     }
 }
 
-/// A time of a drive \[s\] as a date, and what tells it; without a date, that there is none.
+/// A time of a drive \[s\] as a date, with its source, or that the logs hold no date. `None` for data without a drive file.
 pub fn of_drive(drive: &Drive, time: f64) -> Option<String> {
     if drive.file.is_none() || !time.is_finite() {
         return None;

@@ -33,7 +33,7 @@ impl Document {
 pub struct Section {
     /// Its heading.
     pub title: String,
-    /// What stands in it, in order.
+    /// Its content, in order.
     pub blocks: Vec<Block>,
     /// Its numbers in a few words, beside its heading in the contents; or empty.
     pub note: String,
@@ -42,7 +42,7 @@ pub struct Section {
 }
 
 impl Section {
-    /// A section of some blocks; without any there is none.
+    /// A section of some blocks; `None` without blocks.
     pub(crate) fn of(title: &str, blocks: impl IntoIterator<Item = Block>) -> Option<Self> {
         let blocks = Vec::from_iter(blocks);
         (!blocks.is_empty()).then(|| Self {
@@ -124,7 +124,7 @@ impl Table {
         }
     }
 
-    /// Adds a column of numbers whose least stands out.
+    /// Adds a column of numbers whose least is marked.
     pub(crate) fn add_ranked(&mut self, head: String, values: &[f64]) {
         self.add(head, values.iter().map(|v| short(*v).into()));
         self.mark_least(self.head.len() - 1, values);
@@ -173,16 +173,16 @@ impl Table {
 /// A cell of a table.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Cell {
-    /// What stands there.
+    /// Text of the cell.
     pub text: String,
-    /// Whether it stands out, such as the best of its row.
+    /// Whether it is marked, such as the best of its row.
     pub strong: bool,
     /// What a page links it to: the address of another page, or a file relative to this one.
     pub link: Option<String>,
 }
 
 impl Cell {
-    /// A number with so many digits after the point; a dash where there is none.
+    /// A number with so many digits after the point; a dash if it is not finite.
     pub fn number(value: f64, digits: usize) -> Self {
         if value.is_finite() {
             format!("{value:.digits$}").into()
@@ -270,7 +270,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// A figure of some panels; without any there is none.
+    /// A figure of some panels; `None` without panels.
     pub(crate) fn of(
         name: &str,
         caption: &str,
@@ -304,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_of_numbers_are_told_from_text() {
+    fn columns_of_numbers_are_distinguished_from_text() {
         let row = |a: &str, b: &str, c: &str| vec![a.into(), b.into(), c.into()];
         let table = Table {
             rows: vec![row("1", "−2.5 %", "–"), row("x", "–", "")],

@@ -73,7 +73,7 @@ pub fn consistency(document: &Document) -> String {
     drawing.file()
 }
 
-/// The drawing of a figure; `id` tells those of one page apart.
+/// The drawing of a figure; `id` distinguishes those of one page.
 pub(crate) fn of(figure: &Figure, id: &str) -> Drawing {
     // Of one width on paper, however many panels stand side by side.
     let width: f64 = match figure.columns {

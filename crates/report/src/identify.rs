@@ -33,7 +33,7 @@ pub use verdict::{is_usable, verdict};
 const LEVEL: f64 = 0.05;
 
 /// What the source paper's Table 2 compares.
-const PAPER_KS: &str = "The source paper's Kolmogorov-Smirnov value, 0.4918, is the distance of its samples in rad/s from N(0, 1), without scaling: a normal distribution of 0.0061 rad/s, which its AIC stands for, is 0.4915 from it. Here the samples are scaled to their own mean and standard deviation first.";
+const PAPER_KS: &str = "The source paper's Kolmogorov-Smirnov value, 0.4918, is the distance of its samples in rad/s from N(0, 1), without scaling: a normal distribution of 0.0061 rad/s, which its AIC implies, is 0.4915 from it. Here the samples are scaled to their own mean and standard deviation first.";
 
 /// "gyro x" of "gyro_x".
 pub(crate) fn spoken(name: &str) -> String {

@@ -130,7 +130,7 @@ fn known(known: &Known) -> String {
             ..
         } => {
             return format!(
-                "estimated from {duration_s:.0} s of this drive, to ±{forward:.1}, ±{right:.1}, ±{down:.1} deg; \"auto\" finds it anew in each drive"
+                "estimated from {duration_s:.0} s of this drive, to ±{forward:.1}, ±{right:.1}, ±{down:.1} deg; \"auto\" estimates it in each drive"
             );
         }
         Known::Forces { std_deg } => {

@@ -2,7 +2,7 @@
 
 use undrift_io::is_hidden;
 
-/// Text as it stands in an element or a quoted attribute, without the characters that XML has no place for or that
+/// Text escaped for an element or a quoted attribute, without the characters that XML has no place for or that
 /// act on the text around them.
 pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());

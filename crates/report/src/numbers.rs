@@ -2,7 +2,7 @@
 
 use undrift_results::{Number, Numbers};
 
-/// A number with three significant digits; a dash where there is none.
+/// A number with three significant digits; a dash if it is not finite.
 pub fn short(value: f64) -> String {
     match value.abs() {
         v if !v.is_finite() => "–".into(),

@@ -106,8 +106,8 @@ fn summary(runs: &[Run<'_, Outages>], models: &[Model<'_>]) -> Option<Section> {
         // Of other versions' results alone: it is among the warnings.
         let doubtful = run.models.iter().filter_map(|(model, errors)| {
             let why = errors.warning.as_ref()?;
-            let told = |said: &String| said.ends_with(why.as_str());
-            (!run.warnings.iter().any(told)).then(|| format!("run as {model}, {why}"))
+            let is_reason = |said: &String| said.ends_with(why.as_str());
+            (!run.warnings.iter().any(is_reason)).then(|| format!("run as {model}, {why}"))
         });
         let all = failed.chain(doubtful).chain(run.warnings.iter().cloned());
         all.map(|warning| of_which(name, &warning)).collect()

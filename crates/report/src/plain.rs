@@ -3,7 +3,7 @@
 use crate::{Cell, Table};
 use undrift_io::visible;
 
-/// How a terminal marks what stands out; another place takes [`unmarked`].
+/// How a terminal marks emphasised text; another place takes [`unmarked`].
 pub type Mark = fn(&str) -> String;
 
 /// Text as it is.
@@ -11,8 +11,8 @@ pub fn unmarked(text: &str) -> String {
     text.to_owned()
 }
 
-/// A table in columns of their own width: names from the left, numbers to the right; heads are marked, and what
-/// stands out.
+/// A table in columns of their own width: names from the left, numbers to the right; heads are marked, and
+/// emphasised cells.
 pub(crate) fn plain_table(table: &Table, mark: Mark) -> String {
     let heads: Vec<Cell> = table.head.iter().map(|head| head.as_str().into()).collect();
     let one_line = |cell: &Cell| Cell {

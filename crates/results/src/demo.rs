@@ -160,7 +160,7 @@ pub struct OneOne {
     pub sigma: Number,
 }
 
-/// The first drive as a filter has it.
+/// The first drive as estimated by a filter.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]

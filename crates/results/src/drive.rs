@@ -70,7 +70,7 @@ pub struct Start {
     pub utc: String,
     /// Unix time then \[s\].
     pub unix_s: Number,
-    /// What tells it: "gnss", a receiver; "utc", dates of UTC or Unix times; "host", the clock of the recording
+    /// Source of the date: "gnss", a receiver; "utc", dates of UTC or Unix times; "host", the clock of the recording
     /// computer or telephone; "receipt", that clock when the records came; "no-zone", dates without a time zone
     /// read as UTC; "stated", the drive file.
     pub clock: String,

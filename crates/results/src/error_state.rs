@@ -27,7 +27,7 @@ pub const COMPONENT_NAMES: [&str; COMPONENTS] = [
 /// Number of groups.
 pub const GROUPS: usize = 6;
 
-/// The groups of components whose NEES is told: name, first component, number of them.
+/// The groups of components whose NEES is reported: name, first component, number of them.
 pub const GROUP: [(&str, usize, usize); GROUPS] = [
     ("position", 0, 3),
     ("velocity", 3, 3),

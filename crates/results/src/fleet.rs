@@ -87,7 +87,7 @@ pub struct Slope {
     pub high: Number,
     /// Degrees of freedom of the interval.
     pub freedom: Number,
-    /// Probability of as large a slope where there is none.
+    /// Probability of as large a slope if the true slope is zero.
     pub p: Number,
     /// Whether it is significant.
     pub found: bool,
@@ -106,7 +106,7 @@ pub struct Effect {
     pub high: Number,
     /// Degrees of freedom of the interval.
     pub freedom: Number,
-    /// Probability of as large a difference where there is none.
+    /// Probability of as large a difference if the true one is zero.
     pub p: Number,
     /// Whether it is significant.
     pub found: bool,
@@ -172,7 +172,7 @@ pub struct FleetPart {
     pub temperature: Vec<Bin>,
 }
 
-/// A log that stands out.
+/// An outlier among the logs.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]

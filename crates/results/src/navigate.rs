@@ -248,7 +248,7 @@ pub struct Fixes {
 }
 
 impl Fixes {
-    /// Whether there is none.
+    /// Whether there are no fixes.
     pub fn is_empty(&self) -> bool {
         self.time_s.is_empty()
     }

@@ -31,7 +31,7 @@ pub struct Outages {
     pub rejected: u64,
     /// Names of the models that were run, in their order.
     pub order: Vec<String>,
-    /// Where noise models were compared: what each name stands for. Else the models are bias models of the drive's.
+    /// Where noise models were compared: the noise model of each name. Else the models are bias models of the drive's.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub noise_models: BTreeMap<String, NoiseModelRun>,
     /// What the outages did to each of them.

@@ -329,12 +329,12 @@ fn uncertainty<const N: usize>(linear: &Linear<N>, prior: &Prior, z: &Vector) ->
     let Some(inverse) = a.try_inverse() else {
         return std::array::from_fn(|i| prior.std(i, z[i]));
     };
-    // The gradients are taken where their sum vanishes. Of their scatter that took one span's where all tell of the same
-    // parameters, and one for each parameter where each tells of its own; here it is half of the parameters.
-    let told = (&inverse * &of_data).trace();
-    let fitted = 0.5 * told;
+    // The gradients are taken where their sum vanishes. That removes one span's scatter where all inform the same
+    // parameters, and one for each parameter where each informs its own; here it is half of the parameters.
+    let informed = (&inverse * &of_data).trace();
+    let fitted = 0.5 * informed;
     j *= n / (n - fitted.clamp(1.0, 0.75 * n.max(2.0)));
-    let worth = ((&inverse * &j).trace() / told).max(1.0);
+    let worth = ((&inverse * &j).trace() / informed).max(1.0);
     let sandwich = |mut filling: DMatrix<f64>| {
         for i in 0..COUNT {
             filling[(i, i)] += precision(i);

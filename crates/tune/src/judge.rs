@@ -15,7 +15,7 @@ use undrift_nav::sample::TruthSample;
 /// Lengths of the outages \[s\].
 const LENGTHS: [f64; 3] = [10.0, 30.0, 60.0];
 /// The one that counts most \[s\].
-const TOLD: f64 = 30.0;
+const REPORTED: f64 = 30.0;
 /// Seed of the bootstrap.
 const SEED: u64 = 1;
 /// They follow each other in so many runs, so that none begins before the filter has recovered.
@@ -153,13 +153,13 @@ pub fn judge(drives: &[Unseen], gain: Option<f64>) -> Judgement {
         judged.extend(compared(length, &before, after));
         gains.extend(compared(length, &steady, &following));
     }
-    let told = gains.iter().find(|judged| judged.length == TOLD);
-    let following = told
+    let reported = gains.iter().find(|judged| judged.length == REPORTED);
+    let following = reported
         .or(gains.last())
         .zip(gain)
-        .map(|(told, gain)| Following {
-            length: told.length,
-            ratio: told.ratio(),
+        .map(|(reported, gain)| Following {
+            length: reported.length,
+            ratio: reported.ratio(),
             gain,
             kept,
         });

@@ -175,18 +175,18 @@ fn begins(logs: &Logs, settings: &Settings) -> Result<Option<f64>, ReplayError> 
     Ok(begin(imu, aiding, settings)?.map(|filter| filter.nav().time))
 }
 
-/// Noise while the vehicle stands, of the drives' seen parts: the root mean square of those that have any. What hovers
-/// or floats does not stand.
+/// Noise while the vehicle is at rest, of the drives' seen parts: the root mean square of those that have any. Vehicles
+/// that hover or float are never at rest.
 fn standing(logs: &[FitLog]) -> Option<[f64; AXES]> {
     let seen = |log: &FitLog| {
         let end = log.imu.partition_point(|s| s.time <= log.until);
         idle(&log.imu[..end], log.aiding)
     };
-    let stands = |log: &&FitLog| log.settings.constraints.zero_velocity.is_some();
+    let comes_to_rest = |log: &&FitLog| log.settings.constraints.zero_velocity.is_some();
     root_mean_square(
         &logs
             .iter()
-            .filter(stands)
+            .filter(comes_to_rest)
             .filter_map(seen)
             .collect::<Vec<_>>(),
     )

@@ -13,35 +13,35 @@ const QUIET: f64 = 1.0;
 /// The quietest is taken as this quantile of them, so that a stretch of repeated values is not.
 const QUIETEST: f64 = 0.02;
 
-/// Below this speed by the fixes the vehicle stands [m/s], if for so long \[s\].
-const STANDS: (f64, f64) = (0.15, 3.0);
+/// Below this speed by the fixes the vehicle is at rest [m/s], if for so long \[s\].
+const AT_REST: (f64, f64) = (0.15, 3.0);
 /// Length of the stretches whose means are compared at a standstill \[s\], and how many differences it takes.
 const IDLE: (f64, usize) = (1.0, 10);
 /// The median of squares of normal values of variance one.
 const MEDIAN_OF_SQUARES: f64 = 0.4549;
 
-/// Density of the white noise of each axis [unit·√s] while the vehicle stands, as it does it with the engine running:
-/// by the Allan deviation at one second, by medians, so that a door does not count. `None` where it hardly stands.
+/// Density of the white noise of each axis [unit·√s] while the vehicle is at rest with the engine running:
+/// by the Allan deviation at one second, by medians, so that a door does not count. `None` where it is hardly at rest.
 pub fn idle(imu: &[ImuSample], aiding: &[Measurement]) -> Option<[f64; AXES]> {
     let fixes = aiding.iter().filter_map(|m| match m {
         Measurement::Gnss(fix) => Some((fix.time, fix.velocity?.0.norm())),
         _ => None,
     });
-    // Spans between fixes that say that it stands.
+    // Spans between fixes that say that it is at rest.
     let mut spans: Vec<(f64, f64)> = Vec::new();
     let mut before: Option<f64> = None;
     for (time, speed) in fixes {
-        let stands = speed < STANDS.0;
+        let at_rest = speed < AT_REST.0;
         match (before, spans.last_mut()) {
-            (Some(last), Some(span)) if stands && span.1 == last => span.1 = time,
-            (Some(last), _) if stands => spans.push((last, time)),
+            (Some(last), Some(span)) if at_rest && span.1 == last => span.1 = time,
+            (Some(last), _) if at_rest => spans.push((last, time)),
             _ => {}
         }
-        before = stands.then_some(time);
+        before = at_rest.then_some(time);
     }
     let mut squares: [Vec<f64>; AXES] = Default::default();
     for (from, to) in spans {
-        if to - from < STANDS.1 {
+        if to - from < AT_REST.1 {
             continue;
         }
         // The last second may be that of pulling away, the first of braking.
@@ -91,7 +91,7 @@ pub struct Start {
     pub walk: [f64; AXES],
     /// Standard deviation of the turn-on constant \[unit\].
     pub turn_on: [f64; AXES],
-    /// White noise while the vehicle stands with its engine running [unit·√s], where it is known.
+    /// White noise while the vehicle is at rest with its engine running [unit·√s], where it is known.
     pub idle: Option<[f64; AXES]>,
     /// White noise that the samples of the drives show above the band of motion [unit·√s], where it is known.
     pub vibrating: Option<[f64; AXES]>,

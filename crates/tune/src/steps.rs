@@ -69,7 +69,7 @@ pub struct LinearSegment<const N: usize> {
     pub without_fixes: Vec<Option<(usize, Box<LinearStep<N>>)>>,
 }
 
-/// White noise that follows the vibration: what it is told by in what a replay logs.
+/// White noise that follows the vibration: what it is estimated from in the log of a replay.
 #[derive(Clone, Copy, Debug)]
 pub struct Followed {
     /// Variance of the white noise of a sample by the model \[unit²\].

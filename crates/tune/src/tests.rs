@@ -43,7 +43,7 @@ fn at_speed(speed: f64) -> Vec<Measurement> {
 #[test]
 fn the_noise_of_a_standing_vehicle_is_the_root_mean_square_of_the_drives_that_stand() {
     let (quiet, loud) = (alternating(1.0), alternating(7.0));
-    let (stands, moves) = (at_speed(0.0), at_speed(5.0));
+    let (at_rest, moves) = (at_speed(0.0), at_speed(5.0));
     let hovers = Settings::new([ShapingFilter::white(0.0, DT).unwrap(); AXES]);
     let mut settings = hovers.clone();
     settings.constraints.zero_velocity = Some(0.02);
@@ -53,7 +53,7 @@ fn the_noise_of_a_standing_vehicle_is_the_root_mean_square_of_the_drives_that_st
         settings: settings.clone(),
         until,
     };
-    let one = |imu| log(imu, &stands[..], &settings, f64::INFINITY);
+    let one = |imu| log(imu, &at_rest[..], &settings, f64::INFINITY);
     let of = |logs: &[FitLog]| standing(logs).map(|found| found[0]);
     let quietly = of(&[one(&quiet)]).unwrap();
     // 1 and 7: of the mean of 1 and 49 the root is 5.
@@ -65,8 +65,8 @@ fn the_noise_of_a_standing_vehicle_is_the_root_mean_square_of_the_drives_that_st
     // What moves, hovers or is not to be seen says nothing.
     let silent = [
         log(&loud, &moves, &settings, f64::INFINITY),
-        log(&loud, &stands, &hovers, f64::INFINITY),
-        log(&loud, &stands, &settings, 5.0),
+        log(&loud, &at_rest, &hovers, f64::INFINITY),
+        log(&loud, &at_rest, &settings, 5.0),
     ];
     assert_eq!(standing(&silent), None);
     assert_eq!(standing(&[]), None);

@@ -219,7 +219,7 @@ fn one_broken_log_stops_none_and_a_second_run_does_nothing() {
     );
 }
 
-/// The numbers are those that `undrift outages` tells.
+/// The numbers are those that `undrift outages` reports.
 #[test]
 fn a_log_of_many_is_the_log_alone() {
     let logs = simulated("alone");
@@ -468,12 +468,12 @@ bias_models = ["arma"]
     // 0.1 deg/s at 100 Hz is 0.01 deg/√s, 0.6 deg/√h; 3000 samples tell it to some percent.
     let median = white["median"].as_f64().unwrap();
     assert!((0.55..0.65).contains(&median), "{median}");
-    // Each record is a unit of its own: the unit stands out.
+    // Each record is a unit of its own: the unit is an outlier.
     let units = measure("gyro_white_noise")["by_unit"].as_array().unwrap();
     let found = units.iter().filter(|unit| unit["effect"]["found"] == true);
     let found: Vec<_> = found.map(|unit| &unit["name"]).collect();
     assert_eq!(found, ["SN4"]);
-    // What navigate tells of the drive alone.
+    // What navigate reports of the drive alone.
     let alone = Command::new(env!("CARGO_BIN_EXE_undrift"))
         .arg("navigate")
         .arg(logs.join("drive/drive.toml"))
@@ -493,8 +493,8 @@ bias_models = ["arma"]
 }
 
 #[test]
-fn what_cannot_be_is_told() {
-    let folder = folder("told");
+fn impossible_requests_are_reported() {
+    let folder = folder("impossible");
     let logs = folder.join("fleet.toml");
     for (text, wanted) in [
         ("unit = 3\n", "line 1, unit: must be a string"),

@@ -1,4 +1,4 @@
-//! The `identify` command on small records: what it writes, and what it says of records that are none.
+//! The `identify` command on small records: what it writes, and how it refuses invalid ones.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -203,7 +203,7 @@ fn a_record_becomes_a_kalibr_yaml_in_two_commands() {
     let accel = value("accelerometer_noise_density");
     assert!((accel / 9.80665e-3 - 1.0).abs() < 0.1, "{accel}");
     assert_eq!(value("update_rate"), 100.0);
-    // Sixty seconds of white noise show no bias: the bound is told as such.
+    // Sixty seconds of white noise show no bias: the bound is reported as such.
     assert!(yaml.contains("no slow bias was detected in 60 s"), "{yaml}");
     let bound = 3f64.sqrt() * gyro / 6.0;
     assert!((value("gyroscope_random_walk") / bound - 1.0).abs() < 1e-6);

@@ -32,7 +32,7 @@ fn text(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).unwrap()
 }
 
-/// A car that stands for 20 s and then drives north, 2 m/s² for 10 s: an inertial log of six columns and
+/// A car that is at rest for 20 s and then drives north, 2 m/s² for 10 s: an inertial log of six columns and
 /// fixes, in a layout given by a function of time, specific force forward, and distance.
 fn drive(dir: &Path, imu_head: &str, imu_row: impl Fn(f64, f64) -> String) {
     let mut imu = imu_head.to_owned();

@@ -70,7 +70,7 @@ fn on_terminal(command: &str) -> Option<String> {
     Some(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// A record of two axes at 100 Hz, with a row that is none: white noise of a generator of the test's own.
+/// A record of two axes at 100 Hz, with an invalid row: white noise of a generator of the test's own.
 fn record(folder: &Path, rows: usize) -> String {
     let mut text = String::from("gz_dps,az_g\nnot,numbers\n");
     let mut state = 1u64;
@@ -192,7 +192,7 @@ fn quiet_is_quiet() {
     let found: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
     assert!(found["axes"]["gyro_z"].is_object());
     assert_eq!(json.stderr, "");
-    // Errors are told.
+    // Errors are printed.
     let error = said(&mut undrift(&["-q", "identify", "nowhere.csv"]));
     assert_eq!(error.stderr, "error: nowhere.csv: no such file\n");
     assert_eq!(error.code, Some(1));
@@ -208,7 +208,7 @@ fn json_on_standard_output_is_json_alone() {
     let said = said(undrift(&arguments).current_dir(&folder));
     serde_json::from_str::<serde_json::Value>(&said.stdout).unwrap();
     assert!(said.stderr.contains("model: imu.toml"), "{}", said.stderr);
-    // Every verb that has a result has it as JSON.
+    // Every verb with a result prints it as JSON.
     for verb in [
         "demo",
         "fleet",

@@ -56,7 +56,7 @@ fn longest_unit(
     units.find(|(_, factor)| step * factor <= longest)
 }
 
-/// Median of the steps forward of time stamps, in their unit; `None` if there are none.
+/// Median of the steps forward of time stamps, in their unit; `None` without such steps.
 pub fn ordinary_step(stamps: &[f64]) -> Option<f64> {
     let mut steps: Vec<f64> = stamps.windows(2).map(|pair| pair[1] - pair[0]).collect();
     steps.retain(|step| *step > 0.0);

@@ -106,7 +106,7 @@ impl InnovationStatistics {
         self.nis
     }
 
-    /// NIS per degree of freedom: 1 when the filter is right. `None` without updates.
+    /// NIS per degree of freedom: 1 when the filter is right. `None` if unknown or all zero.
     pub fn per_freedom(&self) -> Option<f64> {
         (self.freedom > 0).then(|| self.nis / self.freedom as f64)
     }
@@ -133,7 +133,7 @@ impl InnovationStatistics {
     }
 
     /// Autocorrelation of a component at a lag of 0 … [`LAGS`] updates, about zero, which the mean
-    /// of an innovation is when the filter is right. `None` where there is none.
+    /// of an innovation is when the filter is right. `None` if unknown or all zero.
     pub fn autocorrelation(&self, component: usize, lag: usize) -> Option<f64> {
         let products = &self.components.get(component)?.products;
         let product = products.get(lag)?;

@@ -72,7 +72,7 @@ impl Drive {
     }
 }
 
-/// What the times of a log count from, if it tells that and its offset does not move it onto another clock.
+/// What the times of a log count from, if it states that and its offset does not move it onto another clock.
 fn epoch_of<K: Kind>(
     logs: &Logs,
     (path, options): (&PathBuf, &K::Options),

@@ -61,7 +61,7 @@ impl Logs {
         Ok(path)
     }
 
-    /// The format of a log, and the number of its columns where that tells what they are: the format is
+    /// The format of a log, and the number of its columns where that identifies them: the format is
     /// stated; a table of named columns where the key `column` is there; else known by the content.
     pub(super) fn format<'a>(
         &self,

@@ -344,7 +344,7 @@ pub(super) fn read_states(
 ) -> Result<Parameters, ConfigError> {
     let std = |key, quantity, otherwise| read_std(section, key, quantity, otherwise);
     let scale = std("scale_factor", Quantity::Dimensionless, None)?;
-    // Of a heading nothing tells but the gyros. Vibration makes accelerometers seem to read too much.
+    // Only the gyros determine the heading. Vibration makes accelerometers seem to read too much.
     let unless_given = section.get("scale_factor").is_none();
     let gyro_scale = scale.or(unless_given.then_some(SCALE_FACTOR_STD));
     let misalignment = std("misalignment", Quantity::Angle, None)?;

@@ -91,7 +91,7 @@ fn is_table(text: &str) -> bool {
     !first.contains(['=', '[']) && (is_row(first) || lines.next().is_some_and(is_row))
 }
 
-/// What is expected of a file that is none of configuration.
+/// Hint for a file that is not a configuration file.
 const EXPECTED: &str =
     "expected TOML, such as the drive file that `undrift inspect LOG -o drive.toml` writes";
 
@@ -118,26 +118,26 @@ fn not_toml(text: &str, error: &toml::de::Error) -> String {
     }
 }
 
-/// That what stands at an offset was there before: a table, or a key.
+/// Reports that the table or key at an offset is a duplicate.
 fn already(text: &str, start: usize) -> String {
     let here = line_at(text, start);
     let lines = || text.lines().map(str::trim).zip(1..).take(here - 1);
     let line = text.lines().nth(here - 1).unwrap_or_default().trim();
-    let stands = |line: &str| {
+    let name_of = |line: &str| {
         line.split(['=', '#'])
             .next()
             .unwrap_or_default()
             .trim()
             .to_owned()
     };
-    let what = stands(line);
+    let what = name_of(line);
     // A key is of the table above it.
     let table = lines().filter(|(line, _)| line.starts_with('[')).last();
     let from = match (what.starts_with('['), table) {
         (false, Some((_, at))) => at,
         _ => 0,
     };
-    let before = lines().skip(from).find(|(line, _)| stands(line) == what);
+    let before = lines().skip(from).find(|(line, _)| name_of(line) == what);
     match before {
         Some((_, at)) => format!("{what} is already defined at line {at}; merge the two"),
         None => format!("{what} is defined twice; merge the two"),

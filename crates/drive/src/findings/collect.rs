@@ -146,7 +146,7 @@ pub fn with_axes(mut found: Vec<Finding>, rotation: &Matrix3) -> Vec<Finding> {
 }
 
 /// The value of `imu.axes` whose forward and right are these axes of the present body, 1 forward, 2 right,
-/// with sign; `None` where the present axes are none of the sensor's own, or gravity forbids it.
+/// with sign; `None` where the present axes are not sensor axes, or gravity forbids it.
 fn mended_axes(rotation: &Matrix3, forward: Option<i8>, right: Option<i8>) -> Option<String> {
     let forward = forward?;
     let right = right.unwrap_or(match forward {
@@ -361,7 +361,7 @@ pub fn of_order(log: Log, skipped: &Skipped, interval: f64, accepted: u64) -> Ve
 }
 
 /// An inertial log whose last sample, at `end` \[s\], is before the last fix by more than a tenth of what the fixes
-/// span. A receiver that is switched off some time after the sensor is none.
+/// span. A receiver that is switched off a little after the sensor is no finding.
 pub fn of_ends(end: f64, fixes: [f64; 2]) -> Option<Finding> {
     let [first, last] = fixes;
     let missing = last - end;

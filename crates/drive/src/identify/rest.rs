@@ -22,9 +22,9 @@ const LEVELS: usize = 4;
 /// Samples that a size is taken from.
 const PROBE: usize = 10_000;
 
-/// Why a record at a rate \[Hz\] is no static recording, if it is none. Of the axes that there are, those that
-/// tell are looked at: gravity takes three accelerometers. One that was handled before or after it lay still is
-/// static: that part is left out ([`super::prepare`]).
+/// Why a record at a rate \[Hz\] is not a static recording; `None` if it is static. Uses the axes that are present;
+/// gravity needs three accelerometers. A record that was handled before or after it lay still is
+/// static: the handled part is removed ([`super::prepare`]).
 pub fn not_static(record: &Record, rate_hz: f64) -> Option<NotStatic> {
     static_part(record, rate_hz).err()
 }

@@ -198,7 +198,7 @@ pub(super) fn common_rate(records: &[Prepared]) -> Result<f64, RecordingError> {
     Ok(longest.rate_hz)
 }
 
-/// Where a model comes from: recordings, which `name` stands for, at a rate \[Hz\], with the hashes of their files.
+/// Where a model comes from: recordings, called `name`, at a rate \[Hz\], with the hashes of their files.
 ///
 /// # Errors
 /// If a file cannot be read.

@@ -309,7 +309,7 @@ impl Columns {
         Line::new(key, format!("[{names}]"), known)
     }
 
-    /// The unit that the name of a column tells.
+    /// The unit that the name of a column states.
     pub(super) fn unit(&self, place: usize) -> Option<String> {
         self.meanings.get(place)?.as_ref()?.1.clone()
     }

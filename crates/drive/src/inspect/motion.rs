@@ -178,8 +178,8 @@ fn section(file: &Path, part: &Part) -> String {
     )
 }
 
-/// Standard deviation of the mounting while the filter refines it \[rad\]: what the forces have shown is not told to it
-/// again.
+/// Standard deviation of the mounting while the filter refines it \[rad\]: it does not get what the
+/// forces have shown a second time.
 const LOOSE: f64 = 0.12;
 
 /// Roll, pitch and yaw of the sensor in the vehicle and the standard deviation of the yaw \[rad\]: what the filter makes
@@ -288,7 +288,7 @@ const FITTING: (f64, f64) = (2.0, 1.3);
 const REJECTED: f64 = 0.02;
 
 /// The mounting of a drive where that was found, and the NIS per degree of freedom of the solution with it in the first
-/// [`LONGEST_PASS`] of the log; `None` where there is none, or its units, axes, signs or times are implausible.
+/// [`LONGEST_PASS`] of the log; `None` where no mounting was found, or its units, axes, signs or times are implausible.
 fn fit((mut drive, mounting): (Drive, Option<Mounting>)) -> Option<(Mounting, f64)> {
     let first = drive.open_imu().ok()?.next()?.ok()?.time;
     let span = drive.imu.1.span.unwrap_or((first, f64::INFINITY));

@@ -5,7 +5,7 @@ use undrift_nav::{earth::STANDARD_GRAVITY, sample::ImuSample};
 use undrift_noise::ImuModel;
 
 /// Steps of the values of sensors that differ in them, by their data sheets: preset, gyro [deg/s], accelerometer \[g\].
-/// The 16-bit sensors of consumers have the same steps as each other and are not told apart.
+/// 16-bit consumer sensors have the same steps: they cannot be distinguished.
 const STEPS: [(&str, f64, f64); 5] = [
     ("adis16405", 0.05, 1.0 / 300.0),
     ("adis16465", 0.025, 0.25e-3),

@@ -125,7 +125,7 @@ fn turns(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<(f64, f64)> {
         gyros += rate * rate;
         both += turned * rate;
     }
-    // Upside down in the file or not, as far as gravity tells, they turn alike.
+    // `down` is measured by gravity: the signs agree even if the sensor is upside down in the file.
     let correlation = both / (course * gyros).sqrt();
     let ratio = (gyros / course).sqrt();
     (correlation.is_finite() && ratio.is_finite()).then_some((correlation, ratio))

@@ -348,7 +348,7 @@ mod tests {
         assert_eq!(row.error_std, errors.map(|e| 10.0 * e));
     }
 
-    /// Errors north of 3 m and −4 m: 3.54 m of two; without a truth there are none.
+    /// Errors north of 3 m and −4 m: 3.54 m of two; no errors without a reference.
     #[test]
     fn errors_are_root_mean_squares_over_the_samples_compared() {
         let recorder = || {

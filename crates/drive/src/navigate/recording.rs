@@ -130,7 +130,7 @@ impl Recording {
             });
     }
 
-    /// Adds what became of a fix.
+    /// Adds whether a fix was used, down-weighted or rejected.
     pub(super) fn fix(&mut self, time: f64, updates: [Option<Update>; 2]) {
         if let Some((position, place)) = updates[0].as_ref().zip(self.pending.take())
             && (place[0] - time).abs() < STAMP_ROUNDING

@@ -33,7 +33,7 @@ pub struct Logs {
     pub aiding: Vec<Measurement>,
     /// What the fixes show of themselves.
     study: Option<FixStudy>,
-    /// The reference; empty if there is none.
+    /// The reference; empty without one.
     pub truth: Vec<TruthSample>,
     skipped: Vec<(Log, Skipped)>,
 }
@@ -149,7 +149,7 @@ impl Logs {
         findings::of_ends(sample.time, ends).filter(|_| whole)
     }
 
-    /// What the drive shows without outages, as `navigate` has it, and what the outages show.
+    /// What the drive shows without outages, as in `navigate`, and what the outages show.
     pub fn findings(&self, experiment: &Experiment) -> Vec<Finding> {
         let mut found = match &experiment.uncut {
             Ok(report) => report.findings(),

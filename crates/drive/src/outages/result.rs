@@ -129,7 +129,7 @@ pub fn thinned_track(track: &[TruthSample]) -> Track {
     }
 }
 
-/// What to draw as the way: the truth, or the fixes where there is none.
+/// The ground track to draw: the reference, or the fixes without one.
 pub fn track(truth: &[TruthSample], gnss: &[GnssFix]) -> Vec<TruthSample> {
     if !truth.is_empty() {
         return truth.to_vec();

@@ -23,7 +23,7 @@ pub struct Path<'a> {
 }
 
 impl<'a> Path<'a> {
-    /// From the first node on; `None` where there is none.
+    /// From the first node on; `None` without nodes.
     pub fn new(smoothed: &'a Smoothed) -> Option<Self> {
         Some(Self {
             nav: smoothed.nodes.first()?.nav,

@@ -100,7 +100,7 @@ fn of_axes(
     model
 }
 
-/// The candidate of each axis whose name starts so, white noise where there is none.
+/// The candidate of each axis whose name starts so, white noise without one.
 pub(super) fn candidate(
     axes: &[(&'static str, &Axis)],
     start: &str,

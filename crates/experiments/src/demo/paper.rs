@@ -46,7 +46,7 @@ pub struct Paper {
     pub residuals: Option<Residuals>,
     /// Its Table 4: largest errors in the 10 s outages of the first drive, by model.
     pub largest: Vec<(String, Errors)>,
-    /// Its Figures 4 and 5: the first drive as each filter has it.
+    /// Its Figures 4 and 5: the first drive as estimated by each filter.
     pub tracks: Vec<Track>,
     /// RMS over all 10 s outages of the largest horizontal error \[m\] of equations (3)-(9), by the factor on σ.
     pub scan: Vec<(f64, f64)>,

@@ -16,13 +16,13 @@ pub(super) struct RunOutcome {
     /// When navigation began \[s\]; `None` until then.
     pub(super) started: Option<f64>,
     pub(super) diverged: bool,
-    /// NEES at every epoch, NaN where there is none.
+    /// NEES at every epoch, NaN without a solution.
     pub(super) nees: Vec<[f64; GROUPS]>,
     /// Degrees of freedom of it.
     pub(super) freedom: [usize; GROUPS],
     /// After the settling.
     pub(super) settled: Consistency,
-    /// NIS of position and velocity at every fix, NaN where there is none.
+    /// NIS of position and velocity at every fix, NaN without an update.
     pub(super) nis: Vec<[f64; 2]>,
     /// Innovations of position and velocity after the settling.
     pub(super) innovations: [InnovationStatistics; 2],

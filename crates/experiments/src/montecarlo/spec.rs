@@ -24,7 +24,7 @@ const MAX_SAMPLES: f64 = 20e6;
 /// Most runs times epochs.
 pub const MAX_RUN_EPOCHS: usize = 50_000_000;
 
-/// What is simulated, and what the filter is told of it.
+/// What is simulated, and what the filter knows of it.
 #[derive(Clone, Debug)]
 pub struct Spec {
     /// The motion, the same in every run.
@@ -35,13 +35,13 @@ pub struct Spec {
     pub model: ImuModel,
     /// The form in which their errors are drawn.
     pub bias_model: BiasModel,
-    /// The model that the filter is told.
+    /// The model that the filter uses.
     pub filter_model: ImuModel,
     /// The forms in which the filter runs it, one after the other.
     pub bias_models: Vec<BiasModel>,
     /// The receiver.
     pub gnss: GnssNoise,
-    /// The part of the position's error that lasts; the filter is told.
+    /// The part of the position's error that is correlated in time; the filter knows it.
     pub correlated: Option<Correlated>,
     /// Standard deviation of the gyros' scale factors, 0 for none; drawn in every run, and estimated.
     pub scale_factor: f64,
@@ -50,7 +50,7 @@ pub struct Spec {
     /// How the filter starts.
     pub align: AlignSettings,
     /// Instead: at the first fix, at the true attitude turned by a draw of these standard
-    /// deviations about north, east, down \[rad\], which the filter is told.
+    /// deviations about north, east, down \[rad\], which the filter gets as its initial uncertainty.
     pub truth_std: Option<Vector3>,
     /// Spacing of the epochs at which the errors are looked at \[s\].
     pub every: f64,

@@ -130,7 +130,7 @@ class AllanGaussMarkov(Result):
     reduced_chi2: float
     """About 1 where the model holds."""
     at_limit: bool
-    """The correlation time stands at an end of the range searched: the record does not determine it."""
+    """The correlation time is at a limit of the range searched: the record does not determine it."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

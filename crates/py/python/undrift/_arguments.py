@@ -22,7 +22,7 @@ Matrix: TypeAlias = list[list[float]]
 def number(value: Any, name: str) -> float:
     """A finite real number, of Python or numpy.
 
-    Raises ArgumentError for what is none, UndriftError for NaN and infinities.
+    Raises ArgumentError for what is not a number, UndriftError for NaN and infinities.
     """
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
@@ -76,7 +76,7 @@ def three(value: Any, name: str) -> list[float]:
 
 
 def deviations(value: Any, name: str) -> list[float]:
-    """Three standard deviations above zero; one stands for all of them."""
+    """Three standard deviations above zero; one value applies to all of them."""
     several = hasattr(value, "__len__") and np.ndim(value) > 0
     made = three(value, name) if several else [number(value, name)] * 3
     return [positive(one, name) for one in made]

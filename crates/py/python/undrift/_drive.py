@@ -264,8 +264,8 @@ def _log(
         name = f"<{table}>"
         held = columns(log)
         memory.append((name, held))
-        told = _told(table, stated_names(log, [column for column, _ in held]))
-        missing = {key: item for key, item in told.items() if not _stated(key, keys)}
+        recognised = _recognised(table, stated_names(log, [column for column, _ in held]))
+        missing = {key: item for key, item in recognised.items() if not _stated(key, keys)}
         lines = "".join(f"{key} = {item}\n" for key, item in missing.items())
         keys = {"file": name, "format": "csv", **keys}
         return _toml.table(table, keys, UNITS[table]) + lines
@@ -275,7 +275,7 @@ def _log(
 
 
 def _stated(key: str, keys: Mapping[str, Any]) -> bool:
-    """Whether a key, or one that stands for the same, is stated."""
+    """Whether a key, or an equivalent one, is stated."""
     if key == "time" and "rate" in keys and "time" not in keys:
         # A rate may stand beside the stamps.
         return False
@@ -284,20 +284,20 @@ def _stated(key: str, keys: Mapping[str, Any]) -> bool:
     return key in keys or key.replace("_columns", "") in keys
 
 
-def _told(table: str, names: Mapping[str, str]) -> dict[str, str]:
+def _recognised(table: str, names: Mapping[str, str]) -> dict[str, str]:
     """The keys of a drive file's table that follow from the names of columns, by those with units."""
     parts = dict(_undrift.told_by_names(list(names)))
     if table in parts:
-        told = dict(parts[table])
+        recognised = dict(parts[table])
     elif table == "truth" and "gnss" in parts:
         # A trajectory without attitude.
-        told = {key: item for key, item in parts["gnss"] if key in _TRUTH_KEYS}
+        recognised = {key: item for key, item in parts["gnss"] if key in _TRUTH_KEYS}
     else:
         return {}
     for with_unit, name in names.items():
         if with_unit != name:
-            told = {
+            recognised = {
                 key: item.replace(_toml.value(with_unit), _toml.value(name))
-                for key, item in told.items()
+                for key, item in recognised.items()
             }
-    return told
+    return recognised

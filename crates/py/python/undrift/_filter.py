@@ -112,7 +112,7 @@ class Filter:
     def from_drive(cls, drive: Drive, bias_model: str = "arma") -> Filter:
         """The filter as :func:`undrift.navigate` begins it on a drive, for a loop over :attr:`Drive.imu` and :attr:`Drive.gnss`.
 
-        It stands at the end of the sample in which the alignment was complete, with all that the drive asks it to
+        It is at the end of the sample in which the alignment was complete, with all that the drive asks it to
         estimate, the antenna's lever arm, and what the fixes are known to be wrong by.
         """
         made = cls.__new__(cls)
@@ -137,7 +137,7 @@ class Filter:
 
         ``dt`` [s] is its interval, by default 1/rate, at most 10 s; ``time`` [s] its end, by default the
         present time and ``dt``. With ``increments`` they are angles [rad] and velocities [m/s] gathered
-        over it. A sample must begin where the filter stands, to half of ``dt``: across a gap of a few
+        over it. A sample must begin at the filter's time, to half of ``dt``: across a gap of a few
         samples, pass ``dt`` of the whole gap.
 
         Raises UndriftError for time that goes backwards, a gap, or values after which there is no

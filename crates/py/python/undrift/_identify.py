@@ -188,7 +188,7 @@ class Identified(Told):
     def plot(
         self, ax: matplotlib.axes.Axes | None = None, *, label: str | None = None
     ) -> matplotlib.axes.Axes:
-        """The Allan deviations of all axes; ``label`` stands before their names. Needs ``undrift[plot]``."""
+        """The Allan deviations of all axes; ``label`` precedes their names. Needs ``undrift[plot]``."""
         ax = axes(ax)
         for name, axis in self.axes.items():
             name = name if label is None else f"{label}, {name}"
@@ -315,15 +315,15 @@ def identify(
             records, columns, axis, units, topic, rate, whole(n_max, "n_max"), detrend, force, report
         )
     text, (verdict, line) = found.result()
-    told = json.loads(text)
+    decoded = json.loads(text)
     done, failed = {}, {}
-    for name in (name for name in AXES if name in told["axes"]):
-        of_axis = told["axes"][name]
+    for name in (name for name in AXES if name in decoded["axes"]):
+        of_axis = decoded["axes"][name]
         if "error" in of_axis:
             failed[name] = of_axis["error"]
         else:
             done[name] = _axis(of_axis)
-    pool = told.get("pool") or {"axes": {}}
+    pool = decoded.get("pool") or {"axes": {}}
     said = [f"{name}: {why}" for name, why in failed.items()]
     said += [
         f"{differing['record']}: {name} differs from the other records"
@@ -334,7 +334,7 @@ def identify(
     result = Identified(
         axes=done,
         failed=failed,
-        rate=told["rate_hz"],
+        rate=decoded["rate_hz"],
         verdict=verdict,
         warnings=tuple(map(_undrift.in_python, (*found.warnings, *said))),
         json=text,
@@ -371,9 +371,9 @@ def _column(record: Any, axis: str | None) -> tuple[list[tuple[str, Floats]], bo
     return [(name, values), *times], axis is not None
 
 
-def _axis(told: dict[str, Any]) -> AxisIdentified:
-    candidates = {c["name"]: _candidate(c) for c in told["candidates"]}
-    allan = told["allan"]
+def _axis(decoded: dict[str, Any]) -> AxisIdentified:
+    candidates = {c["name"]: _candidate(c) for c in decoded["candidates"]}
+    allan = decoded["allan"]
     tests = (
         "adf",
         "kpss",
@@ -389,29 +389,29 @@ def _axis(told: dict[str, Any]) -> AxisIdentified:
     )
     array = np.array
     return AxisIdentified(
-        samples=told["samples"],
-        mean=told["mean"],
-        unit=told["unit"],
-        candidates=tuple(candidates[name] for name in told["ranking"]),
-        recommended=candidates[told["chosen"]["name"]],
-        reason=told["chosen"]["reason"],
-        stationarity=told["stationarity"],
+        samples=decoded["samples"],
+        mean=decoded["mean"],
+        unit=decoded["unit"],
+        candidates=tuple(candidates[name] for name in decoded["ranking"]),
+        recommended=candidates[decoded["chosen"]["name"]],
+        reason=decoded["chosen"]["reason"],
+        stationarity=decoded["stationarity"],
         taus=array(allan["tau_s"], dtype=np.float64),
         adev=array(allan["adev"], dtype=np.float64),
         adev_lower=array(allan["lower"], dtype=np.float64),
         adev_upper=array(allan["upper"], dtype=np.float64),
         adev_fit=array(allan["fit"], dtype=np.float64),
-        tests={name: told[name] for name in tests},
-        warnings=tuple(told["warnings"]),
+        tests={name: decoded[name] for name in tests},
+        warnings=tuple(decoded["warnings"]),
     )
 
 
-def _candidate(told: dict[str, Any]) -> Candidate:
+def _candidate(decoded: dict[str, Any]) -> Candidate:
     return Candidate(
-        name=told["name"],
-        states=told["states"],
-        drift=told["drift_score"],
-        drift_error=told["drift_score_error"],
-        parameters=told,
-        compared=told["compared"],
+        name=decoded["name"],
+        states=decoded["states"],
+        drift=decoded["drift_score"],
+        drift_error=decoded["drift_score_error"],
+        parameters=decoded,
+        compared=decoded["compared"],
     )

@@ -201,21 +201,21 @@ def navigate(
             report,
         )
     # Without the series for plots, which take longer to parse than many a drive takes to navigate.
-    told = json.loads(brief)
-    summary = told["summary"]
+    decoded = json.loads(brief)
+    summary = decoded["summary"]
     done = Navigation(
         **arrays,
         json=text,
-        bias_model=told["bias_model"],
-        smooth=told["smooth"],
-        look_ahead=told["look_ahead"],
+        bias_model=decoded["bias_model"],
+        smooth=decoded["smooth"],
+        look_ahead=decoded["look_ahead"],
         alignment=summary["alignment"],
         fixes=summary["fixes"],
-        rmse=told["rms_error"],
-        nis={part: told[part]["nis_per_dof"] for part in ("position", "velocity")},
-        nees=told["nees_per_dof"],
+        rmse=decoded["rms_error"],
+        nis={part: decoded[part]["nis_per_dof"] for part in ("position", "velocity")},
+        nees=decoded["nees_per_dof"],
         diverged=summary["diverged"],
         verdict=verdict,
-        warnings=tuple(map(_undrift.in_python, told["warnings"])),
+        warnings=tuple(map(_undrift.in_python, decoded["warnings"])),
     )
     return judged(done, line, strict)

@@ -138,11 +138,11 @@ class Outages(Told):
         return self._each()
 
     def _each(self) -> dict[str, Any]:
-        told = self.data
-        lengths = {cut["start_s"]: cut["length_s"] for cut in told["outages"]}
+        decoded = self.data
+        lengths = {cut["start_s"]: cut["length_s"] for cut in decoded["outages"]}
         table: dict[str, list[Any]] = {"model": [], "start_s": [], "length_s": []}
         for name in self.models:
-            for one in told["models"][name]["per_outage"]:
+            for one in decoded["models"][name]["per_outage"]:
                 table["model"].append(name)
                 table["start_s"].append(one["start_s"])
                 table["length_s"].append(lengths.get(one["start_s"], np.nan))
@@ -162,7 +162,7 @@ class Outages(Told):
     ) -> matplotlib.axes.Axes:
         """Horizontal drift since the cut, RMS over the outages, of each model; logarithmic where models differ by 10.
 
-        ``label`` stands before the models' names, ``unit`` is m, cm or km. Needs ``undrift[plot]``.
+        ``label`` precedes the models' names, ``unit`` is m, cm or km. Needs ``undrift[plot]``.
         """
         ax = axes(ax)
         largest = []
@@ -333,11 +333,11 @@ def outages(
             look_ahead,
             report,
         )
-    told = json.loads(text)
-    drift = told["series"]["drift"]
+    decoded = json.loads(text)
+    drift = decoded["series"]["drift"]
     done_by: dict[str, ModelErrors] = {}
     for name, of_model in curves:
-        errors, mean = told["models"][name], drift[name]
+        errors, mean = decoded["models"][name], drift[name]
         done_by[name] = ModelErrors(
             max=_ordered(errors["max"]),
             rms=_ordered(errors["rms"]),
@@ -349,19 +349,19 @@ def outages(
             ),
             warning=errors.get("warning"),
         )
-    cuts = [(cut["start_s"], cut["length_s"]) for cut in told["outages"]]
+    cuts = [(cut["start_s"], cut["length_s"]) for cut in decoded["outages"]]
     done = Outages(
         models=done_by,
-        failed=told["failed"],
+        failed=decoded["failed"],
         cuts=np.array(cuts).reshape(-1, 2),
-        left_out=tuple(told.get("left_out", ())),
-        reference=told["reference"],
-        withheld=told["withheld"],
-        rejected=told["rejected"],
-        smooth=told["smooth"],
-        look_ahead=told["look_ahead"],
+        left_out=tuple(decoded.get("left_out", ())),
+        reference=decoded["reference"],
+        withheld=decoded["withheld"],
+        rejected=decoded["rejected"],
+        smooth=decoded["smooth"],
+        look_ahead=decoded["look_ahead"],
         verdict=verdict,
-        warnings=tuple(map(_undrift.in_python, told["warnings"])),
+        warnings=tuple(map(_undrift.in_python, decoded["warnings"])),
         table=table,
         json=text,
     )

@@ -123,7 +123,7 @@ class Result:
         return f"{type(self).__name__}({', '.join(parts)})"
 
     def _short(self) -> str:
-        """What stands for the result within another one."""
+        """Short form of the result within another one."""
         name = type(self).__name__
         arrays = [value for _, value in self._fields() if isinstance(value, np.ndarray)]
         if arrays:

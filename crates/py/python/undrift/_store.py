@@ -118,7 +118,7 @@ def names(folder: str) -> list[str]:
 
 def tag(name: str) -> str | None:
     """What changes when the contents do. Of a URL, without reading them: the object's ETag or hash, or its size and
-    time of change; of a file here, its hash. ``None`` if it is not there, empty if there is none of these."""
+    time of change; of a file here, its hash. ``None`` if it is not there, empty without any of these."""
     if not is_url(name):
         if os.path.isdir(name):
             return ""

@@ -130,7 +130,7 @@ def _numbers(name: str, array: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
     try:
         return np.asarray(array, dtype=np.float64)
     except (TypeError, ValueError):
-        # Text stands in logs beside the numbers: it is an error where it is asked for.
+        # Logs may hold text beside the numbers: an error only where the column is used.
         return np.full(len(array), np.nan)
 
 

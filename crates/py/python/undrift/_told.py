@@ -103,10 +103,10 @@ def report(
     >>> page.exists()
     True
     """
-    told = []
+    contents = []
     for result in results:
         if isinstance(result, (str, os.PathLike)):
-            told.append((Path(result), Path(result).read_text(encoding="utf-8")))
+            contents.append((Path(result), Path(result).read_text(encoding="utf-8")))
         else:
-            told.append((Path(), result.json))
-    _undrift.report(told, output, figures)
+            contents.append((Path(), result.json))
+    _undrift.report(contents, output, figures)

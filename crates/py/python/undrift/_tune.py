@@ -203,7 +203,7 @@ def tune(
         text, table, (verdict, line), warnings, tuned = _undrift.tune(
             [one._drive for one in made], at_rest, hold_out, report
         )
-    told = json.loads(text)
+    decoded = json.loads(text)
     names = (
         "start",
         "guessed",
@@ -216,10 +216,10 @@ def tune(
         "evaluations",
     )
     done = Tuning(
-        parameters=tuple(TunedParameter(**parameter) for parameter in told["parameters"]),
-        drift=tuple(_drift(drift) for drift in told["drift"]),
+        parameters=tuple(TunedParameter(**parameter) for parameter in decoded["parameters"]),
+        drift=tuple(_drift(drift) for drift in decoded["drift"]),
         model=NoiseModel(tuned),
-        **{name: told[name] for name in names},
+        **{name: decoded[name] for name in names},
         verdict=verdict,
         warnings=tuple(map(_undrift.in_python, warnings)),
         table=table,
@@ -228,6 +228,6 @@ def tune(
     return judged(done, line, strict)
 
 
-def _drift(told: dict[str, Any]) -> TunedDrift:
-    arrays = {name: tuple(item) for name, item in told.items() if isinstance(item, list)}
-    return TunedDrift(**{**told, **arrays})
+def _drift(decoded: dict[str, Any]) -> TunedDrift:
+    arrays = {name: tuple(item) for name, item in decoded.items() if isinstance(item, list)}
+    return TunedDrift(**{**decoded, **arrays})

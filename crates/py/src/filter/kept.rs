@@ -41,7 +41,7 @@ impl Made {
         let errors = &mut self.fix_errors;
         each(&mut errors.position_factor);
         for part in [&mut errors.correlated, &mut errors.velocity_correlated] {
-            // A share of 0 is none.
+            // A share of 0 switches it off.
             let nothing = Correlated {
                 share: 0.0,
                 time: 0.0,

@@ -51,7 +51,7 @@ pub(super) fn stated(mut measurements: Vec<Measured>, errors: &FixErrors) -> Vec
 }
 
 impl Measured {
-    /// As a filter that stands at `due` [s] takes it, with its covariance.
+    /// For a filter at time `due` [s], with its covariance.
     pub(super) fn aiding(self, due: f64, errors: &FixErrors) -> PyResult<(Aiding, Matrix3)> {
         let Self {
             kind,

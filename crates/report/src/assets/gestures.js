@@ -102,7 +102,7 @@ class Gestures {
     });
   }
 
-  // Moves the cursor by a share of the plot, from its middle where there is none.
+  // Moves the cursor by a share of the plot, from its middle without a cursor.
   stepCursor(by) {
     const { u } = this, { width, height } = this.inner();
     const left = u.cursor.left >= 0 ? u.cursor.left : width / 2;

@@ -300,7 +300,7 @@ class Plot extends Gestures {
       }
       button.appendChild(make("span", "", series.name));
       const output = button.appendChild(make("output"));
-      // Room for its values, so that the page stands still when they come.
+      // Room for its values, so that the page does not move when they appear.
       output.style.minWidth = (series.y.length === 2 ? 19 : series.y.length === 5 || panel.scale ? 17 : 8) + "ch";
       button.onclick = () => this.toggle(series, button);
       this.legend.appendChild(make("li")).appendChild(button);

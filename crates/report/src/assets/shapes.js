@@ -33,7 +33,7 @@ function tickLabels(ticks) {
 const wide = series => series.style === "bars" || series.style === "boxes";
 const usable = (v, log) => v != null && (!log || v > 0);
 
-// From where to where a bar stands beside its x: those of several series at one x stand side by side.
+// Left and right edge of a bar relative to its x: those of several series at one x are side by side.
 function barSlot(panel, series) {
   const kin = panel.series.filter(wide);
   if (panel.gap === undefined) {

@@ -80,7 +80,7 @@ class Background {
     }
   }
 
-  // The view has changed: tiles follow at once, those that are missing are loaded when it stands still.
+  // The view has changed: tiles follow at once, those that are missing are loaded when it is at rest.
   moved() {
     if (!this.box.checked) return;
     this.place();
@@ -122,7 +122,7 @@ class Background {
       if (this.tiles.has(name)) continue;
       const corners = [[0, 0], [1, 0], [1, 1], [0, 1]].map(([right, down]) => this.mercator.toMap([(column + right) / count, (row + down) / count]));
       const image = this.layer.appendChild(new Image(TILE_SIZE, TILE_SIZE));
-      // The host is told from which site it is asked, whatever the page's own policy: its usage policy demands that.
+      // The host receives the site that asks, whatever the page's own policy: its usage policy demands that.
       Object.assign(image, { alt: "", draggable: false, referrerPolicy: "strict-origin-when-cross-origin" });
       image.src = `https://${TILE_HOST}/${zoom}/${(column % count + count) % count}/${row}.png`;
       this.tiles.set(name, { image, corners });

@@ -108,7 +108,7 @@ fn the_drift_of_each_model_stands_beside_how_much_less_it_is() {
             ],
         ]
     );
-    // Two are within chance of the least: none stands out.
+    // Two are within chance of the least: none is marked.
     assert_eq!(strong(&table), []);
     let longer = drifts(&demo, &demo.lengths[1]);
     assert_eq!(longer.caption, "Outages of 30 s, 45 in all. As above.");

@@ -29,7 +29,7 @@ pub(crate) struct Drawing {
     size: (f64, f64),
 }
 
-/// Draws panels, `columns` side by side, each of a size \[pixel\]; `id` tells the drawings of one page apart.
+/// Draws panels, `columns` side by side, each of a size \[pixel\]; `id` distinguishes the drawings of one page.
 pub(crate) fn drawing(panels: &[Panel], columns: usize, size: (f64, f64), id: &str) -> Drawing {
     // Plots begin at one height and one distance from the left, so that their axes are in line.
     let most = |of: &dyn Fn(&Panel) -> f64| panels.iter().map(of).fold(0.0, f64::max);

@@ -43,8 +43,8 @@ impl PlotAxis {
         }
     }
 
-    /// From and to where; curves are cut off. A range without length, or from zero or less on a
-    /// logarithmic axis, is none: then the axis is as long as its curves.
+    /// Limits of the axis; curves are clipped. A range without length, or from zero or less on a
+    /// logarithmic axis, is ignored: then the axis fits its curves.
     pub fn within(self, range: Range<f64>) -> Self {
         let sound = range.start < range.end
             && (range.end - range.start).is_finite()

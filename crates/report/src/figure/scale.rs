@@ -246,7 +246,7 @@ impl Panel {
     }
 }
 
-/// From where to where a bar or box stands, seen from its x: those of several series stand side by
+/// Left and right edge of a bar or box, relative to its x: those of several series are side by
 /// side where two are at one x.
 pub(super) fn bar_slot(panel: &Panel, index: usize) -> [f64; 2] {
     let wide = |drawn: Drawn| matches!(drawn, Drawn::Bars | Drawn::Boxes);

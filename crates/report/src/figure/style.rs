@@ -5,7 +5,7 @@ use super::panel::Drawn;
 use serde::Deserialize;
 use std::{collections::BTreeMap, fmt::Write, sync::LazyLock};
 
-/// The source, as it stands in a page.
+/// The source, as embedded in a page.
 pub(crate) const SOURCE: &str = include_str!("../assets/style.json");
 
 /// On a light ground, on a dark one: `#rrggbb`.
@@ -19,7 +19,7 @@ pub(crate) struct Style {
     widths: BTreeMap<Drawn, f64>,
     /// Pixels drawn and left free of a dashed line.
     pub dash: String,
-    /// Of other lines, by which those of one panel are told apart without colours; the first is empty.
+    /// Of other lines, which distinguish those of one panel without colours; the first is empty.
     dashes: Vec<String>,
     /// Diameter \[pixel\].
     pub dot: f64,

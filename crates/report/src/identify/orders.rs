@@ -11,7 +11,7 @@ type Printed = (Pq, f64, f64);
 
 /// The paper's axis.
 const PAPER_AXIS: &str = "gyro_z";
-/// The paper's Table 3: order, AIC, and F in the row of the larger model, where the paper has it in that of the smaller.
+/// The paper's Table 3: order, AIC, and F in the row of the larger model, where the paper puts it in that of the smaller.
 const PAPER: [Printed; 5] = [
     ((1, 1), -10.1943, f64::NAN),
     ((2, 1), -10.1971, 2887.9970),

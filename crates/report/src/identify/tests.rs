@@ -439,7 +439,7 @@ fn turn_on_constants_are_in_the_units_of_a_sensor() {
         ["gyro x", "c", "4.00", "5.00", "0.300", "3.00 °/s", "30"]
     );
     assert_eq!(rows[3][5], "5.00 mg");
-    // The one that differs stands out.
+    // The one that differs is marked.
     assert_eq!(strong(&table), [(2, 1), (5, 1)]);
 }
 

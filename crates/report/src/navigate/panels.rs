@@ -143,7 +143,7 @@ pub(super) fn sensor_panel(component: &Component, shown: &Shown<'_>) -> Option<P
     let estimate = points(only.sensor_error.get(*key)?, *factor);
     let bounds = only.sensor_error_std.get(*key);
     let bounds = bounds.map_or(Vec::new(), |curve| points(curve, 3.0 * factor));
-    // Both are thinned, each by itself: the estimate where the bound stands is that of the last time.
+    // Both are thinned, each by itself: the estimate at the bound's time is that of the last time.
     let mut later = estimate.iter().copied().peekable();
     let mut now = later.peek().copied()?;
     let band: Vec<(f64, f64, f64)> = bounds

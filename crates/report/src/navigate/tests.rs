@@ -419,7 +419,7 @@ fn innovations_have_the_bounds_of_two_sided_ninety_five_percent() {
         .find(|section| section.title == "Innovations")
         .unwrap();
     assert_eq!(section.note, "NIS / dof 0.900, 1.10");
-    // Of the velocity there are none.
+    // No innovations of the velocity.
     assert_eq!(names(section), ["innovations-position"]);
     let figure = figure_of(&sections, "innovations-position");
     assert!(

@@ -93,7 +93,7 @@ fn spread(models: &[&Model<'_>]) -> Option<Block> {
         for model in models.iter().filter(|m| m.run == run) {
             let x = keys.iter().position(|k| *k == model.key).unwrap_or(0) as f64;
             boxes.extend(quartiles(&model.largest()).map(|box_| (model, (x, box_))));
-            // Where the box stands: those of several runs share 0.8 side by side.
+            // Position of the box: those of several runs share 0.8 side by side.
             let beside = if keys.len() < models.len() {
                 0.8 * ((run as f64 + 0.5) / runs as f64 - 0.5)
             } else {

@@ -57,7 +57,7 @@ pub(super) fn figure_4(demo: &Demo, paper: &Paper) -> Option<Block> {
         panel.add(Series::thick("without GNSS", 6, inside.collect()));
         panel
     });
-    let caption = "The source paper's Figure 4: the first drive as each of its two filters has it, without GNSS in orange.";
+    let caption = "The source paper's Figure 4: the first drive by each of its two filters, without GNSS in orange.";
     Figure::of("paper-figure-4", caption, 2, panels)
 }
 

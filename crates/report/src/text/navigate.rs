@@ -30,7 +30,7 @@ pub fn navigate(result: &Navigate) -> String {
         let from = first.from.0;
         lines.push(match again.len() {
             0 => format!("their errors, as they show them: estimated from {from:.3} s on"),
-            n => format!("their errors, as they show them: estimated from {from:.3} s on, anew {n} times since"),
+            n => format!("their errors, as they show them: estimated from {from:.3} s on, re-estimated {n} times since"),
         });
     }
     for (aid, sums) in s.innovations.iter() {

@@ -129,7 +129,7 @@ impl Finding {
         !of_times || innovations
     }
 
-    /// Where it stands between cause and symptom: what is wrong with the logs and the settings comes before what that
+    /// Rank from cause to symptom: what is wrong with the logs and the settings comes before what that
     /// does to the solution.
     fn rank(&self) -> u8 {
         match self {

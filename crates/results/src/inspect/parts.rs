@@ -119,7 +119,7 @@ pub struct Start {
     pub utc: String,
     /// GPS time less UTC then \[s\].
     pub leap_seconds: f64,
-    /// What tells it, as in results.
+    /// Source of the date, as in results.
     pub clock: &'static str,
 }
 

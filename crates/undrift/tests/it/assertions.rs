@@ -155,7 +155,7 @@ fn calls(code: &str) -> BTreeSet<(String, String)> {
     let mut found = BTreeSet::new();
     for (at, _) in code.match_indices('(') {
         let mut before = &code[..at];
-        // Of `f::<T>(`, what stands before the types.
+        // Of `f::<T>(`, the name before the types.
         if before.ends_with('>')
             && let Some(open) = before.rfind("::<")
         {

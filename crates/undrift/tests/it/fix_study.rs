@@ -206,7 +206,7 @@ fn white_noise_beyond_what_is_stated_is_measured() {
 }
 
 #[test]
-fn stamps_that_jitter_are_told_from_noise() {
+fn stamps_that_jitter_are_distinguished_from_noise() {
     let errors = Errors {
         white: 0.02,
         stated: 0.02,
@@ -265,16 +265,16 @@ fn velocities_count_as_better_than_they_state_only_after_a_minute_of_motion() {
     let factor = |moves_until: f64| {
         let mut shown = fixes(&errors, 1);
         for fix in &mut shown {
-            let stands = fix.time > moves_until;
+            let at_rest = fix.time > moves_until;
             let (place, speed) = motion(fix.time);
             let (stop, _) = motion(moves_until);
             if let Some((Position::Baseline { ned, .. }, _)) = &mut fix.position
-                && stands
+                && at_rest
             {
                 *ned += stop - place;
             }
             if let Some((velocity, covariance)) = &mut fix.velocity {
-                *velocity -= if stands { speed } else { Vector3::zeros() };
+                *velocity -= if at_rest { speed } else { Vector3::zeros() };
                 *covariance = Matrix3::identity() * 9.0;
             }
         }

@@ -166,7 +166,7 @@ fn uav_flight_aligns_and_stays_with_the_aircrafts_own_filter() {
 }
 
 #[test]
-fn ublox_drives_align_without_being_told_the_mounting() {
+fn ublox_drives_align_without_a_stated_mounting() {
     for drive_name in [
         "mixed-road-long-drive-nominal-001",
         "parkinglot-maneuvers",

@@ -104,7 +104,7 @@ fn an_outage_that_cannot_be_judged_spoils_no_other() {
     assert_eq!(verdict(&none.findings).0, Severity::Unusable);
 }
 
-/// Whatever `navigate` finds of a drive, `outages` has it: with gyros called rad/s that are deg/s, with a solution that
+/// Whatever `navigate` finds of a drive, `outages` reports too: with gyros called rad/s that are deg/s, with a solution that
 /// begins late, with nothing wrong.
 #[test]
 fn the_verdict_of_outages_contains_that_of_navigate() {

@@ -18,9 +18,9 @@ use undrift::{
     vehicle::Profile,
 };
 
-/// Speed above which a vehicle moves, and below which it stands [m/s].
+/// Speed above which a vehicle moves, and below which it is at rest [m/s].
 const MOVES: f64 = 0.5;
-const STANDS: f64 = 0.1;
+const AT_REST: f64 = 0.1;
 
 /// Blocks judged: in motion and taken for rest, at rest and found, all at rest; without GNSS apart.
 #[derive(Default)]
@@ -86,7 +86,7 @@ impl Observer for Watch<'_> {
             if rest {
                 counts.first_wrong.get_or_insert(end);
             }
-        } else if around.iter().all(|(_, v)| *v < STANDS) {
+        } else if around.iter().all(|(_, v)| *v < AT_REST) {
             counts.standing += 1;
             counts.found += u32::from(rest);
         }
@@ -158,8 +158,8 @@ fn simulated_car() {
         let [whole, with_cuts] = judge(&format!("car {seed}"), &log.imu, &log.gnss, &settings);
         whole.gnss.check(0.98);
         with_cuts.gnss.check(0.98);
-        // The simulated road is smoother than any real one: under a noisy IMU nothing tells driving from
-        // rest but GNSS, and without it rest must not be taken for granted.
+        // The simulated road is smoother than any real one: under a noisy IMU only GNSS distinguishes driving from
+        // rest, and without it rest must not be taken for granted.
         with_cuts.cut.check(if seed == 1 { 0.98 } else { 0.0 });
     }
 }
@@ -186,7 +186,7 @@ fn public(example: &str, folder: &str, heading: Option<f64>, found: [f64; 3]) {
 #[test]
 fn public_drives() {
     public("rtk-drive.toml", "rtk-drive", Some(0.0), [0.95; 3]);
-    // 122 of 157, 22 of 49 and 8 of 94: the solution stands there with a wrong heading and gyro bias, and
+    // 122 of 157, 22 of 49 and 8 of 94: the solution has a wrong heading and gyro bias, and
     // rest is only what agrees with the solution. None of it is false, which is what matters.
     public(
         "uav-flight.toml",

@@ -70,7 +70,7 @@ fn run(drive: &Drive, starts: &[f64], odometer: bool, barometer: bool) -> ModelR
     if barometer {
         parameters = parameters.with(Parameter::BarometerBias, prior(100.0, 0.05));
     }
-    // It stands at first, so this is its heading until it drives.
+    // It is at rest at first, so this is its heading until it drives.
     let heading = drive.log.truth[0].rpy.unwrap().z;
     let mut settings = Settings {
         parameters,

@@ -84,7 +84,7 @@ fn recorded() -> Temperature {
 fn with(drive: &Drive, effect: Temperature) -> Drive {
     let mut model = model();
     model.gyro[2].temperature = Some(effect);
-    // As a file has it.
+    // As read from a file.
     let model = ImuModel::from_toml(&model.to_toml(), "imu.toml").unwrap();
     Drive {
         model: Some(model),

@@ -384,7 +384,7 @@ fn wide_table() -> Table {
     }
 }
 
-/// Text that would be markup or code, values that are none, panels with nothing in them.
+/// Text that would be markup or code, values that are not finite, panels with nothing in them.
 fn hostile() -> Document {
     let axis = || Axis::new(HOSTILE);
     let mut odd = Panel::new(HOSTILE, axis(), axis());

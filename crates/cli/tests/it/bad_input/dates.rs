@@ -129,8 +129,8 @@ fn without_a_date_nothing_claims_one_and_the_drive_file_can_state_it() {
         }
     }
     assert_eq!(start_of(&case, "nav.mcap"), Value::Null);
-    let told = case.run(&["navigate", "drive.toml"]).stdout;
-    says(&told, &["no date in the logs"]);
+    let printed = case.run(&["navigate", "drive.toml"]).stdout;
+    says(&printed, &["no date in the logs"]);
 
     log.drive = format!("epoch = \"2025-07-08T23:59:50Z\"\n{}", log.drive);
     let case = log.write("dates_stated");

@@ -391,7 +391,7 @@ fn a_result_never_replaces_what_it_is_made_from() {
     );
 }
 
-/// A limit on the size of files stands for a full disk: 64 blocks of 512 bytes or 1 kB.
+/// A limit on the size of files simulates a full disk: 64 blocks of 512 bytes or 1 kB.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_leaves_the_old_file() {
@@ -451,7 +451,7 @@ fn a_folder_that_cannot_hold_the_result() {
             &outcome.stderr,
             &[&format!("cannot write {target}: the folder")],
         );
-        // Told before the work: nothing was navigated.
+        // Reported before the work: nothing was navigated.
         assert_eq!(outcome.stdout, "");
     }
     std::fs::create_dir(case.path("nav.csv")).unwrap();
@@ -583,7 +583,7 @@ fn an_outage_longer_than_the_log() {
 
 #[test]
 fn keys_that_contradict_each_other() {
-    for (name, line, told) in [
+    for (name, line, words) in [
         (
             "two_stds",
             "position_std = \"1 m\"\n",
@@ -609,7 +609,7 @@ fn keys_that_contradict_each_other() {
         let mut log: Log = good();
         log.set("[truth]", &format!("{line}[truth]"));
         let message = log.write(&format!("contradict_{name}")).refusal();
-        says(&message, &["drive.toml ", told]);
+        says(&message, &["drive.toml ", words]);
     }
 }
 

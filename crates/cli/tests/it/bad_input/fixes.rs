@@ -106,7 +106,7 @@ fn longitudes_from_0_to_360() {
         "{}",
         nav.at(100.0, "lon_deg")
     );
-    // Beyond a full turn it is none.
+    // Beyond a full turn it is invalid.
     says(
         &moved(360.0).refusal(),
         &["gnss.csv: no usable fix", "474.46"],
@@ -324,14 +324,14 @@ fn a_receiver_that_repeats_itself() {
 
 #[test]
 fn too_few_fixes() {
-    for (count, told) in [(1, "could not be aligned"), (2, "could not be aligned")] {
+    for (count, words) in [(1, "could not be aligned"), (2, "could not be aligned")] {
         let mut log = good();
         log.gnss = log.gnss[60..60 + count].to_vec();
         let message = log.write(&format!("fixes_{count}")).refusal();
         says(
             &message,
             &[
-                told,
+                words,
                 "alignment in motion needs more consecutive fixes",
                 "initial.attitude",
             ],

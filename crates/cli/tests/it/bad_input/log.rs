@@ -9,7 +9,7 @@ use undrift::noise::{BiasModel, ImuModel};
 use undrift::simulate::{GnssNoise, Simulation, Trajectory, simulate};
 
 pub const RATE_HZ: f64 = 50.0;
-/// Length of the drive [s]; it stands until 20 s and cruises at 15 m/s from about 30 s on.
+/// Length of the drive [s]; it is at rest until 20 s and cruises at 15 m/s from about 30 s on.
 pub const DURATION: f64 = 80.0;
 
 const DRIVE: &str = r#"model = "adis16465"

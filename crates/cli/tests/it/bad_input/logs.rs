@@ -6,7 +6,7 @@ use std::io::Write;
 /// Horizontal RMS error that a sound solution of the drive stays below [m]: the fixes have 0.5 m an
 /// axis, the filter 0.2 m.
 const SOUND: f64 = 0.5;
-/// The same where nothing but positions tells how late they are: a tenth of a second is expected, at 10 m/s.
+/// The same where only positions show how late they are: a tenth of a second is expected, at 10 m/s.
 const LATE: f64 = 0.7;
 
 #[test]

@@ -35,7 +35,7 @@ fn navigated(name: &str, seconds: f64) -> (Case, Option<u64>) {
     (case, peak)
 }
 
-/// Largest resident memory of a process so far [KiB], where the system tells.
+/// Largest resident memory of a process so far [KiB], where the system reports it.
 fn peak_kib(process: u32) -> Option<u64> {
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
     let line = status

@@ -93,12 +93,12 @@ fn a_model_of_another_rate() {
         assert!(outcome.succeeded(), "{rate} {}", outcome.stderr);
         is_sound(&outcome);
     }
-    for (rate, told) in [
+    for (rate, words) in [
         ("0 Hz", "must be greater than zero"),
         ("-5 Hz", "must not be negative"),
     ] {
         let model = arma("0.99", "0.5").replace("100 Hz", rate);
-        refused(&case, &model, &["imu.toml line 6, gyro.arma.rate: ", told]);
+        refused(&case, &model, &["imu.toml line 6, gyro.arma.rate: ", words]);
     }
 }
 

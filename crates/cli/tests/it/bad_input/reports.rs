@@ -66,7 +66,7 @@ fn the_report_of_a_verb_is_that_of_its_json() {
     let case = Log::good().write("report_same");
     case.put("spec.toml", SPEC.as_bytes());
     case.put("record.csv", record().as_bytes());
-    for (kind, verb, told) in [
+    for (kind, verb, words) in [
         (
             "navigate",
             &["navigate", "drive.toml"] as &[&str],
@@ -100,7 +100,7 @@ fn the_report_of_a_verb_is_that_of_its_json() {
         ),
     ] {
         let report = same_report(&case, verb);
-        says(&report, &[told]);
+        says(&report, &[words]);
         let result = json(&case, "result.json");
         assert_eq!(result["kind"], kind);
         assert_eq!(result["undrift"], env!("CARGO_PKG_VERSION"));
@@ -460,7 +460,7 @@ fn a_file_that_is_no_result_is_refused() {
     let mut unknown = json(&case, "good.json");
     unknown["kind"] = "dance".into();
     let pretty = |value: &Value| format!("{value:#}");
-    for (name, damaged, told) in [
+    for (name, damaged, words) in [
         (
             "empty.json",
             String::new(),
@@ -488,7 +488,7 @@ fn a_file_that_is_no_result_is_refused() {
         case.put(name, damaged.as_bytes());
         let outcome = case.run(&["report", "good.json", name, "-o", "out.html"]);
         assert_eq!(outcome.code, Some(1), "{name}: {}", outcome.stderr);
-        says(&outcome.stderr, &[name, "not a result of undrift", told]);
+        says(&outcome.stderr, &[name, "not a result of undrift", words]);
         assert!(!Path::new(&case.path("out.html")).exists());
     }
     // Parts that are missing or of no size are left out.

@@ -196,10 +196,10 @@ fn no_motion_to_align_with() {
 
 #[test]
 fn one_and_two_samples() {
-    for (count, told) in [(1, "only one row of data"), (2, "do not overlap")] {
+    for (count, words) in [(1, "only one row of data"), (2, "do not overlap")] {
         let mut log = good();
         log.imu.truncate(count);
-        says(&log.write(&format!("samples_{count}")).refusal(), &[told]);
+        says(&log.write(&format!("samples_{count}")).refusal(), &[words]);
     }
 }
 

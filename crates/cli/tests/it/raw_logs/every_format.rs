@@ -155,7 +155,7 @@ fn differences(log: &Log, read: &Log, format: &Format) -> Vec<String> {
         // The nearest by value among the neighbours, where the clock is off by a sample.
         let (mut same, mut least) = (at, unlike(at));
         for k in at.saturating_sub(2)..(at + 3).min(log.samples.len()) {
-            // One component alone tells of most that they are not.
+            // One component alone excludes most of them.
             if (log.samples[k].gyro.x - sample.gyro.x).abs() < least && unlike(k) < least {
                 (same, least) = (k, unlike(k));
             }

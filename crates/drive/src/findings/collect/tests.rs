@@ -77,7 +77,7 @@ fn axes_that_mend_a_turned_sensor() {
 }
 
 #[test]
-fn what_fixes_show_is_told_beyond_its_threshold() {
+fn fix_errors_are_reported_beyond_their_thresholds() {
     let study = |repeated: u64| FixStudy {
         interval: 0.25,
         repeated,
@@ -91,14 +91,14 @@ fn what_fixes_show_is_told_beyond_its_threshold() {
         interval: 0.25,
     };
     assert_eq!(of_fixes(&study(1), &plain), [repeated]);
-    let told = |errors: FixErrors| of_fixes(&study(0), &errors);
+    let found_for = |errors: FixErrors| of_fixes(&study(0), &errors);
     // A twentieth of a standard deviation, more or less; of positions only more.
     for factor in [0.94, 1.06] {
         let modest = FixErrors {
             velocity_factor: undrift_nav::Vector3::repeat(factor),
             ..plain
         };
-        assert_eq!(told(modest), [Finding::ModestVelocity { factor }]);
+        assert_eq!(found_for(modest), [Finding::ModestVelocity { factor }]);
     }
     for factor in [0.96, 1.04] {
         let usual = FixErrors {
@@ -106,14 +106,17 @@ fn what_fixes_show_is_told_beyond_its_threshold() {
             position_factor: factor,
             ..plain
         };
-        assert_eq!(told(usual), []);
+        assert_eq!(found_for(usual), []);
     }
     let position = |factor: f64| FixErrors {
         position_factor: factor,
         ..plain
     };
-    assert_eq!(told(position(0.5)), []);
-    assert_eq!(told(position(1.06)), [Finding::NoisyFixes { factor: 1.06 }]);
+    assert_eq!(found_for(position(0.5)), []);
+    assert_eq!(
+        found_for(position(1.06)),
+        [Finding::NoisyFixes { factor: 1.06 }]
+    );
     let all = FixErrors {
         velocity_bias: Vector3::new(0.0, -0.5, 0.0),
         step: Vector3::new(0.0, 1.0, 2.0),
@@ -135,7 +138,7 @@ fn what_fixes_show_is_told_beyond_its_threshold() {
             time: 30.0,
         },
     ];
-    assert_eq!(told(all), expected);
+    assert_eq!(found_for(all), expected);
 }
 
 /// Missing is more than a tenth of what the fixes span, and more than a short loss.

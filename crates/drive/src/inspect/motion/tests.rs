@@ -15,7 +15,7 @@ fn files(alter: impl Fn(&mut Vector3, &mut Vector3), off: f64) -> [Inspection; 2
     let mut imu = "time_s,gx,gy,gz,ax,ay,az\n".to_owned();
     for (k, sample) in log.imu.iter().enumerate() {
         let up = Vector3::new(1.0, -1.0, -1.0) / sample.dt;
-        // As much white noise as tells rad/s from deg/s.
+        // Enough white noise to distinguish rad/s from deg/s.
         let white = 0.002 * f64::from(k as u32 % 2 * 2) - 0.002;
         let mut gyro = sample.dtheta.component_mul(&up).add_scalar(white);
         let mut accel = sample.dvel.component_mul(&up) / STANDARD_GRAVITY;

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A drive along an S, climbing: 20 m/s, at 2 Hz, from a start; at 30 s it stands.
+/// A drive along an S, climbing: 20 m/s, at 2 Hz, from a start; at 30 s it is at rest.
 fn drive(start: [f64; 2], row: impl Fn(f64, [f64; 3], [f64; 3]) -> Vec<f64>) -> Vec<Vec<f64>> {
     let (mut north, mut east, mut height) = (0.0, 0.0, 400.0);
     let rows = (0..200).map(|k| {

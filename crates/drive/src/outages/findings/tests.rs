@@ -87,7 +87,7 @@ fn the_share_inside_means_something_for_few_outages_as_for_many() {
 #[test]
 fn the_model_that_covers_most_decides() {
     let (a, b) = (model(&[10; 9]), model(&[16; 9]));
-    let told = of_drift(&[("first", &a), ("second", &b)]);
+    let found = of_drift(&[("first", &a), ("second", &b)]);
     let expected = Finding::OptimisticDrift {
         model: "second".into(),
         inside: 0.8,
@@ -95,7 +95,7 @@ fn the_model_that_covers_most_decides() {
         outages: 9,
         tuned: false,
     };
-    assert_eq!(told, Some(expected));
+    assert_eq!(found, Some(expected));
     let sound = model(&[20; 9]);
     assert_eq!(of_drift(&[("a", &a), ("b", &sound)]), None);
     assert_eq!(of_drift(&[]), None);

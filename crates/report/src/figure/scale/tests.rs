@@ -43,7 +43,7 @@ fn ticks_are_short() {
 }
 
 #[test]
-fn ticks_far_from_zero_are_told_apart() {
+fn ticks_far_from_zero_are_distinguished() {
     let ticks = labels(&linear(&(1e9..1e9 + 0.009), 7));
     let texts: Vec<&str> = ticks.iter().map(|t| t.1.as_str()).collect();
     assert_eq!(texts[..2], ["1000000000", "1000000000.002"]);

@@ -92,7 +92,7 @@ fn row(name: &str, axis: &Axis, units: &Units) -> [String; 7] {
     ];
     let mut walk = scaled(walk, units.walk);
     if chosen.flicker.get().is_some() {
-        // What stands for it is no finding of its own.
+        // The processes that approximate flicker noise are not listed.
         processes = [scaled(chosen.flicker, units.bias), "1/f".to_owned()];
         walk = "–".to_owned();
     }

@@ -79,7 +79,7 @@ fn check_slow_spoofing_is_reported(log: &Log) {
             (true, false) => assert!(left_out.is_some_and(|c| c.start < start + 1.0)),
             // Each fix passes, all of them to one side.
             (false, true) => assert!(lean.is_some()),
-            // 0.05 m/s² is within what the accelerometers may err: only the course tells, or the sudden end.
+            // 0.05 m/s² is within what the accelerometers may err: only the course shows it, or the sudden end.
             (true, true) => {
                 let mut ends = summary.contradictions.iter();
                 let course = summary.heading_off.iter().any(|h| during(h.start, h.end));
