@@ -225,7 +225,7 @@ typedef int32_t undrift_parameter;
 #endif // __cplusplus
 
 /**
- * An error-state filter. Its inside is nobody's business; its memory is the caller's.
+ * An error-state filter. Opaque; its memory is provided by the caller.
  */
 typedef struct undrift_filter undrift_filter;
 
@@ -324,7 +324,7 @@ typedef struct {
      */
     double walk;
     /**
-     * Correlation time of a Gauss-Markov process in place of the random walk [s]; 0 where it is none.
+     * Correlation time of a Gauss-Markov process in place of the random walk [s]; 0 for a random walk.
      */
     double time;
 } undrift_prior;

@@ -26,10 +26,10 @@ const _: () = assert!(UNDRIFT_PARAMETERS + 2 == Parameter::ALL.len());
 const _: () =
     assert!(size_of::<Filter>() <= 8 * (STATES * STATES + STATES) + UNDRIFT_FILTER_OVERHEAD);
 
-/// What tells a filter from other memory.
+/// Distinguishes a filter from other memory.
 const TAG: u64 = 0x7566_696c_7465_7201;
 
-/// An error-state filter. Its inside is nobody's business; its memory is the caller's.
+/// An error-state filter. Opaque; its memory is provided by the caller.
 pub struct Filter {
     tag: u64,
     inner: Inner,

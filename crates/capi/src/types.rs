@@ -95,7 +95,7 @@ pub struct Prior {
     pub std: f64,
     /// Random walk [unit/sqrt(s)]; 0 for a constant.
     pub walk: f64,
-    /// Correlation time of a Gauss-Markov process in place of the random walk \[s\]; 0 where it is none.
+    /// Correlation time of a Gauss-Markov process in place of the random walk \[s\]; 0 for a random walk.
     pub time: f64,
 }
 

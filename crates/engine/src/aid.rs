@@ -264,7 +264,7 @@ pub enum Aiding {
         lever_arm: Vector3,
         /// Standard deviation of the time-correlated part of its error, in its own axes \[m\].
         correlated: Vector3,
-        /// When it holds \[s\]: the filter stands there or after it.
+        /// When it holds \[s\]: the filter is there or after it.
         due: f64,
     },
     /// GNSS velocity.
@@ -275,12 +275,12 @@ pub enum Aiding {
         lever_arm: Vector3,
         /// Standard deviation of the time-correlated part of its error \[m/s\].
         correlated: Vector3,
-        /// When it holds \[s\]: the filter stands there or after it.
+        /// When it holds \[s\]: the filter is there or after it.
         due: f64,
     },
     /// Heading by the course over ground \[rad\].
     Course(f64),
-    /// The vehicle stands.
+    /// The vehicle is at rest.
     ZeroVelocity,
     /// The body turns with the Earth: angular rate as read \[rad/s\].
     EarthRate(Vector3),

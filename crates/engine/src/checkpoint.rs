@@ -49,7 +49,7 @@ struct Kept {
     horizon: f64,
     samples: Vec<ImuSample>,
     gone: u64,
-    /// Number of the first sample behind the snapshot that `run` is, and its time; without a horizon there is none.
+    /// Number of the first sample behind the snapshot that `run` is, and its time; absent without a horizon.
     since: Option<(u64, f64)>,
     last: Option<f64>,
     too_late: u64,

@@ -64,7 +64,7 @@ impl Vehicle {
                 let braking = BRAKING * (fix.time - derived.time);
                 (derived.v_n.xy().norm() - 2.0 * error - braking).max(0.0)
             });
-            // That it stands now, positions tell too late; of too few nothing is known.
+            // Positions show rest too late; too few show nothing.
             let least = least.unwrap_or(MOVES);
             self.last_speed = Some((fix.time, (least, f64::INFINITY)));
             return;

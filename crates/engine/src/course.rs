@@ -1,4 +1,4 @@
-//! Course against heading: what tells of a heading that position and velocity hardly see.
+//! Course against heading: it shows a wrong heading that position and velocity hardly observe.
 //!
 //! A vehicle that drives straight goes where it points, but for a slip or a crab angle that changes slowly. How far
 //! course and heading usually are apart is learned; where that changes for good, it is the heading that went wrong (a

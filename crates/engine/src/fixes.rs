@@ -242,7 +242,7 @@ fn of_axes(values: &[f64; 3], least: bool) -> (usize, f64) {
     (axis, values[axis])
 }
 
-/// The step that coordinate `i` is a multiple of, in its unit; 0 where it is none that shows.
+/// The step that coordinate `i` is a multiple of, in its unit; 0 without a visible step.
 fn grid(written: &[Vector3], i: usize) -> f64 {
     let moves = written.windows(2).map(|w| (w[1][i] - w[0][i]).abs());
     // Below a millionth of a metre, or what a double resolves of an angle.

@@ -5,8 +5,8 @@
 //! median of χ². A fix far beyond them is rejected, a doubtful one weakened (Huber's weights; Zhang 1997).
 //!
 //! Fixes that are left out one after the other and agree with each other may mean that it is the
-//! solution that is wrong. It gives way to them when they have gone on for a while; at once while it is
-//! unconfirmed: at its start, after a span without fixes, after it gave way. There a doubtful fix
+//! solution that is wrong. After long enough the solution is reset to the fixes; at once while it is
+//! unconfirmed: at its start, after a span without fixes, after such a reset. There a doubtful fix
 //! also waits for a second one that agrees with it, so that an outlier alone never moves the solution.
 
 use super::{
@@ -89,7 +89,7 @@ pub(super) struct FixGate {
     agreeing: Option<(f64, Vector3)>,
     /// What is being left out.
     open: Option<Contradiction>,
-    /// When the solution last gave way \[s\], the latest first.
+    /// When the solution was last reset to the fixes \[s\], the latest first.
     gave_way: [f64; 3],
 }
 
@@ -162,7 +162,7 @@ impl FixGate {
         Verdict::Limits(Gate { weaken, reject })
     }
 
-    /// Notes what became of a fix; `frozen` where the receiver repeats itself while the solution moves.
+    /// Notes whether a fix was used, weakened or rejected; `frozen` where the receiver repeats itself while the solution moves.
     pub(super) fn note(
         &mut self,
         time: f64,
@@ -210,7 +210,7 @@ impl FixGate {
         open.frozen |= frozen;
     }
 
-    /// The solution gave way to a fix of this innovation.
+    /// The solution was reset to a fix of this innovation.
     pub(super) fn give_way(&mut self, time: f64, innovation: &Vector3, summary: &mut Summary) {
         if let Some(open) = &mut self.open {
             open.end = time;

@@ -21,7 +21,7 @@ pub struct CovarianceHealth {
 }
 
 impl CovarianceHealth {
-    /// Of a filter as it stands.
+    /// Of the present state of a filter.
     pub fn of(filter: &dyn Estimator) -> Self {
         let p = filter.covariance();
         let kept: Vec<usize> = (0..filter.states()).filter(|i| p[(*i, *i)] > 0.0).collect();

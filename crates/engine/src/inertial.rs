@@ -58,7 +58,7 @@ pub(super) struct Inertial {
     rotation: Matrix3,
     before: Option<[f64; AXES]>,
     pending: Option<(ImuSample, [f64; AXES])>,
-    /// Whether all axes repeat their values while the vehicle stands: a simulated sensor without noise.
+    /// Whether all axes repeat their values while the vehicle is at rest: a simulated sensor without noise.
     noiseless: bool,
     axes: [AxisWatch; AXES],
 }
@@ -84,7 +84,7 @@ struct AxisWatch {
     /// Nine in ten samples are closer than this to the mean of their neighbours.
     step: f64,
     seen: u64,
-    /// Whether the present value came by a jump that is none of a vehicle, and stays.
+    /// Whether the present value came by a jump that no vehicle makes, and stays.
     jumped: bool,
     /// Since when the axis has been in doubt \[s\].
     doubted: Option<f64>,
@@ -229,7 +229,7 @@ impl Inertial {
         summary: &mut Summary,
     ) -> Checked {
         let before = self.before.replace(values);
-        // A neighbour beyond a gap is none.
+        // Ignores neighbours across a gap.
         let next = next.filter(|(next, _)| next.dt < 1.5 * sample.dt);
         let mut replaced = values;
         let mut sound = true;

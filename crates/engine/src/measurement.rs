@@ -89,7 +89,7 @@ const REPEATED: f64 = 2.0;
 /// A fix slower than this \[m/s\] may equal the one before: at rest positions and velocities do repeat.
 const REPEATED_SPEED: f64 = 0.1;
 
-/// Tells fixes that repeat the one before.
+/// Detects fixes that repeat the one before.
 #[derive(Clone, Default)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Repeats {

@@ -6,16 +6,16 @@ use undrift_nav::{filter::Update, sample::GnssFix};
 
 /// Called with everything that happens, in order of time; what is not implemented is not looked at.
 pub trait Observer {
-    /// A sample was processed, and every fix up to its end; the filter stands at the sample's end.
+    /// A sample was processed, and every fix up to its end; the filter is at the sample's end.
     fn sample(&mut self, _filter: &dyn Estimator) {}
-    /// A fix was reached; the filter stands at its time, before any update with it.
+    /// A fix was reached; the filter is at its time, before any update with it.
     fn fix(&mut self, _filter: &dyn Estimator, _fix: &GnssFix, _withheld: bool) {}
     /// A fix at `time` \[s\] went into the solution, or began it.
     fn used(&mut self, _time: f64) {}
-    /// What became of the position and the velocity of the fix of this time \[s\], where they were
+    /// Whether position and velocity of the fix at `time` \[s\] were used, weakened or rejected, where they were
     /// shown to the filter.
     fn updated(&mut self, _time: f64, _updates: [Option<Update>; 2]) {}
-    /// A block of samples was judged to be rest or motion; the filter stands at its end.
+    /// A block of samples was judged to be rest or motion; the filter is at its end.
     fn judged(&mut self, _filter: &dyn Estimator, _rest: bool) {}
     /// The mounting was found, or found better: from the next sample on body axes are the vehicle's.
     fn mounted(&mut self, _mounting: &Mounting) {}

@@ -142,7 +142,7 @@ impl Receiver {
         (way / span - v).norm() < ODD_SPEED + ODD_ACCEL * span + ODD_SIGMAS * sigmas
     }
 
-    /// Updates the filter, which stands at or after the time `due` \[s\] at which the fix holds, with its
+    /// Updates the filter, which is at or after the time `due` \[s\] at which the fix holds, with its
     /// position and velocity, or with one of them.
     pub(super) fn update(
         &mut self,

@@ -1,4 +1,4 @@
-//! Tells rest from motion by the sensors alone, at a level learned while GNSS says that the vehicle stands.
+//! Distinguishes rest from motion by the sensors alone, at a level learned while GNSS shows that the vehicle is at rest.
 
 use super::vibration::turned_variances;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -18,7 +18,7 @@ const FORCE: f64 = 0.06;
 /// The mean specific force is the solution's gravity to this much at rest \[m/s²\]: 3° of wrong level, while a car
 /// that pulls away smoothly has twice that.
 const LEVEL: f64 = 0.5;
-/// [`RATE`] and [`LEVEL`] grow by this factor where GNSS shows that the vehicle stands.
+/// [`RATE`] and [`LEVEL`] grow by this factor where GNSS shows that the vehicle is at rest.
 const UNSURE: f64 = 5.0;
 /// Speed that GNSS calls standing, where its accuracy leaves no doubt \[m/s\].
 const STANDS: f64 = 0.1;
@@ -144,7 +144,7 @@ impl RestDetector {
         let quiet = relative < limit.min(0.7 * self.moving);
         let (possible, stands) = match speed {
             Some((least, greatest)) => (least < MOVES, greatest < MOVES),
-            // What motion looks like must be known, unless GNSS tells no speeds at all.
+            // What motion looks like must be known, unless GNSS has no speeds at all.
             None => (self.moving.is_finite() || self.learned == 0, false),
         };
         // Where the readings and GNSS say rest, the solution's biases and level may be wrong.

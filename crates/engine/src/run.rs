@@ -110,7 +110,7 @@ fn begins(fix: &GnssFix, part: Option<Part>) -> bool {
     part != Some(Part::Velocity) || fix.position.is_none()
 }
 
-/// Whether this part of a fix tells all that it does of the velocity.
+/// Whether this part of a fix has all of its velocity.
 fn carries_velocity(fix: &GnssFix, part: Option<Part>) -> bool {
     part != Some(Part::Position) || fix.velocity.is_none()
 }

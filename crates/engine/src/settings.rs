@@ -87,7 +87,7 @@ pub struct Settings {
     pub restart: bool,
     /// Whether the stated standard deviations of the fixes are corrected by the innovations.
     pub adapt: bool,
-    /// How the kind of solution bears on the standard deviation of a position.
+    /// How the standard deviation of a position depends on the kind of solution.
     pub quality: QualityStd,
     /// Where the white noise of the sensors follows their vibration: the factors of its standard deviation, axis by axis.
     pub vibration: Option<[f64; AXES]>,

@@ -158,7 +158,7 @@ impl Solution {
         self.bridge = None;
     }
 
-    /// Tells the observer of a node, if there is a smoother: `span` is the longest one between two \[s\].
+    /// Reports a node to the observer, if there is a smoother: `span` is the longest one between two \[s\].
     pub(super) fn node(&mut self, span: Option<f64>, observer: &mut dyn Observer) {
         if span.is_some() {
             observer.node(&*self.filter, self.filter.adjoint().as_ref());

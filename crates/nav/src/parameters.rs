@@ -118,7 +118,7 @@ pub struct Prior {
     /// Random walk [unit/√s]; 0 for a constant.
     pub walk: f64,
     /// Correlation time of a Gauss-Markov process of that standard deviation \[s\], in place of the random
-    /// walk; 0 where it is none.
+    /// walk; 0 for a random walk.
     pub time: f64,
 }
 

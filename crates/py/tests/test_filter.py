@@ -231,7 +231,7 @@ def test_a_refused_update_leaves_the_filter_as_it_was(
     ("sample", "problem"),
     [
         ({"time": 0.5}, "time goes backwards: the filter has reached 1.0.. s, the sample ends at 0.5 s"),
-        ({"time": 6.0}, "does not begin where the filter stands, .*to carry it across a gap pass dt = 4.9"),
+        ({"time": 6.0}, "does not begin at the time of the filter, .*to carry it across a gap pass dt = 4.9"),
         ({"dt": 1e6}, "dt = 1000000 s .* at most 10 s"),
         ({"dt": -0.02}, "dt must be above 0"),
         ({"dt": np.nan}, "dt: nan is not finite"),

@@ -140,7 +140,7 @@ impl Trajectory {
         knots
     }
 
-    /// Period of the fastest wave \[s\]; infinite where there is none.
+    /// Period of the fastest wave \[s\]; infinite without waves.
     pub fn shortest_period(&self) -> f64 {
         [&self.climb, &self.roll, &self.pitch, &self.yaw]
             .iter()

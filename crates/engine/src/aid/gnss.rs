@@ -5,7 +5,7 @@ use undrift_nav::{
     Vector3, aiding::Observation, filter::Filter, parameters::Parameter, sample::Position,
 };
 
-/// What a position says that holds at `due` \[s\]; the filter stands there or after it.
+/// What a position says that holds at `due` \[s\]; the filter is there or after it.
 pub(super) fn observe_position<const N: usize>(
     filter: &Filter<N>,
     position: &Position,

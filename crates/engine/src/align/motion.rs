@@ -106,7 +106,7 @@ fn longest(variance: f64) -> f64 {
     (BIAS_TURN / variance.sqrt()).clamp(SHORTEST, LONGEST)
 }
 
-/// The window and what became of the searches in it.
+/// The window and the outcome of the searches in it.
 #[derive(Clone, Default)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct MotionAligner {

@@ -1,4 +1,4 @@
-//! Rest, told by block means that agree, and the level and gyro bias that it gives.
+//! Rest, detected by block means that agree, and the level and gyro bias that it gives.
 
 use super::basis::{bias_variances, noise_of_mean};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -9,7 +9,7 @@ use undrift_nav::{Vector3, shaping::ShapingFilter};
 const BLOCK: f64 = 0.5;
 /// Consecutive blocks that agree before they count as rest, or more where the noise asks for more.
 const FEWEST_BLOCKS: u32 = 2;
-/// Blocks that it takes while GNSS does not show that the vehicle stands: a steady turn has steady readings too.
+/// Blocks that it takes while GNSS does not show that the vehicle is at rest: a steady turn has steady readings too.
 const BLOCKS_UNSEEN: u32 = 6;
 /// Blocks that a rest with another gyro bias than before takes, GNSS at rest.
 const NEW_BIAS_BLOCKS: u32 = 10;
@@ -29,7 +29,7 @@ const FORCE: f64 = 0.05;
 /// What reads more than [`SIGMAS`] times the bias of a gyro switched on, at least this one \[rad/s\], turns on the spot.
 const BIAS_FLOOR: f64 = 0.06;
 
-/// Tells rest by comparing block means, and keeps what it says.
+/// Detects rest by comparing block means, and keeps its means.
 #[derive(Clone, Default)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Rest {
@@ -98,7 +98,7 @@ impl Rest {
     /// Whether the present span is rest; `stands` is what GNSS says, if it says something. A steady
     /// turn has steady readings too, and so has a vehicle that pulls away steadily, and a fix may be old:
     /// so rate and force must be those of the rest before, unless GNSS has said for a while that the
-    /// vehicle stands.
+    /// vehicle is at rest.
     pub(super) fn holds(&self, stands: Option<bool>) -> bool {
         if (self.mean_rate.abs() - self.most_rate).max() > 0.0 {
             return false;

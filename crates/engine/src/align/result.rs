@@ -1,4 +1,4 @@
-//! How an alignment ended: what it rests on, or why there is none.
+//! How an alignment ended: what it is based on, or why it failed.
 
 use alloc::{
     format,

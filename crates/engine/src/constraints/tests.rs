@@ -122,7 +122,7 @@ fn what_only_the_sensors_see_holds_the_velocity_less() {
     // A solution that is sure to move: rejected beyond a NIS of 100.
     let sure = (101.0f64 * 2.0 * 0.05 * 0.05).sqrt();
     assert_eq!(stands(sure, false, &block(true)), (false, false, sure));
-    // One that is weakened had not known that it stands.
+    // One that is weakened had not detected the rest.
     let weakened = (50.0f64 * 2.0 * 0.05 * 0.05).sqrt();
     let (rest, stood, _) = stands(weakened, false, &block(true));
     assert!(rest && !stood);

@@ -63,7 +63,7 @@ pub(crate) fn update(
         if let Some(done) = constrain(filter, &Aiding::ZeroVelocity, &noise) {
             // A solution that is sure to move is believed.
             rest = done.outcome != Outcome::Rejected;
-            // One that is weakened had not known before that it stands.
+            // One that is weakened had not detected the rest before.
             *stood = done.outcome == Outcome::Used;
             summary.innovations[Aid::ZeroVelocity].add(done);
         }

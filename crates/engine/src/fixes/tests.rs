@@ -84,7 +84,7 @@ fn a_correlation_time_is_that_at_which_a_power_law_has_grown() {
     // Ignores correlation times below five seconds.
     assert!(of(0.025, 600, 1.0).is_some() && of(0.027, 600, 1.0).is_none());
     assert_eq!(of(1e-3, 1200, 50.0).unwrap().time, LONGEST_CORRELATION);
-    // Not grown by a quarter of the log, at lag 16: from what has come an exponential tells the time.
+    // Not grown by a quarter of the log, at lag 16: the time constant of an exponential follows from what has come.
     let g = 1e-3;
     let come = (256.0 * g - g) / (1.0 - g);
     let found = of(g, 100, 1.0).unwrap();

@@ -18,7 +18,7 @@ fn update(nis: f64, gate: &Gate) -> Update {
     }
 }
 
-/// Shows fixes with these innovations north at 4 Hz from `start` on; what became of each.
+/// Shows fixes with these innovations north at 4 Hz from `start` on; the verdict on each.
 fn show(gate: &mut FixGate, start: f64, innovations: &[f64], summary: &mut Summary) -> String {
     let r = Matrix3::identity() * (SIGMA * SIGMA);
     let mut time = start;

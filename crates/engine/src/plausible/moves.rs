@@ -73,16 +73,16 @@ impl Moves {
         if time - last <= APART && time - start < MOVE_WINDOW {
             return;
         }
-        let (seen, told) = (origin.offset_to(&position), self.moved);
+        let (seen, stated) = (origin.offset_to(&position), self.moved);
         let together = time - last <= APART;
         (self.began, self.moved) = (Some((time, position)), Vector3::zeros());
-        let size = seen.xy().norm().max(told.xy().norm());
+        let size = seen.xy().norm().max(stated.xy().norm());
         // Noise of two positions is to be small against the way.
         if !together || size < 2.0 + 10.0 * std || !size.is_finite() {
             return;
         }
         self.moves += 1;
-        let left = (seen - told).xy().norm();
+        let left = (seen - stated).xy().norm();
         self.sane += u32::from(left < AGREE * size + 3.0 * std);
         for (unexplained, (mend, matrix)) in self.unexplained.iter_mut().zip(MENDS) {
             let [nn, mut ne, mut en, ee] = matrix;
@@ -90,7 +90,7 @@ impl Moves {
                 // The circle of latitude that is meant is that of the longitude given.
                 (ne, en) = (1.0 / position.lon.cos(), position.lat.cos());
             }
-            let mended = [nn * told.x + ne * told.y, en * told.x + ee * told.y];
+            let mended = [nn * stated.x + ne * stated.y, en * stated.x + ee * stated.y];
             let size = seen.xy().norm().max(mended[0].hypot(mended[1]));
             let left = (seen.x - mended[0]).hypot(seen.y - mended[1]);
             *unexplained += (left / size).min(1.0);

@@ -147,7 +147,7 @@ fn before_any_rest_was_seen_the_sensor_s_own_noise_is_the_measure() {
     let mut bench = Bench::new();
     assert_eq!(bench.rests(louder(1.1), None), 50);
     assert_eq!(bench.rests(louder(1.8), None), 0);
-    // An engine idles at twice the noise while GNSS says that it stands: the level is learned, …
+    // An engine idles at twice the noise while GNSS shows rest: the level is learned, …
     for _ in 0..40 {
         bench.block(louder(2.0), STANDS);
     }
@@ -163,7 +163,7 @@ fn only_rest_teaches_what_rest_is() {
     // Driving, and creeping at a speed that GNSS cannot call either.
     bench.rests(ROAD, MOVES);
     bench.rests(ROAD, Some((0.2, 0.9)));
-    // Pulling away while the last fix still says that it stands.
+    // Pulling away while the last fix still shows rest.
     let start = Read {
         growth: 1.5,
         noise: 3.0,
@@ -202,7 +202,7 @@ fn a_steady_turn_or_acceleration_is_not_rest() {
             read.force
         );
     }
-    // Where GNSS says that it stands, the solution's own biases and level may be wrong by five times that.
+    // Where GNSS shows rest, the solution's own biases and level may be wrong by five times that.
     for (read, rests) in [
         (turn(0.018), true),
         (turn(0.022), false),

@@ -186,7 +186,7 @@ impl Run {
         Ok(())
     }
 
-    /// Notes what became of a fix.
+    /// Notes whether a fix was used, weakened or rejected.
     fn note_updates(
         &mut self,
         fix: &GnssFix,

@@ -8,7 +8,7 @@ const TYPICAL: [f64; 4] = [0.0, 0.3, 0.7, 2.5];
 /// Vertical ones are this many times as large.
 const VERTICAL: f64 = 1.5;
 
-/// How the kind of solution bears on the standard deviation of the position.
+/// How the standard deviation of the position depends on the kind of solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum QualityStd {

@@ -179,7 +179,7 @@ fn a_gap_begins_the_block_again_and_a_sample_a_bit_longer_does_not() {
     );
     let at = length + length / 2;
     assert_eq!(blocks(at, 1.49 * STEP), usual);
-    // The sample after the gap is none of either block.
+    // The sample after the gap belongs to neither block.
     let gap = blocks(at, 1.51 * STEP);
     assert_eq!(gap[..2], [length, at + 1 + length]);
 }

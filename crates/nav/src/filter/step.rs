@@ -19,9 +19,9 @@ pub enum StepError {
     },
     /// An increment is not finite.
     NotFinite,
-    /// It does not begin where the filter stands, to half its length: samples were lost, or came twice.
+    /// It does not begin at the time of the filter, to half its length: samples were lost, or came twice.
     Gap {
-        /// Where the filter stands \[s\].
+        /// Time of the filter \[s\].
         reached: f64,
         /// End of the sample \[s\].
         time: f64,
@@ -48,7 +48,7 @@ impl fmt::Display for StepError {
             ),
             Self::Gap { reached, time, dt } => write!(
                 f,
-                "the sample of dt = {dt} s that ends at {time} s does not begin where the filter stands, at {reached} s; \
+                "the sample of dt = {dt} s that ends at {time} s does not begin at the time of the filter, {reached} s; \
                  to carry it across a gap pass dt = {}, or start a new filter",
                 time - reached
             ),
@@ -92,7 +92,7 @@ impl<const N: usize> Filter<N> {
         self.sample_end().unwrap_or(self.nav().time)
     }
 
-    /// Whether a sample can be the next: its numbers are finite, it begins where the filter stands to half its length,
+    /// Whether a sample can be the next: its numbers are finite, it begins at the time of the filter to half its length,
     /// and the solution after it is in range as far as is seen without taking it up.
     ///
     /// # Errors

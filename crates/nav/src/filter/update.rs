@@ -25,7 +25,7 @@ pub struct Update {
     /// Derivative of the log-likelihood by the logarithm of a common factor on the measurement's
     /// covariance R: `½ (νᵀ S⁻¹ R S⁻¹ ν − tr S⁻¹ R)`. On average zero when R is right.
     pub score: f64,
-    /// Variance of the score when the model is right, what it tells of that factor: `½ tr (S⁻¹ R)²`.
+    /// Variance of the score when the model is right, the information about that factor: `½ tr (S⁻¹ R)²`.
     pub information: f64,
     /// Whether it was used, down-weighted or rejected.
     pub outcome: Outcome,

@@ -1,4 +1,4 @@
-//! Innovations form of a shaping filter, and the ARMA coefficients it stands for.
+//! Innovations form of a shaping filter, and the ARMA coefficients it represents.
 //!
 //! Any filter's ε has the same second moments as one driven by a single noise, `G = K D`: its own
 //! one-step predictor. Anderson & Moore 1979, Optimal Filtering, chapter 9.
