@@ -12,7 +12,7 @@ use undrift_results::{self as results, Fleet};
 /// under these fingerprints, in their order. One outcome is in memory at a time.
 ///
 /// # Errors
-/// An outcome that is missing or is none; a file that cannot be written.
+/// An outcome that is missing or damaged; a file that cannot be written.
 pub fn gather(fingerprints: &[String], folder: &Path) -> Result<Fleet, FleetError> {
     let mut gathering = Gathering::start(folder)?;
     for fingerprint in fingerprints {

@@ -16,7 +16,7 @@ use undrift_drive::drive::{ConfigError, Section, parse};
 pub struct Pattern {
     /// The name or pattern, relative to the manifest's folder.
     pub pattern: String,
-    /// Whether it stands for static records, else for drive files.
+    /// Whether it names static recordings, else drive files.
     pub records: bool,
     /// A table with a row for each log; a drive file is then a template for all rows.
     pub table: Option<String>,
@@ -294,7 +294,7 @@ pub enum PatternError {
     NoMatch {
         /// As it was given.
         pattern: String,
-        /// What was meant, where that can be told.
+        /// What was meant, where that is known.
         hint: &'static str,
     },
 }

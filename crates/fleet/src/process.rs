@@ -30,14 +30,14 @@ use undrift_tune::{
     tune,
 };
 
-/// Works a job out. Nothing but the job and the files that it names bears on the outcome; whatever goes
-/// wrong is told in [`FleetOutcome::failed`]. On all cores of the pool that it is called in.
+/// Works a job out. The outcome depends on the job and the files that it names alone; whatever goes
+/// wrong is in [`FleetOutcome::failed`]. On all cores of the pool that it is called in.
 pub fn process(job: &Job) -> FleetOutcome {
     let mut outcome = FleetOutcome::of(job);
     let (home, data) = job.folders();
     let folders = [data, home, PathBuf::from(&job.folder)];
     let failed = isolated(|| {
-        // Told here: who reads them tells of their neighbours too, which are no part of the job.
+        // Reported here: the readers of these files name their neighbours, too, which are no part of the job.
         if let Some((_, path)) = inputs(job).iter().find(|(_, path)| !path.exists()) {
             return Err(JobError::NoFile(path.clone()).into());
         }
@@ -55,7 +55,7 @@ pub fn process(job: &Job) -> FleetOutcome {
             Task::Identify(settings) => identify(job, settings, &mut outcome),
         }
     });
-    outcome.failed = failed.err().map(|error| told(&*error));
+    outcome.failed = failed.err().map(|error| reasons(&*error));
     if outcome.failed.is_none() && outcome.rows.is_empty() {
         let first = outcome.failed_parts.iter().next();
         let why = first.map(|(part, why)| format!("{part}: {why}"));
@@ -97,7 +97,7 @@ enum JobError {
 type Failure = Box<dyn Error + Send + Sync>;
 
 /// Why something has no result, with all causes that the text does not have already.
-fn told(error: &dyn Error) -> String {
+fn reasons(error: &dyn Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();
     while let Some(error) = cause {
@@ -192,7 +192,7 @@ fn outages(
         let found = match run {
             Ok(run) => ModelErrors::from(&run.errors),
             Err(error) => {
-                outcome.failed_parts.insert(name.clone(), told(error));
+                outcome.failed_parts.insert(name.clone(), reasons(error));
                 continue;
             }
         };
@@ -238,7 +238,7 @@ fn navigate(
             Ok(report) => report.result(*kind, results::Drive::default()),
             Err(error) => {
                 outcome.findings.extend(error.findings());
-                outcome.failed_parts.insert(name, told(&error));
+                outcome.failed_parts.insert(name, reasons(&error));
                 continue;
             }
         };
@@ -415,22 +415,22 @@ mod tests {
     fn an_error_is_told_with_the_causes_that_it_does_not_say() {
         #[derive(Debug, thiserror::Error)]
         #[error("{text}")]
-        struct Told {
+        struct Layer {
             text: &'static str,
-            source: Option<Box<Told>>,
+            source: Option<Box<Layer>>,
         }
-        let deepest = Told {
+        let deepest = Layer {
             text: "disk full",
             source: None,
         };
-        let middle = Told {
+        let middle = Layer {
             text: "cannot write",
             source: Some(Box::new(deepest)),
         };
-        let top = Told {
+        let top = Layer {
             text: "a.csv: cannot write",
             source: Some(Box::new(middle)),
         };
-        assert_eq!(told(&top), "a.csv: cannot write: disk full");
+        assert_eq!(reasons(&top), "a.csv: cannot write: disk full");
     }
 }

@@ -106,7 +106,7 @@ pub fn job_path(folder: &Path, fingerprint: &str) -> PathBuf {
 
 /// Works all jobs out that are not up to date, and keeps each outcome in a file of its own under
 /// [`job_path`], which appears whole: whatever ends this, a later run goes on. `say` fills in the sentences
-/// of an outcome before it is kept, `told` is called after each job with its outcome, `None` where it was up to date.
+/// of an outcome before it is kept, `done` is called after each job with its outcome, `None` where it was up to date.
 ///
 /// # Errors
 /// If an outcome cannot be kept.
@@ -115,7 +115,7 @@ pub fn run(
     folder: &Path,
     options: Options,
     say: impl Fn(&mut FleetOutcome) + Sync,
-    told: impl Fn(Option<&FleetOutcome>) + Sync,
+    done: impl Fn(Option<&FleetOutcome>) + Sync,
 ) -> Result<Done, FleetError> {
     let outcomes = folder.join("jobs");
     std::fs::create_dir_all(&outcomes).map_err(FleetError::file(&outcomes))?;
@@ -136,7 +136,7 @@ pub fn run(
             let step = pool.install(|| one(job, folder, options, &say, &seen));
             // The outcome goes no further: memory does not grow with the number of jobs.
             let step = step.map(|(step, outcome)| {
-                told(outcome.as_ref());
+                done(outcome.as_ref());
                 step
             });
             let failed = step.is_err();

@@ -15,7 +15,7 @@ const DAY_NUMBERS: std::ops::Range<f64> = 30_000.0..80_000.0;
 /// That of the Unix epoch.
 const UNIX_DAY: f64 = 25_569.0;
 
-/// What tells the date of a log.
+/// Source of the date of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ClockSource {
     /// A GNSS receiver.
@@ -51,7 +51,7 @@ impl ClockSource {
 pub struct Epoch {
     /// GPS time: nanoseconds since 6 January 1980.
     gps_ns: i64,
-    /// What tells it.
+    /// Its source.
     pub clock: ClockSource,
 }
 

@@ -113,9 +113,9 @@ mod tests {
         for name in ["imu.csv", "imu2.csv", "truth.csv"] {
             std::fs::write(folder.join(name), "").unwrap();
         }
-        let told = names(&folder.join("imv.csv"));
+        let said = names(&folder.join("imv.csv"));
         std::fs::remove_dir_all(&folder).unwrap();
-        assert_eq!(told.unwrap(), "did you mean imu.csv or imu2.csv?");
+        assert_eq!(said.unwrap(), "did you mean imu.csv or imu2.csv?");
         assert_eq!(names(Path::new("no/such/folder/imu.csv")), None);
     }
 }

@@ -18,12 +18,12 @@ pub enum SkipKind {
     DuplicateTime,
     /// A line longer than any row can be.
     TooLong,
-    /// A number that cannot be what it stands for, such as a latitude of 95° or the 0°, 0° of "no fix".
+    /// A number that is impossible, such as a latitude of 95° or the 0°, 0° of "no fix".
     OutOfRange,
     /// A standard deviation that is zero, negative or not a number.
     Uncertainty,
-    /// A position or velocity whose uncertainty neither the file nor the user tells.
-    Untold,
+    /// A position or velocity whose uncertainty neither the file nor the user states.
+    NoUncertainty,
     /// A message or a part of the file that is damaged: its checksum is wrong, its end is missing, or
     /// it cannot be decompressed; reading goes on after it.
     Damaged,
@@ -52,8 +52,8 @@ impl SkipKind {
             (Self::OutOfRange, true) => "rows with a value out of range",
             (Self::Uncertainty, false) => "value with an unusable standard deviation",
             (Self::Uncertainty, true) => "values with an unusable standard deviation",
-            (Self::Untold, false) => "value of unknown uncertainty",
-            (Self::Untold, true) => "values of unknown uncertainty",
+            (Self::NoUncertainty, false) => "value of unknown uncertainty",
+            (Self::NoUncertainty, true) => "values of unknown uncertainty",
             (Self::Damaged, false) => "damaged message or part",
             (Self::Damaged, true) => "damaged messages or parts",
             (Self::NoFix, false) => "epoch without a fix",

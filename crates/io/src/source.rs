@@ -70,7 +70,7 @@ pub(crate) fn file(path: &Path) -> Result<File, ReadError> {
 }
 
 /// Reads a stream; one that starts with the magic of gzip or zstd is decompressed (all its members), which the
-/// second value tells; UTF-16 becomes UTF-8. `read` counts on.
+/// second value says; UTF-16 becomes UTF-8. `read` counts on.
 ///
 /// # Errors
 /// If it cannot be read.

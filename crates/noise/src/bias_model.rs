@@ -192,7 +192,7 @@ impl AxisModel {
     ///
     /// # Errors
     /// [`ModelError::Missing`] where the axis lacks what `model` is made of, [`ModelError::Shaping`] where
-    /// that makes no filter: an interval or term that is none, more states than fit, an ARMA that does not
+    /// that makes no filter: an invalid interval or term, more states than fit, an ARMA that does not
     /// exist at this interval.
     pub fn shaping(&self, model: BiasModel, interval: f64) -> Result<ShapingFilter, ModelError> {
         self.make(model, interval)

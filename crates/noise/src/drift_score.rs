@@ -254,7 +254,7 @@ mod tests {
                 assert_eq!(started.p0[i][j], filter.p0[i][j] + more);
             }
         }
-        // One that drives another, or is not seen, is none of its own.
+        // One that drives another, or is not seen, is not independent.
         let other = (at + 1) % filter.order;
         let mut driving = filter;
         driving.f[other][at] = 0.1;

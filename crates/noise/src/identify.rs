@@ -237,7 +237,7 @@ fn prepare(record: &[f64], options: &Options<'_>) -> Result<Prepared, IdentifyEr
     })
 }
 
-/// Identifies one axis: `record` in SI units, evenly sampled, NaN where a sample is missing. `accelerometer` tells what
+/// Identifies one axis: `record` in SI units, evenly sampled, NaN where a sample is missing. `accelerometer` says what
 /// the mean means.
 ///
 /// # Errors

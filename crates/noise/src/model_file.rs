@@ -242,7 +242,7 @@ pub enum ModelError {
         /// Name of the format.
         format: &'static str,
     },
-    /// The sample rate asked for is none.
+    /// The requested sample rate is invalid.
     #[error("invalid sample rate: {0} Hz")]
     BadRate(f64),
     /// The shaping filter cannot be made.

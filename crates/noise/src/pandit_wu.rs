@@ -17,7 +17,7 @@
 //!
 //! The test is not F-distributed under the null, since the extra poles and zeros cancel: for a true
 //! ARMA(2,1) it goes up to (4,3) in three of four records where 5 % are meant, and does not find its way
-//! back, since the same critical value decides on the way down. Beside it stands therefore the
+//! back, since the same critical value decides on the way down. Beside it is therefore the
 //! order of least BIC on that way down, whose penalty of ln N per parameter outgrows what a
 //! cancelling pair gains (docs/lab/arma.md). Use BIC and the drift score to decide, and F to say what the paper
 //! would have said.

@@ -26,7 +26,7 @@ pub const SIGNIFICANT: f64 = 3.5;
 const FALL: f64 = SIGNIFICANT * SIGNIFICANT;
 /// Standard errors of the ends of a 95 % interval.
 pub const NORMAL_95: f64 = 1.96;
-/// Models whose AIC is within this of the least are not told apart.
+/// Models whose AIC is within this of the least are not distinguished.
 const ALIKE: f64 = 6.0;
 
 /// Zero of the Celsius scale \[K\].

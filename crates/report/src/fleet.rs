@@ -15,7 +15,7 @@ use undrift_results::{Fleet, Trouble};
 
 /// Rows that a table shows of a longer list.
 const ROWS: usize = 200;
-/// Names that a sentence tells of a longer list.
+/// Names of a longer list that a sentence has.
 const NAMES: usize = 12;
 
 /// What the comparisons are not.

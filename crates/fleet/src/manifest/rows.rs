@@ -7,7 +7,7 @@ pub(super) struct LogTable {
     pub rows: Vec<(usize, Vec<String>)>,
 }
 
-/// Splits a text into rows; empty lines are none. `Err` has the line and what is wrong there.
+/// Splits a text into rows; empty lines are skipped. `Err` has the line and what is wrong there.
 pub(super) fn read(text: &str) -> Result<LogTable, (usize, String)> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let first = text.lines().next().unwrap_or_default();

@@ -22,7 +22,7 @@ pub struct GnssLog {
     pub velocity: Option<String>,
     /// The base station of baselines.
     pub base: Option<Geodetic>,
-    /// How certain they are, and which are given out; a velocity of which nobody tells is left out.
+    /// How certain they are, and which are given out; a velocity of unknown uncertainty is skipped.
     pub fixes: FixOptions,
 }
 
@@ -43,7 +43,7 @@ impl GnssLog {
 pub(super) struct LogFixes {
     options: FixOptions,
     positions: u64,
-    /// Where the first position stands of which nobody says how certain it is.
+    /// Place of the first position of unknown uncertainty.
     unknown: Option<u64>,
     /// Velocities left out because nobody says how certain they are.
     pub(super) untold_velocities: u64,
@@ -87,7 +87,7 @@ impl LogFixes {
                     stated.map(|std| Matrix3::from_diagonal(&Vector3::from(std).map(|s| s * s)));
                 let covariance = stated.or(own).map(|p| p * (factor * factor));
                 if covariance.is_none() {
-                    skipped.add(SkipKind::Untold, at, format_args!("set {key}"));
+                    skipped.add(SkipKind::NoUncertainty, at, format_args!("set {key}"));
                 }
                 covariance
             };

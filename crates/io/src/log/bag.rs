@@ -106,7 +106,7 @@ fn open(source: Source) -> Result<Container, ReadError> {
     })
 }
 
-/// What a message or connection tells whose data are a part of `bytes`.
+/// Contents of a message or connection whose data are a part of `bytes`.
 fn event(header: Header, bytes: &[u8], range: Range<usize>) -> Option<Event> {
     match header.op {
         op::MESSAGE => Some(Event::Message {

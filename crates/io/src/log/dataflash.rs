@@ -1,5 +1,5 @@
 //! ArduPilot DataFlash, binary (`.BIN`) and text (`.log`): messages whose formats the log itself defines.
-//! Their fields are those of ArduPilot's log messages; AP_Logger's documentation tells how formats are written.
+//! Their fields are those of ArduPilot's log messages; AP_Logger's documentation says how formats are written.
 //!
 //! * Inertial samples: `IMU` with gyro and accelerometer, by instance (`IMU0`; in older logs the messages IMU,
 //!   IMU2, IMU3 are the instances 0, 1, 2); `RAW0` is GYR and ACC of one instance, the samples as the sensor

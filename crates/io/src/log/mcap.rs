@@ -43,7 +43,7 @@ pub(super) fn open(source: Source) -> Result<Container, ReadError> {
 }
 
 impl Mcap {
-    /// What a schema, channel or message tells whose content is a part of `bytes`.
+    /// What is in a schema, channel or message whose content is a part of `bytes`.
     fn event(&mut self, kind: u8, bytes: &[u8], range: Range<usize>) -> Option<Event> {
         let content = bytes.get(range.clone()).unwrap_or_default();
         let mut fields = ByteFields::packed(content);

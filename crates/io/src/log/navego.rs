@@ -1,7 +1,7 @@
 //! NaveGo's structures in a MATLAB file of level 5, `save -v6` or `-v7`: as NaveGo's `ins_gnss.m`
 //! describes them. One variable is held in memory at a time, of 512 MiB at most.
 //!
-//! Streams are variables. What one holds is told by its fields, vectors of one length:
+//! Streams are variables. What one holds is known by its fields, vectors of one length:
 //!
 //! * `t` \[s\], `fb` [m/s²], `wb` [rad/s]: inertial samples, forward-right-down; `fb` is the specific
 //!   force, −9.8 m/s² down at rest.

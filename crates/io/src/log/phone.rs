@@ -21,7 +21,7 @@ pub(super) const RADIUS: f64 = 1.509_592_185_452;
 /// A fix has no vertical speed: its standard deviation leaves that open [m/s].
 const VERTICAL: f64 = 20.0;
 
-/// A place as the telephone's operating system tells it; the accuracies are radii or intervals of 68 %,
+/// A place as the telephone's operating system states it; the accuracies are radii or intervals of 68 %,
 /// and below zero or missing where they are not known.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Location {

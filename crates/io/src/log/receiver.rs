@@ -71,7 +71,7 @@ impl Ready {
 }
 
 /// Entries of what is wanted by steps that make none, one or several of them, until one says that it was
-/// the last. A step also tells what the times count from, as soon as that is known.
+/// the last. A step also says what the times count from, as soon as that is known.
 pub(super) fn by_steps(
     wanted: &Wanted,
     mut step: impl FnMut(&mut Ready) -> Result<(bool, Option<Epoch>), ReadError> + Send + 'static,

@@ -133,7 +133,7 @@ struct Choices {
 }
 
 impl Choices {
-    /// Whether a message of this topic and frame, where it tells one, is meant.
+    /// Whether a message of this topic and frame, where it states one, is meant.
     fn takes(&mut self, index: usize, topic: &Topic, frame: Option<&str>) -> bool {
         if self.main.takes(index, topic) {
             if self.frame.is_none() {
@@ -177,7 +177,7 @@ struct Recording {
 }
 
 impl Recording {
-    /// Takes in what the file tells next; false at its end. Where several topics could be meant, the rest
+    /// Reads the next entry of the file; false at its end. Where several topics could be meant, the rest
     /// is read for their names only.
     fn step(&mut self, ready: &mut Ready) -> Result<bool, ReadError> {
         let Some(event) = self.events.next()? else {

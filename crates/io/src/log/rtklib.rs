@@ -264,7 +264,7 @@ impl Reader {
                 }
             }
             let [degrees, minutes, seconds] = parts;
-            // The sign stands at the degrees, also at −0.
+            // The sign is at the degrees, also at −0.
             let size = degrees.abs() + minutes / 60.0 + seconds / 3600.0;
             out[k] = size.copysign(degrees);
         }

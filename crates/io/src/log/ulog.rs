@@ -3,12 +3,12 @@
 //! Streams are topics with their instance, such as `vehicle_imu.0`; a name without a number is
 //! instance 0.
 //!
-//! * Inertial samples: `vehicle_imu` has increments over intervals that it tells, `sensor_combined`
+//! * Inertial samples: `vehicle_imu` has increments over intervals that it states, `sensor_combined`
 //!   mean rates; both are forward-right-down. PX4 often logs `vehicle_imu` thinned, a short interval
 //!   now and then: that gives no rates in between and is refused.
 //! * Fixes: `vehicle_gps_position`, `sensor_gps`. Fix types 3 (single), 4 (differential), 5 (float)
 //!   and 6 (fixed) are read. `eph` is taken for the standard deviation of north and of east each,
-//!   `epv` for that of the height, `s_variance_m_s`, which is none, for that of each component of
+//!   `epv` for that of the height, `s_variance_m_s`, which is a standard deviation in spite of its name, for that of each component of
 //!   the velocity; zero or not finite is unknown. The height is that above the ellipsoid where it is
 //!   set, that is not 0, else that above mean sea level.
 //! * Positions: `vehicle_global_position` with the velocity of the `vehicle_local_position` before it

@@ -104,7 +104,7 @@ pub(crate) enum NextLine {
     Line(Range<usize>),
     /// A line of more than [`MAX_LINE`] bytes was passed over.
     TooLong,
-    /// Nothing more; [`Lines::failure`] tells whether the file broke off.
+    /// Nothing more; [`Lines::failure`] says whether the file broke off.
     End,
 }
 

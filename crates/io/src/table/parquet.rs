@@ -154,7 +154,7 @@ struct WantedColumn {
     slot: usize,
     scale: f64,
     unsigned: bool,
-    /// Definition level of a number; below it stands null.
+    /// Definition level of a number; below it is null.
     deepest: i16,
     /// Of the row group being read.
     reader: Option<ColumnReader>,

@@ -1,5 +1,5 @@
 //! The track as GeoJSON, RFC 7946: a `LineString` of longitude, latitude and height above the
-//! ellipsoid for each span with and without GNSS, which the property `gnss` tells apart, and its start and end in UTC where the log has a date.
+//! ellipsoid for each span with and without GNSS, which the property `gnss` distinguishes, and its start and end in UTC where the log has a date.
 
 use std::io::{self, Write};
 

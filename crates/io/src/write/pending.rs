@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// A file that appears under its name only when it is finished: until then it is beside it under
 /// a temporary name, `.NAME.partPID`. Dropped unfinished, it is removed; a process that is killed without
 /// [`remove_unfinished`] leaves the temporary one, which goes when the same file is written again an hour later or more (on Linux, where
-/// it can be told that the process is no more).
+/// it is known that the process has ended).
 ///
 /// A symbolic link stays and the file that it leads to is replaced; a file that is replaced hands on its
 /// permissions. Devices, pipes and open descriptors (`/dev/null`, `/dev/stdout`, `/dev/fd/3`) are written
@@ -209,7 +209,7 @@ fn remove_stale(path: &Path, start: &OsStr) {
     }
 }
 
-/// Elsewhere it cannot be told which processes live.
+/// Elsewhere it is not known which processes live.
 #[cfg(not(target_os = "linux"))]
 fn remove_stale(_: &Path, _: &OsStr) {}
 

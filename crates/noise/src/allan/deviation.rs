@@ -13,7 +13,7 @@ use undrift_base::parallel;
 pub enum DeviationKind {
     /// Fully overlapping Allan deviation, NIST SP 1065 section 5.2.4, equation 11.
     Overlapping,
-    /// Modified Allan deviation, section 5.2.5, equation 14: tells white phase noise (quantisation)
+    /// Modified Allan deviation, section 5.2.5, equation 14: distinguishes white phase noise (quantisation)
     /// from flicker phase noise.
     Modified,
     /// Overlapping Hadamard deviation, section 5.2.10, equation 24: blind to a linear ramp.

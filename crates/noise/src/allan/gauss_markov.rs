@@ -103,7 +103,7 @@ pub struct GaussMarkovFit {
     /// Squared residuals in units of their covariance, over the degrees of freedom; about 1 where
     /// the model holds.
     pub reduced_chi2: f64,
-    /// True where τc stands at an end of the range searched: the record does not determine it.
+    /// True where τc is at an end of the range searched: the record does not determine it.
     pub at_limit: bool,
 }
 

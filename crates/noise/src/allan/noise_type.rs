@@ -213,7 +213,7 @@ mod tests {
             .collect();
         let octaves: Vec<usize> = (0..14).map(|k| 1 << k).collect();
         let alone = noise_types(&rates, &octaves).unwrap();
-        // A factor that is none takes the other way.
+        // An invalid factor takes the other way.
         let mixed: Vec<usize> = [3].into_iter().chain(octaves).collect();
         assert_eq!(noise_types(&rates, &mixed).unwrap()[1..], alone);
         assert_eq!((alone[0], alone[9]), (0, -2));

@@ -321,7 +321,7 @@ impl<'a> Held<'a> {
     }
 }
 
-/// Log-likelihood within which [`refit`] is at its optimum: nothing that a record tells of its own parameters.
+/// Log-likelihood within which [`refit`] is at its optimum: far below what a record shows of its own parameters.
 const NEAR: f64 = 1e-2;
 
 /// The same order fitted to other records of the same process, means estimated: the optimum next to `known`, without

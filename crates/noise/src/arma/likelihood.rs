@@ -139,7 +139,7 @@ fn integrate(
     })
 }
 
-/// M, what the record tells of the state before it, from its first row: each step down the diagonal loses the newest
+/// M, the information of the record about the state before it, from its first row: each step down the diagonal loses the newest
 /// product.
 pub(super) fn information(sums: &Accumulated) -> DMatrix<f64> {
     let r = sums.state_lags.len();

@@ -105,7 +105,7 @@ impl ArmaFit {
 /// What should be said with a fitted model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Warning {
-    /// An AR root and an MA root cannot be told apart.
+    /// An AR root and an MA root cannot be distinguished.
     NearCancelling {
         /// Distance of the two inverse roots.
         distance: f64,

@@ -7,7 +7,7 @@ use undrift_nav::shaping::ShapingFilter;
 
 /// A window may miss one in so many samples: what a logger that loses a fifth of them at random leaves of a second.
 const WHOLE: usize = 3;
-/// Windows begin this share of their length apart: what lies between two tells nothing more.
+/// Windows begin this share of their length apart: more of them would add no information.
 const OVERLAP: usize = 32;
 /// Change of the gains over 64 samples below which the filter counts as settled. Their error is that times their
 /// memory over 64, at most some hundreds, and the score's is its square.

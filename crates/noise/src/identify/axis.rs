@@ -188,7 +188,7 @@ impl Axis {
     }
 }
 
-/// A line as the model file has it.
+/// A line in the form of the model file.
 fn in_model(line: &Line) -> model_file::Line {
     model_file::Line {
         frequency_hz: line.frequency_hz,

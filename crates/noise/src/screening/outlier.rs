@@ -164,7 +164,7 @@ mod tests {
         let sigma = f64::max(deviation, squares.sqrt());
         assert!(sigma > deviation);
         let limit = 39.0 / sigma;
-        // With a step of 4 the samples are on a coarse grid, of whose tail nothing is told.
+        // With a step of 4 the samples are on a coarse grid, of whose tail nothing is known.
         let found = outliers(&x, rule(9, limit - 1e-6, 4.0)).unwrap();
         let [one] = found.outliers[..] else {
             panic!("{found:?}")

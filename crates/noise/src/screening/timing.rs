@@ -222,7 +222,7 @@ mod tests {
             ((80.0 * within + 18.0 * between) / 98.0).sqrt(),
         );
         near(lost.jitter_max_s, 0.076);
-        // A period of half as much again is none, of more it is.
+        // A period of half as much again is not a gap, a longer one is.
         assert!(timing(&bursts(0.0499)).unwrap().gaps.is_empty());
         assert_eq!(timing(&bursts(0.051)).unwrap().gaps[0].missing, 5);
     }
@@ -244,7 +244,7 @@ mod tests {
         assert!(of(&spread(1.0, 16.1)) && !of(&spread(1.0, 15.9)));
         // Four intervals are between bursts, less is not.
         assert!(of(&spread(0.2, 8.0)));
-        // A step back is none.
+        // A step back is not a gap.
         let mut back = all.clone();
         back[31] -= 0.002;
         assert!(!of(&back));

@@ -79,7 +79,7 @@ pub(crate) fn linear(x: &[f64]) -> Detrended {
 }
 
 /// Takes the mean and a multiple of the temperature (`temperature_c` [°C or K], one a sample) out, by
-/// least squares. A temperature that only drifts cannot be told from a linear trend.
+/// least squares. A temperature that only drifts cannot be distinguished from a linear trend.
 ///
 /// # Errors
 /// Fewer than 3 samples, a sample that is not finite, lengths that differ, [`RecordError::Constant`]

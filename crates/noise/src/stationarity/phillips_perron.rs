@@ -29,7 +29,7 @@ pub struct PhillipsPerron {
     pub observations: usize,
 }
 
-/// The tests on a record, with ⌈12 (n/100)^¼⌉ lags unless told.
+/// The tests on a record, with ⌈12 (n/100)^¼⌉ lags by default.
 ///
 /// # Errors
 /// Fewer than 6 samples or than lags, a sample that is not finite, a constant record or an exact line.

@@ -232,7 +232,7 @@ fn white_noise_is_not_mistaken_for_a_model() {
     let mut unflagged = 0;
     for seed in 1..=20 {
         let model = fit(&uniform(500, seed), 1, 1, &FitOptions::default()).unwrap();
-        // The roots cannot be told apart in white noise: the result must say so.
+        // The roots cannot be distinguished in white noise: the result must say so.
         unflagged += usize::from(!(model.near_cancelling || model.flat_likelihood));
     }
     // Nominally 5 %, in truth more, since a vanished pair has no place: at most a quarter.

@@ -477,7 +477,7 @@ fn profile_intervals_hold_the_truth_and_open_where_the_record_ends() {
         let bound = of(parameter);
         assert!(bound.is_determined(), "{bound:?}");
         assert!(bound.low < bound.estimate && bound.estimate < bound.high);
-        // Seed 1 is none of the one in twenty.
+        // Seed 1 is not one of the one in twenty.
         assert!(bound.low < truth && truth < bound.high, "{bound:?}");
     }
     // From the full rate: 1.96 · ½ √(3/72 000) either side.

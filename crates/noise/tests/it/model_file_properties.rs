@@ -82,7 +82,7 @@ prop_compose! {
     ) -> AxisModel {
         AxisModel {
             turn_on,
-            // An axis has white noise or an ARMA, or it is none.
+            // An axis has white noise or an ARMA, or is absent.
             white: (whether || arma.is_none()).then_some(white),
             quantisation,
             instability: instability.into_iter().map(|(sigma, tau_s)| GaussMarkov { sigma, tau_s }).collect(),

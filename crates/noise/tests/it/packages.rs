@@ -104,7 +104,7 @@ fn portmanteau_tests_are_those_of_statsmodels() {
             let [statistic, p, pierce, pierce_p] = numbers(expected).try_into().unwrap();
             close(test.ljung_box, statistic, 1e-9, name);
             close(test.box_pierce, pierce, 1e-9, name);
-            // As far as a p-value can be told from 0.
+            // As far as a p-value can be distinguished from 0.
             near(test.ljung_box_p, p, 1e-9, name);
             near(test.box_pierce_p, pierce_p, 1e-9, name);
         }

@@ -87,7 +87,7 @@ proptest! {
         let of = |x: &[f64]| {
             log_likelihood(x, &walking, &theta, Mean::Estimated, true).unwrap().log_likelihood
         };
-        // A second root near 1 can hardly be told from the level: P grows with the square of 1 − Σφ.
+        // A second root near 1 can hardly be distinguished from the level: P grows with the square of 1 − Σφ.
         let apart = (1.0 - phi.iter().sum::<f64>()).min(1.0);
         let (there, back) = (of(&holed), of(&reversed(&holed)));
         prop_assert!((there - back).abs() < 1e-8 * there.abs().max(1.0) / apart.powi(2), "{there} {back}");

@@ -71,7 +71,7 @@ fn a_slope_beside_a_random_walk_has_an_honest_interval() {
     let (covered, determined) = counted(sinusoid, &walk, SLOPE, 0..8);
     // 95 % of 8: fewer than 6 are one case in 200.
     assert!(covered >= 6 && determined == 8, "{covered} {determined}");
-    // Over an hour the walk goes 0.012, 12 K's worth of the slope: the 20 K of a ramp cannot be told from it.
+    // Over an hour the walk goes 0.012, 12 K's worth of the slope: the 20 K of a ramp cannot be distinguished from it.
     let (covered, determined) = counted(ramp, &walk, 0.0, 0..8);
     assert!(covered >= 6 && determined == 0, "{covered} {determined}");
 }

@@ -66,7 +66,7 @@ struct Column {
     offset: usize,
     number: Number,
     scale: f64,
-    /// Whether the letter of the format tells the scale.
+    /// Whether the letter of the format states the scale.
     scaled: bool,
 }
 
@@ -163,7 +163,7 @@ impl Format {
     }
 }
 
-/// The size of a field by the letter of its type \[bytes\], its number, and the scale that the letter tells.
+/// The size of a field by the letter of its type \[bytes\], its number, and the scale that the letter states.
 fn stored(letter: u8) -> Option<(usize, Option<Number>, Option<f64>)> {
     let (number, scale) = match letter {
         b'b' => (Number::I8, None),

@@ -9,7 +9,7 @@
 const BUCKET: f64 = 10.0;
 /// Ties that are kept at most: of 50 days.
 const MAX_TIES: usize = 1 << 19;
-/// Over less time, drift is not told from the scatter of delays \[s\].
+/// Over less time, drift is not distinguished from the scatter of delays \[s\].
 const SPAN: f64 = 120.0;
 /// No clock is off by more …
 const MAX_DRIFT: f64 = 2e-4;

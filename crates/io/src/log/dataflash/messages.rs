@@ -12,7 +12,7 @@ const HEAD: [u8; 2] = [0xa3, 0x95];
 /// Types of the messages that define formats, and the length of the first \[bytes\].
 const FMT: u8 = 128;
 const FMT_LENGTH: usize = 89;
-/// Longest message \[bytes\]: its length is told in one byte.
+/// Longest message \[bytes\]: its length is in one byte.
 const LONGEST: usize = 255;
 /// Bytes that are read at a time.
 const BLOCK: usize = 64 * 1024;

@@ -180,7 +180,7 @@ fn covariance(gst: &Sentence) -> Option<Matrix3> {
     Some(Matrix3::new(nn, ne, 0.0, ne, ee, 0.0, 0.0, 0.0, down))
 }
 
-/// Heights above the ellipsoid, as far as the file tells.
+/// Heights above the ellipsoid, as far as the file states them.
 #[derive(Default)]
 pub(super) struct Heights {
     separation: Option<f64>,
@@ -214,7 +214,7 @@ pub(super) struct Times {
     weeks: WeekClock,
     /// The last time of day \[s\].
     last: Option<f64>,
-    /// The last date that was told.
+    /// The last date in the log.
     date: Option<Date>,
     /// Midnights since the last date, or since the file's start.
     midnights: i32,

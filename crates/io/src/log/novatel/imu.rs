@@ -85,7 +85,7 @@ pub(super) fn by_name(name: &str) -> Option<&'static Type> {
 
 /// One raw message: counts along x, y, z.
 pub(super) struct Raw {
-    /// Of the type, where the message tells it.
+    /// Of the type, where the message states it.
     pub(super) code: Option<u32>,
     /// Whether the receiver calls it damaged.
     pub(super) fault: bool,
@@ -145,7 +145,7 @@ pub(super) struct Rates {
 }
 
 impl Rates {
-    /// Rates of a message at a time \[s\], and of the first one when the second tells its interval.
+    /// Rates of a message at a time \[s\], and of the first one when the second shows its interval.
     pub(super) fn add(
         &mut self,
         at: u64,

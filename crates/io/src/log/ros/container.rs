@@ -9,7 +9,7 @@ use crate::mcap_records::crc32;
 use crate::skipped::SkipKind;
 use crate::source::Source;
 
-/// What a container tells, in the order of the file.
+/// Contents of a container, in the order of the file.
 #[derive(Debug)]
 pub(in crate::log) enum Event {
     Topic(Declared),
@@ -39,10 +39,10 @@ pub(in crate::log) trait Records: Send {
     /// Methods of compression that can be read.
     fn methods(&self) -> &'static str;
 
-    /// What the record of a chunk at `at` tells, and where it ends; `None` if it does not fit.
+    /// Contents of the record of a chunk at `at`, and where it ends; `None` if it does not fit.
     fn inside(&mut self, chunk: &[u8], at: usize) -> Option<(Option<Event>, usize)>;
 
-    /// Reads the next record outside of chunks and gives what it tells. A chunk is unpacked.
+    /// Reads the next record outside of chunks and returns its contents. A chunk is unpacked.
     fn outside(&mut self, file: &mut File) -> Result<Option<Event>, Stop>;
 }
 
@@ -155,9 +155,9 @@ pub(in crate::log) struct Packed {
     pub(in crate::log) checksum: Option<u32>,
 }
 
-/// What a recording tells, one thing after the other.
+/// Contents of a recording, one entry after the other.
 pub(in crate::log) trait Events: Send {
-    /// The next thing that it tells.
+    /// The next entry.
     fn next(&mut self) -> Result<Option<Event>, ReadError>;
 
     /// The bytes of the last message.

@@ -108,7 +108,7 @@ pub(super) fn imu(fields: &mut ByteFields) -> Result<(Vector3, Vector3), Unfit> 
 ///
 /// Status 0 is a fix without, 1 one with satellite-based corrections. Status 2, ground-based
 /// corrections, stands for everything from differential code to resolved ambiguities, so it says
-/// nothing. The covariance is east-north-up, of type 0 where it is unknown; one that is none, such
+/// nothing. The covariance is east-north-up, of type 0 where it is unknown; an invalid one, such
 /// as all zero, counts as unknown.
 pub(super) fn fix(
     fields: &mut ByteFields,
@@ -166,7 +166,7 @@ fn ned(enu: &Vector3) -> Vector3 {
     Vector3::new(enu.y, enu.x, -enu.z)
 }
 
-/// A covariance north-east-down of one east-north-up; `None` if it is none: not finite, not
+/// A covariance north-east-down of one east-north-up; `None` if it is invalid: not finite, not
 /// positive definite.
 fn ned_covariance(enu: Matrix3) -> Option<Matrix3> {
     let turn = Matrix3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0);

@@ -280,7 +280,7 @@ fn of_bytes(name: &str, bytes: &[u8], wanted: &Wanted) -> Result<Vec<Entry>, Rea
     entries(name, source, wanted)?.collect()
 }
 
-/// A recording that was killed: what came before is read, and that it broke off is told once.
+/// A recording that was killed: what came before is read, and that it broke off is reported once.
 #[test]
 fn files_cut_anywhere_are_read_up_to_there() {
     // All bytes of two, and some of the larger or slower ones.
@@ -303,7 +303,7 @@ fn files_cut_anywhere_are_read_up_to_there() {
                 continue;
             };
             let cut: Vec<_> = cut.collect();
-            // Without a sample the end is an error, which tells of no topic.
+            // Without a sample the end is an error, which names no topic.
             let missing = cut.iter().filter(|entry| entry.is_err()).count();
             let cut: Vec<Entry> = cut.into_iter().filter_map(Result::ok).collect();
             let found = readings(&cut);

@@ -26,7 +26,7 @@ impl Topic {
     }
 }
 
-/// All topics that a recording has told of so far.
+/// All topics that a recording has named so far.
 #[derive(Debug, Default)]
 pub(super) struct Topics {
     list: Vec<Topic>,

@@ -136,7 +136,7 @@ impl Bag {
         }
     }
 
-    /// What a row of the messages tells.
+    /// Contents of a row of the messages.
     fn message(&mut self, row: LeafCell) -> Event {
         self.read_message(row).unwrap_or_else(|fault| match fault {
             Fault::Missing(page) => {
@@ -151,7 +151,7 @@ impl Bag {
     fn read_message(&mut self, row: LeafCell) -> Result<Event, Fault> {
         let damaged = |what: &str| Fault::Damaged(format!("row {}: {what}", row.id));
         self.bytes.clone_from(&row.local);
-        // Where the numbers are is usually told before the row goes over to other pages.
+        // Where the numbers are is usually known before the row goes over to other pages.
         let numbers = |bytes: &[u8]| {
             let topic = row::integer(bytes, self.columns.id)?;
             Some((topic, row::integer(bytes, self.columns.timestamp)?))

@@ -127,10 +127,10 @@ impl Parts {
     fn end(&mut self) -> Option<Event> {
         self.present = None;
         let changes = changes_of(&self.name)?;
-        let told = self.messages > self.before;
+        let grew = self.messages > self.before;
         let detail = format!("the last messages are in {}, not read", changes.display());
         self.changes = Some(changes);
-        told.then(|| self.skipped(SkipKind::EndsEarly, &detail))
+        grew.then(|| self.skipped(SkipKind::EndsEarly, &detail))
     }
 }
 

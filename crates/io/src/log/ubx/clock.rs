@@ -8,7 +8,7 @@
 //! tens of milliseconds after it; that delay stays in the times as a constant, the samples being
 //! stamped too early by it, and is what the time offset of a drive file is for.
 //!
-//! NAV-STATUS tells milliseconds since startup next to the time of week. Where the sensor messages
+//! NAV-STATUS has milliseconds since startup next to the time of week. Where the sensor messages
 //! are calibrated to that counter, the ties are these pairs and exact. So they are for ESF-RAW of
 //! receivers that fill its first word, reserved by the interface descriptions, with the
 //! milliseconds since startup of its first measurement: it is believed where it is within a second

@@ -113,7 +113,7 @@ pub(super) struct Epoch {
     pub(super) at: u64,
     /// Time of week \[ms\].
     pub(super) time_of_week: u32,
-    /// GPS week, where a message tells it.
+    /// GPS week, where a message states it.
     week: Option<i64>,
     /// The sensors' counter when its first message came \[s\].
     pub(super) counter: Option<f64>,

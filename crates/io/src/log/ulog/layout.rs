@@ -32,7 +32,7 @@ enum Declares {
 pub(super) struct Formats(HashMap<String, Vec<Declared>>);
 
 impl Formats {
-    /// Takes in a definition, such as `gyro:uint64_t timestamp;float[3] rate;`; false if it is none.
+    /// Takes in a definition, such as `gyro:uint64_t timestamp;float[3] rate;`; false if it is invalid.
     pub(super) fn define(&mut self, text: &[u8]) -> bool {
         let parsed = std::str::from_utf8(text).ok().and_then(parse);
         match parsed {

@@ -67,7 +67,7 @@ impl Messages {
         self.number
     }
 
-    /// Sets where data was appended, as the flags message says; 0 is none.
+    /// Sets where data was appended, as the flags message says; 0: absent.
     pub(super) fn set_appended(&mut self, offsets: impl Iterator<Item = u64>) {
         self.appended = offsets.filter(|at| *at > self.position).collect();
         self.appended.sort_unstable();

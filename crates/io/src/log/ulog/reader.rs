@@ -63,7 +63,7 @@ pub(super) struct Reader {
 }
 
 impl Reader {
-    /// `poses` tells whether velocities are wanted beside positions; `key` asked for the stream.
+    /// `poses`: whether velocities are wanted beside positions; `key` asked for the stream.
     pub(super) fn new(messages: Messages, wanted: String, key: &'static str, poses: bool) -> Self {
         Self {
             messages,

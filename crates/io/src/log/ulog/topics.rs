@@ -52,7 +52,7 @@ pub(super) fn about(topic: &str) -> &'static str {
 /// `vehicle_local_position`.
 type ReadPose = dyn Fn(&[u8], Option<(f64, Vector3)>) -> Result<What, Unfit> + Send;
 /// Makes a sample of a message, with its time and the length of the gyro's interval \[s\] where the topic
-/// tells it.
+/// states it.
 type ReadSample = dyn Fn(&[u8]) -> Result<(What, Option<(f64, f64)>), Unfit> + Send;
 
 /// Makes a fix of a message.

@@ -199,7 +199,7 @@ mod tests {
         for cut in 0..12 {
             assert!(Header::read(&bytes[..cut]).is_none(), "{cut}");
         }
-        // A size below zero is none.
+        // A size below zero is invalid.
         assert!(Header::read(&[0x35, 1, 0]).unwrap().with_page().is_none());
     }
 

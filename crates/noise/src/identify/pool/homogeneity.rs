@@ -53,7 +53,7 @@ impl Default for Ratio {
 pub struct Difference {
     /// Position of the record.
     pub record: usize,
-    /// Position of the other record where there are only two: which of them is unusual, nothing tells.
+    /// Position of the other record where there are only two: which of them is unusual cannot be decided.
     pub other: Option<usize>,
     /// Its white noise in multiples of theirs.
     pub white: Option<f64>,

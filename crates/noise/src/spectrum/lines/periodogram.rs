@@ -24,7 +24,7 @@ const MEDIAN_OF_BINS: f64 = 0.48;
 const MEDIAN_OF_BANDS: f64 = 0.64;
 /// A band this much above its neighbours is a resonance, however sure less is: a smooth spectrum has curves too.
 const PROMINENT: f64 = 2.0;
-/// Bins beside a peak that show whether it stands on a broader one, and the ratio to the background from which on it does.
+/// Bins beside a peak that show whether it is on top of a broader one, and the ratio to the background from which on it does.
 const PEDESTAL: std::ops::RangeInclusive<usize> = 5..=14;
 const ON_PEDESTAL: f64 = 3.0;
 
