@@ -157,7 +157,7 @@ pub fn position_std_on_receiver_clock(
     })
 }
 
-/// An error-state filter; its methods are those of [`Filter`] where nothing else is said.
+/// An error-state filter; its methods are those of [`Filter`](undrift_nav::filter::Filter) where nothing else is said.
 pub trait Estimator: Send + Sync {
     /// Position, velocity and attitude of the IMU.
     fn nav(&self) -> &NavState;
@@ -173,7 +173,7 @@ pub trait Estimator: Send + Sync {
     fn parameters(&self) -> &Parameters;
     /// Estimate of a parameter and its standard deviations.
     fn parameter(&self, kind: Parameter) -> Option<([f64; 6], [f64; 6])>;
-    /// By how much positions or velocities hold later than stamped, as [`Filter::time_offset`].
+    /// By how much positions or velocities hold later than stamped, as [`Filter::time_offset`](undrift_nav::filter::Filter::time_offset).
     fn time_offset(&self, kind: Parameter) -> Option<(f64, f64)>;
     /// How long the filter has run \[s\].
     fn since_start(&self) -> f64;
@@ -248,7 +248,7 @@ pub trait Estimator: Send + Sync {
     /// `None` where it says nothing.
     ///
     /// # Errors
-    /// As [`Filter::update`]; the filter is then as it was.
+    /// As [`Filter::update`](undrift_nav::filter::Filter::update); the filter is then as it was.
     fn update(
         &mut self,
         aiding: &Aiding,
@@ -282,18 +282,18 @@ pub trait Estimator: Send + Sync {
     fn record(&mut self);
     /// What happened since [`Estimator::record`], if it was called.
     fn adjoint(&self) -> Option<Adjoint>;
-    /// Calls `each` with every number that changes while the filter runs, as [`Filter::numbers`].
+    /// Calls `each` with every number that changes while the filter runs, as [`Filter::numbers`](undrift_nav::filter::Filter::numbers).
     fn numbers(&mut self, each: &mut Each);
     /// A copy, which records nothing.
     fn boxed(&self) -> Box<dyn Estimator>;
-    /// Turns the body axes, as [`Filter::turn`].
+    /// Turns the body axes, as [`Filter::turn`](undrift_nav::filter::Filter::turn).
     fn turn(&mut self, q_vb: &Quaternion);
-    /// Makes a parameter unknown again, as [`Filter::renew`].
+    /// Makes a parameter unknown again, as [`Filter::renew`](undrift_nav::filter::Filter::renew).
     fn renew(&mut self, kind: Parameter, std: f64);
     /// A copy, which records nothing and from now on estimates the lasting errors of position and velocity as given.
     ///
     /// # Errors
-    /// As [`Filter::with_lasting`].
+    /// As [`Filter::with_lasting`](undrift_nav::filter::Filter::with_lasting).
     fn with_lasting(
         &self,
         lasting: &[Option<Lasting>; 2],
@@ -301,10 +301,10 @@ pub trait Estimator: Send + Sync {
 }
 
 /// A filter of the smallest size that holds the states of `sensors` and `parameters`, as
-/// [`Filter::new`].
+/// [`Filter::new`](undrift_nav::filter::Filter::new).
 ///
 /// # Errors
-/// As [`Filter::new`].
+/// As [`Filter::new`](undrift_nav::filter::Filter::new).
 pub fn build(
     nav: NavState,
     std: &InitialStd,
