@@ -45,7 +45,7 @@ impl Counter {
         timer.clear_current();
         timer.enable_counter();
         let mut counter = Self { timer, scale: 1.0 };
-        // A loop of two instructions, once more than it is told to.
+        // A loop of two instructions, run once more than its argument.
         const ROUNDS: u32 = 1_000_000;
         let ((), ticks) = counter.count(|| cortex_m::asm::delay(ROUNDS - 1));
         counter.scale = f64::from(2 * ROUNDS) / ticks;

@@ -84,7 +84,7 @@ pub fn navigate<const N: usize>(
 /// Updates with the position of a fix.
 ///
 /// # Errors
-/// A covariance that is none.
+/// An invalid covariance.
 pub fn position<const N: usize>(
     filter: &mut Filter<N>,
     fix: &Fix,
@@ -101,7 +101,7 @@ pub fn position<const N: usize>(
 /// Updates with the velocity of a fix.
 ///
 /// # Errors
-/// A covariance that is none.
+/// An invalid covariance.
 pub fn velocity<const N: usize>(
     filter: &mut Filter<N>,
     fix: &Fix,

@@ -58,7 +58,7 @@ pub fn opened<T>(reader: Result<T, ReadError>) -> Result<T, ReadError> {
     reader.inspect_err(|error| assert!(!error.to_string().is_empty()))
 }
 
-/// What a reader tells of what it left out.
+/// Checks a reader's counts of skipped records and gaps.
 pub fn told(skipped: &Skipped, gaps: Option<GapSummary>) {
     let _ = skipped.to_string();
     if let Some(gaps) = gaps {

@@ -608,7 +608,7 @@ undrift_status undrift_sample_end(undrift_filter *filter);
  * Updates with the position of the antenna at `lever`, three numbers from the IMU [m, body axes]; null is
  * at the IMU. As every update: null is no `gate`, `done` may be null, and a measurement that the gate
  * keeps out is a success whose outcome says so. After a failure the filter is as before;
- * UNDRIFT_STATUS_OUT_OF_RANGE stands for a measurement, too, that would move the solution off the Earth.
+ * UNDRIFT_STATUS_OUT_OF_RANGE is also returned for a measurement that would move the solution off the Earth.
  */
 undrift_status undrift_update_position(undrift_filter *filter,
                                        const undrift_position *position,

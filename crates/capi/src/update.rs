@@ -103,7 +103,7 @@ fn variance(std: f64) -> Result<f64, Status> {
 /// Updates with the position of the antenna at `lever`, three numbers from the IMU [m, body axes]; null is
 /// at the IMU. As every update: null is no `gate`, `done` may be null, and a measurement that the gate
 /// keeps out is a success whose outcome says so. After a failure the filter is as before;
-/// UNDRIFT_STATUS_OUT_OF_RANGE stands for a measurement, too, that would move the solution off the Earth.
+/// UNDRIFT_STATUS_OUT_OF_RANGE is also returned for a measurement that would move the solution off the Earth.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_update_position(
     filter: *mut Filter,

@@ -284,7 +284,7 @@ pub enum Aiding {
     ZeroVelocity,
     /// The body turns with the Earth: angular rate as read \[rad/s\].
     EarthRate(Vector3),
-    /// The body stands: specific force as read \[m/s²\].
+    /// The body is at rest: specific force as read \[m/s²\].
     Level(Vector3),
     /// No velocity across the vehicle at this point, IMU → axle, body axes \[m\].
     NonHolonomic(Vector3),

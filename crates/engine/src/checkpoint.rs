@@ -84,7 +84,7 @@ impl Navigator {
     }
 
     /// The navigator of a checkpoint, under the settings that it was made with: it goes on as the other one would have,
-    /// to the last bit. What is observed or recorded for a smoother begins anew.
+    /// to the last bit. What is observed or recorded for a smoother restarts empty.
     ///
     /// # Errors
     /// [`RestoreError`].

@@ -323,7 +323,7 @@ struct Offer {
     frozen: bool,
     /// For how long fixes that agree with each other are rejected \[s\].
     patience: f64,
-    /// Whether a contradiction stands for an error of the velocity, too.
+    /// Whether a contradiction counts as an error of the velocity, too.
     speed_doubted: bool,
 }
 

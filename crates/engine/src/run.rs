@@ -105,7 +105,7 @@ impl LogProgress {
     }
 }
 
-/// Whether this part of a fix stands for the whole of it where fixes are counted.
+/// Whether this part of a fix is the one that is counted: each fix counts once.
 fn begins(fix: &GnssFix, part: Option<Part>) -> bool {
     part != Some(Part::Velocity) || fix.position.is_none()
 }
@@ -291,7 +291,7 @@ impl Run {
         solution.map_or(Latency::default(), Solution::latency)
     }
 
-    /// The solution is not one any more: it ends here, and another one begins as soon as it is aligned.
+    /// The solution has diverged: ends it and realigns. Without gating it only notes the time \[s\], and no other begins.
     fn give_up(&mut self, time: f64) {
         if !self.settings.gating {
             self.summary.diverged = Some(time);

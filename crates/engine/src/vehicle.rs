@@ -9,11 +9,11 @@ pub enum Profile {
     /// Nothing is known of it.
     #[default]
     None,
-    /// A wheeled vehicle on a road: no side slip, no hopping, stands still at times.
+    /// A wheeled vehicle on a road: no side slip, no hopping, at rest at times.
     Car,
     /// An aircraft: no constraint but that it may stand on the ground.
     Aircraft,
-    /// A person on foot carrying the sensor: stands still at times.
+    /// A person on foot carrying the sensor: at rest at times.
     Pedestrian,
 }
 

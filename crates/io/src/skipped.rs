@@ -64,7 +64,7 @@ impl SkipKind {
     }
 }
 
-/// Why something cannot be used, and what stands there.
+/// Why something cannot be used, and the text found there.
 pub(crate) type Unfit = (SkipKind, String);
 
 /// How often one kind of record was skipped, and the first of them.

@@ -95,7 +95,7 @@ impl WeekClock {
 
     /// Seconds of a date and time `yyyy-mm-ddThh:mm:ss.sss` with `Z`, `+hh:mm`, `+hhmm` or nothing behind it
     /// (ISO 8601), which is UTC; a blank may stand for the T, strokes or points for the hyphens. Also `dd.mm.yyyy` and
-    /// `dd/mm/yyyy` or, where that is no date or AM or PM stands behind the time, `mm/dd/yyyy`.
+    /// `dd/mm/yyyy` or, where that is no date or AM or PM follows the time, `mm/dd/yyyy`.
     pub(crate) fn date_time(&mut self, text: &[u8]) -> Option<f64> {
         let at = text
             .iter()
@@ -247,7 +247,7 @@ fn to_gps(day: i64, seconds: f64, system: TimeSystem) -> (i64, f64) {
     }
 }
 
-/// Days from the GPS epoch, 6 January 1980, to a date `yyyy/mm/dd`, whatever stands for the stroke.
+/// Days from the GPS epoch, 6 January 1980, to a date `yyyy/mm/dd`, with `stroke` as the separator.
 pub(crate) fn date(field: &[u8], stroke: u8) -> Option<i64> {
     let mut parts = field.split(|&byte| byte == stroke).map(whole);
     let (year, month, day) = (parts.next()??, parts.next()??, parts.next()??);

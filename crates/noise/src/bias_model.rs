@@ -32,7 +32,7 @@ use undrift_nav::shaping::{MAX_ORDER, ShapingError, ShapingFilter};
 /// Order p of the `ar` model.
 pub const AR_ORDER: usize = 2;
 
-/// Correlation time \[s\] that stands for a unit root in the `ar` model: what an hour-long record
+/// Correlation time \[s\] used for a unit root in the `ar` model: what an hour-long record
 /// shows of a random walk.
 pub const UNIT_ROOT_TAU: f64 = 3600.0;
 
@@ -166,14 +166,14 @@ impl Slow {
             .max_by(|a, b| a.tau_s.total_cmp(&b.tau_s))
     }
 
-    /// Density [unit/√s] of the random walk that stands for all of it: 2σ²/τ of the slowest Gauss-Markov process, which is
+    /// Density [unit/√s] of the random walk equivalent to all of it: 2σ²/τ of the slowest Gauss-Markov process, which is
     /// such a random walk over times short against τ, and what is beside it.
     pub(crate) fn drive(&self) -> f64 {
         self.beside_slowest()
             .hypot(self.slowest().map_or(0.0, GaussMarkov::drive))
     }
 
-    /// Density [unit/√s] of the random walk that stands for all but the slowest Gauss-Markov process: K², and 2σ²/τ of
+    /// Density [unit/√s] of the random walk equivalent to all but the slowest Gauss-Markov process: K², and 2σ²/τ of
     /// each other process, over [`HORIZON`] where that is longer than τ: by then its variance has grown by 2σ² and
     /// grows no more.
     pub(crate) fn beside_slowest(&self) -> f64 {

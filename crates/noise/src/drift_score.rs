@@ -8,7 +8,7 @@
 //! The constant is the mean of the first part, subtracted from all: the model's turn-on. The filter
 //! starts exactly (`p0`) at the record's first sample and runs through the first part unscored, so
 //! the scored part begins with the state as it would be known. The state of a random walk or a constant gets the
-//! variance of the first part on top of `p0`: it is estimated anew, whatever the mean. A model that
+//! variance of the first part on top of `p0`: it is estimated again, whatever the mean. A model that
 //! has neither forgets towards the mean.
 //!
 //! One pass, O(N), beside the sums of the scored part up to each sample.

@@ -9,8 +9,8 @@
 //! | `matlab` | `imuSensor` with `gyroparams`, `accelparams` | rad/s, m/s² and their densities |
 //! | `undrift` | the model file | see [`crate::model_file`] |
 //!
-//! Other programs know white noise and one slow process at most; what that is taken from stands in
-//! comments of the text, and in docs/export.md.
+//! Other programs know white noise and one slow process at most; comments of the
+//! text and docs/export.md say what that is taken from.
 //!
 //! ```
 //! use undrift_noise::{ImuModel, ModelFormat};

@@ -116,7 +116,7 @@ pub enum IdentifyError {
 }
 
 /// The constant seen, as the best single guess of what a turn-on may bring \[unit\]: for an
-/// accelerometer that stands upright, what it reads beyond gravity.
+/// accelerometer axis near the vertical, what it reads beyond gravity.
 fn turn_on_of(mean: f64, accelerometer: bool) -> f64 {
     if accelerometer && mean.abs() > 0.5 * STANDARD_GRAVITY {
         (mean.abs() - STANDARD_GRAVITY).abs()

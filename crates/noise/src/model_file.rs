@@ -114,7 +114,7 @@ pub struct Provenance {
     pub sha256: Option<String>,
     /// Program and version that wrote the model.
     pub program: Option<String>,
-    /// The recordings, where there are several; then `record` stands for all, and `samples` is their sum.
+    /// The recordings, where there are several; then `record` describes all, and `samples` is their sum.
     pub recordings: Vec<Recording>,
 }
 
@@ -264,7 +264,7 @@ fn place(file: &str, line: Option<usize>) -> String {
     }
 }
 
-/// The table that stands for an axis and its two neighbours.
+/// The table that an axis shares with its two neighbours.
 fn group(axis: &str) -> &str {
     axis.split('_').next().unwrap_or(axis)
 }

@@ -118,8 +118,8 @@ impl OrderRow {
         self.fit.order()
     }
 
-    /// ln(A/N) + 2r/N, r = p + q + 1 with an estimated mean: Akaike's criterion for one sample without its constant 1 + ln 2π, as the source
-    /// paper's Table 3 has it.
+    /// ln(A/N) + 2r/N, r = p + q + 1 with an estimated mean: Akaike's criterion for one sample without its constant 1 + ln 2π, as in Table 3
+    /// of the source paper.
     pub fn aic_per_sample(&self) -> f64 {
         let n = self.fit.n as f64;
         let fitted = self.fit.parameters as f64 - 1.0;

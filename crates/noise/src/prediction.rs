@@ -52,7 +52,7 @@ pub(crate) fn burg(mut forward: Vec<f64>, lags: usize) -> Vec<f64> {
     let mut backward = forward.clone();
     (1..=lags)
         .map(|lag| {
-            // The backward error of sample t − 1 stands where it was at lag − 1: it need not move.
+            // The backward error of sample t − 1 keeps its index from lag − 1: it need not move.
             let (ahead, behind) = (&mut forward[lag..], &mut backward[..n - lag]);
             let (mut products, mut squares) = (0.0, 0.0);
             for (f, b) in ahead.chunks(1024).zip(behind.chunks(1024)) {

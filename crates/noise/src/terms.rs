@@ -132,7 +132,7 @@ pub fn flicker(b: f64) -> ([GaussMarkov; FLICKER_TAUS.len()], f64) {
 }
 
 impl CompositeTerms {
-    /// The terms with flicker noise as the sum that stands for it: all Gauss-Markov processes, and the random walk
+    /// The terms with flicker noise as the sum that approximates it: all Gauss-Markov processes, and the random walk
     /// [unit/√s].
     pub fn slow(&self) -> (Vec<GaussMarkov>, f64) {
         let mut processes: Vec<GaussMarkov> = self.gauss_markov.to_vec();
@@ -146,7 +146,7 @@ impl CompositeTerms {
     }
 
     /// The shaping filter of the sum at a sample interval \[s\]: states in the order Gauss-Markov (flicker noise last),
-    /// random walk (starting at zero), quantisation. At another rate build it anew from the terms:
+    /// random walk (starting at zero), quantisation. At another rate build it again from the terms:
     /// the quantisation's pole at 0 keeps `ShapingFilter::at_interval` from it.
     ///
     /// # Errors

@@ -260,7 +260,7 @@ impl<'a> IdealImu<'a> {
         }
     }
 
-    /// Where the walk stands: the state at the last sample, at first that at time 0.
+    /// The true state at the last sample, at first that at time 0.
     pub fn state(&self) -> State {
         self.stepper.state()
     }

@@ -79,8 +79,8 @@ fn beyond_a_fifth_of_a_second_nothing_is_known_since_the_last_sample() {
     assert!((since - 0.79).abs() < 1e-12);
 }
 
-/// Takes the samples out that end after `start` and before `end` \[s\]; the next one covers the gap at its own rates, as a
-/// log has it.
+/// Takes the samples out that end after `start` and before `end` \[s\]; the next one covers the gap at its own rates, as in
+/// a log.
 fn cut(mut scenario: Scenario, start: f64, end: f64) -> Scenario {
     let inside = |s: &ImuSample| s.time > start + 1e-6 && s.time < end - 1e-6;
     scenario.log.imu.retain(|sample| !inside(sample));

@@ -79,7 +79,7 @@ fn block(confirmed: bool) -> RestBlock {
     }
 }
 
-/// Stands still at the end of a block; whether it did, whether it is said to have stood, and the speed after that.
+/// Applies a block's zero-velocity update: whether the vehicle is at rest, whether that was known before, and the speed \[m/s\].
 fn stands(speed: f64, stood: bool, block: &RestBlock) -> (bool, bool, f64) {
     let mut settings = Settings::new(sensors());
     settings.constraints.zero_velocity = Some(0.05);

@@ -288,7 +288,7 @@ fn a_replaced_spike_is_in_doubt_by_the_usual_steps_and_its_neighbours_distance()
     assert!((gain[(1, 1)] / spread(2.0 + 5.0 * step) - 1.0).abs() < 1e-9);
     assert_eq!(turn, Matrix3::zeros());
     assert!((out[2].sample.dvel.y - 1.0 * 0.01).abs() < 1e-12);
-    // The neighbour of the next one is what stands in its place: 0.2, not 4.
+    // The next sample's neighbour is the replacement, 0.2, not the spike, 4.
     assert!((out[2].sample.dtheta.x - 0.3 * 0.01).abs() < 1e-12);
 }
 

@@ -96,7 +96,7 @@ fn velocities_that_contradict_for_more_than_three_seconds_are_followed_with_all_
         assert_near(doubt.velocity, size, 0.5);
         let tilt = doubt.velocity / (9.80665 * (doubt.end - doubt.start));
         assert_near(doubt.tilt, tilt.min(0.1), 1e-9);
-        // σ has it: the sample after is doubted by the size of the contradiction, less what the fix then knows.
+        // σ shows it: after the event it grows by the size of the contradiction, less what the fix then corrects.
         let (before, after) = (seen.at(event.end - 0.1), seen.at(event.end + 0.1));
         assert!(after.std[6] > 3.0 * before.std[6], "{before:?} {after:?}");
     }

@@ -2,7 +2,7 @@
 
 use undrift_nav::{Matrix3, Vector3};
 
-/// How long a temperature stands for samples that have none \[s\]: a housing changes by tenths of a kelvin in it.
+/// How long a temperature is used for samples that have none \[s\]: a housing changes by tenths of a kelvin in it.
 pub const HOLD_S: f64 = 60.0;
 /// Temperatures [°C] that no working sensor leaves: what is beyond is no temperature, or raw counts.
 const PLAUSIBLE_C: std::ops::RangeInclusive<f64> = -100.0..=200.0;

@@ -118,7 +118,7 @@ fn packed(record: &[u8]) -> Option<Packed> {
         // As much as there is at the end of a file that breaks off.
         bytes: start..start.saturating_add(n).min(record.len()),
         size,
-        // Zero stands for none.
+        // Zero means no checksum.
         checksum: (checksum != 0).then_some(checksum),
     })
 }

@@ -5,7 +5,7 @@ use super::wanted::{Defect, Keep};
 use crate::number;
 use crate::skipped::shown;
 
-/// What stands between fields.
+/// The separator of fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Delimiter {
     /// One byte; fields may be empty.

@@ -21,7 +21,7 @@ const RECEIVED: &[u8] = b"received";
 
 /// What is to be done with each line.
 pub(crate) struct Monitor {
-    /// A time stands before it.
+    /// Each line begins with a time.
     timed: bool,
     /// The labels, in the order in which they come first; empty without.
     labels: Vec<String>,

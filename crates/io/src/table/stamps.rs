@@ -79,7 +79,7 @@ impl Stamps {
         }
     }
 
-    /// The number that stands for a text in this place of the row read; `None` if it is neither time nor angle.
+    /// The number for a text in this place of the row read; `None` if it is neither time nor angle.
     pub(super) fn read(&mut self, slot: usize, text: &[u8]) -> Option<f64> {
         if let Some(k) = HEMISPHERES.iter().position(|place| *place == slot) {
             self.signs[k] = angle::hemisphere(text)?;

@@ -117,7 +117,7 @@ fn put_short(text: &mut [u8; ROOM], at: usize, number: u64, decimals: usize) -> 
     let zeros = digits.trailing_zeros() as usize / 8;
     let digits = digits | ASCII;
     let point = WORD - decimals;
-    // One digit at least stands before the point.
+    // At least one digit comes before the point.
     let (whole, length) = match zeros < point {
         true => (digits >> (8 * zeros), point - zeros),
         false => (u64::from(b'0'), 1),
@@ -138,7 +138,7 @@ fn put_short(text: &mut [u8; ROOM], at: usize, number: u64, decimals: usize) -> 
 fn put_long(text: &mut [u8; ROOM], at: usize, number: u64, decimals: usize) -> usize {
     let (high, low) = (number / 100_000_000, number % 100_000_000);
     let digits = u128::from(eight_digits(high)) | (u128::from(eight_digits(low)) << 64);
-    // One digit at least stands before the point.
+    // At least one digit comes before the point.
     let point = DIGITS - decimals;
     let first = (digits.trailing_zeros() as usize / 8).min(point - 1);
     let digits = digits | ((u128::from(ASCII) << 64) | u128::from(ASCII));

@@ -2,7 +2,7 @@
 //! week \[s\], latitude, longitude \[deg\], height \[m\], velocity north, east, down [m/s], roll, pitch, yaw
 //! \[deg\], between spaces, no header.
 //!
-//! Without a date the first column is 0, as KF-GINS itself has it, and the second the time as it is.
+//! Without a date the first column is 0, as KF-GINS itself writes, and the second the time of the log.
 
 use std::io;
 

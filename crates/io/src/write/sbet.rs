@@ -1,4 +1,4 @@
-//! The solution as a smoothed best estimate of trajectory (SBET) has it: records of 17 doubles, the lowest
+//! The solution as a smoothed best estimate of trajectory (SBET): records of 17 doubles, the lowest
 //! byte first.
 //!
 //! Second of the GPS week in which the solution starts (of the log's own clock where it has no date), latitude, longitude \[rad\], height \[m\], velocity north, east, down [m/s], roll, pitch,

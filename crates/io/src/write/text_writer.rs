@@ -1,4 +1,4 @@
-//! One writer for all formats of text: what stands before, between and after the rows is the format's.
+//! One writer for all formats of text: the format gives the text before, between and after the rows.
 
 use std::io::{self, Write};
 

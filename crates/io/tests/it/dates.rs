@@ -171,7 +171,7 @@ fn samples_and_references_have_the_date_too() {
         let epoch = reader.epoch().unwrap_or_else(|| panic!("{name}: no date"));
         assert_eq!(epoch.iso(first.time), utc, "{name}");
     }
-    // As date -u -d @1403636579.759 has it.
+    // As printed by date -u -d @1403636579.759.
     let mut euroc = ImuReader::open(&golden("euroc/imu.csv"), &layouts::euroc_imu()).unwrap();
     let first = euroc.next().unwrap().unwrap();
     let utc = euroc.epoch().unwrap().iso(first.time);

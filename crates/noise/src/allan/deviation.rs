@@ -344,7 +344,7 @@ fn third_energy(a: &[f64], b: &[f64], c: &[f64], d: &[f64]) -> f64 {
 }
 
 /// Sum of squares of the sums over m second differences each. The sum slides on by one third
-/// difference; it is formed anew after m steps (but not below 1024) before rounding adds up.
+/// difference; it is recomputed after m steps (but not below 1024) before rounding adds up.
 fn modified_energy(sums: &[f64], m: usize) -> f64 {
     let terms = (sums.len() + 1).saturating_sub(3 * m);
     let second = |i: usize| (sums[i + 2 * m] - sums[i + m]) - (sums[i + m] - sums[i]);

@@ -68,7 +68,7 @@ impl Whittle {
         let mut sums = PowerSum::default();
         for (first, end) in bins(spectrum.len()) {
             let power: f64 = spectrum[first..end].iter().map(|v| v.norm_sqr()).sum();
-            // Every frequency stands for its negative too.
+            // Every frequency counts for its negative too.
             sums.push(step * (first + end - 1) as f64, 2.0 * power / n as f64);
         }
         let samples = n as f64;

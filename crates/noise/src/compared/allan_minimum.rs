@@ -3,7 +3,7 @@
 //! Practice in GNSS/INS simulation and filters (Gonzalez, Giribet & Patiño, NaveGo, Control Engineering and Applied Informatics 17(2), 2015): N where the −1/2
 //! slope passes 1 s, the standard deviation of the bias the lowest deviation, its correlation time the averaging time
 //! there. Bias instability in the sense of IEEE Std 952-1997, annex C.1.3, is that deviation over 0.664; the practice followed here does not divide.
-//! N is that of [`crate::allan::fit_terms`]. Where the lowest deviation stands depends on white noise as much as on the bias: a
+//! N is that of [`crate::allan::fit_terms`]. Where the lowest deviation lies depends on white noise as much as on the bias: a
 //! stronger N moves the same process to a longer τ and a larger σ.
 
 use super::Unfit;

@@ -6,7 +6,7 @@
 //!
 //! Here: averages over 1, 2, 4 … s, those whose neighbours are correlated most; the autocovariances from the first lag on, which have no
 //! white noise in them, down to 1/e of the first; a straight line through their logarithms by least squares. Its slope is τc, its value at lag 0 σ², each
-//! as an average of the process has it; what the variance of the averages over 1 s has above that is white noise.
+//! as averages of the process show it; what the variance of the averages over 1 s has above that is white noise.
 //!
 //! The autocovariance about the mean of a record of length L is low by about the variance of that mean, `2σ²τc/L`, and it scatters with few
 //! e-foldings in the record: τc comes out short, and longer records are asked for than there are (Brown & Hwang, section 2.15). A walk

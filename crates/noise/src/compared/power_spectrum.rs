@@ -9,7 +9,7 @@
 //! sample rate are left out, where quantisation and the sensor's filter shape the spectrum; so are a ramp (slope −3), which no filter has a
 //! state for, and the two lowest frequencies, which hold what the window and the mean leave of slower noise: of a walk it still
 //! raises the lowest octave by a third and K by a fifth. Nothing slower than an eighth
-//! of the record shows, and the lowest octave rests on a dozen values: B and K share what there is as their scatter has it.
+//! of the record shows, and the lowest octave rests on a dozen values: how the power is split between B and K depends on the scatter.
 
 use super::Unfit;
 use crate::allan::nnls;

@@ -115,7 +115,7 @@ pub struct CompositeFit {
     /// Points present.
     #[serde(skip)]
     pub points: usize,
-    /// Constant that the record stands on \[unit\].
+    /// Constant offset of the record \[unit\].
     #[serde(skip)]
     pub level: f64,
     /// White density [unit·√s] that the full rate shows beside the other terms: from the wavelet

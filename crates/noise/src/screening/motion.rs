@@ -1,4 +1,4 @@
-//! A record that is not static: it moves, or its sensor stands still.
+//! A record that is not static: it moves, or its sensor repeats one value.
 
 use super::record::{RecordError, check, mean_and_squares};
 use serde::{Deserialize, Serialize};

@@ -42,7 +42,7 @@ pub enum Shape {
     Step {
         /// First value that may have the new level.
         from: usize,
-        /// First value that has it.
+        /// First value that has the new level.
         to: usize,
     },
     /// exp(−t/τ) from the first value on, τ in values.

@@ -4,7 +4,7 @@
 //! A peak of the periodogram (Hann window, the whole record) counts where its ratio to the medians of its
 //! neighbours on both sides exceeds what the F distribution allows in [`FALSE_ALARM`] of all records,
 //! whatever frequency it has. A line is then a sine by least squares, frequency included. What
-//! is broader than the record resolves, or stands beside a line because its phase or amplitude
+//! is broader than the record resolves, or lies beside a line because its phase or amplitude
 //! wanders, is a narrow resonance: a process of the spectrum H/(1 + (2(f − f₀)/w)²) on a flat background, which a
 //! notch filter with the resonance's damped pair of poles as its zeros makes flat again.
 //!

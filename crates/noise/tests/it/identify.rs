@@ -1,5 +1,4 @@
-//! Identification of a whole axis, on simulated records with a known truth and on records that
-//! are none.
+//! Identification of a whole axis, on simulated records with a known truth and on invalid ones.
 
 use undrift_nav::shaping::ShapingFilter;
 use undrift_noise::{

@@ -113,7 +113,7 @@ impl Messages {
             };
             let length = format.map_or(0, |format| format.length);
             let after = here.get(length..).unwrap_or_default();
-            // A message stands between heads or before the end: bytes that are lost or wrong show here.
+            // A head or the end must follow a message: lost or wrong bytes show here.
             let fits = length > 0 && length <= here.len();
             if fits && HEAD.starts_with(&after[..after.len().min(2)]) {
                 if let Some(from) = self.lost.take() {

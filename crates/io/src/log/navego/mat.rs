@@ -26,7 +26,7 @@ const COMPRESSED: u32 = 15;
 const STRUCT: u8 = 2;
 const COMPLEX: u8 = 0x08;
 
-/// A matrix of numbers, column by column as MATLAB has it, in the bytes of the file.
+/// A matrix of numbers, column by column as MATLAB stores it, in the bytes of the file.
 #[derive(Clone, Debug)]
 pub(super) struct Numbers {
     pub(super) rows: usize,

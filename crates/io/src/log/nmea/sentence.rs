@@ -9,7 +9,7 @@ use crate::time::{self, whole};
 /// Longest sentence that is believed \[bytes\]: the standard has 82, receivers go beyond it.
 const LONGEST: usize = 256;
 
-/// A sentence whose checksum is right: what stands between `$` and `*`.
+/// A sentence whose checksum is right: the text between `$` and `*`.
 pub(super) struct Sentence<'a>(&'a [u8]);
 
 /// The sentences of a line, `Err` with what begins like one that is read here, but is damaged; anything else in it

@@ -15,7 +15,7 @@ use crate::log::bytes::Number;
 /// What a type is called and what its counts are worth.
 pub(super) struct Type {
     pub(super) code: u32,
-    /// As INSCONFIG has it in ASCII.
+    /// Name in an ASCII INSCONFIG log.
     pub(super) name: &'static str,
     scale: Scale,
 }

@@ -107,7 +107,7 @@ pub(super) fn imu(fields: &mut ByteFields) -> Result<(Vector3, Vector3), Unfit> 
 /// Position, its covariance north-east-down \[m²\] and the quality of sensor_msgs/NavSatFix.
 ///
 /// Status 0 is a fix without, 1 one with satellite-based corrections. Status 2, ground-based
-/// corrections, stands for everything from differential code to resolved ambiguities, so it says
+/// corrections, covers everything from differential code to resolved ambiguities, so it says
 /// nothing. The covariance is east-north-up, of type 0 where it is unknown; an invalid one, such
 /// as all zero, counts as unknown.
 pub(super) fn fix(

@@ -182,7 +182,7 @@ fn compare(name: &str, fix: &Fix, expected: &Value) {
     });
     // Degrees to radians and back are two roundings: 48° is exact to 7e-15.
     close(name, position, expected, "position", 2e-14);
-    // The velocity's numbers are only ordered anew.
+    // The velocity's numbers are only reordered.
     close(name, fix.velocity, expected, "velocity", 0.0);
 }
 

@@ -39,7 +39,7 @@ struct Columns {
     data: usize,
 }
 
-/// A table as the schema has it.
+/// A table as the schema describes it.
 struct Table {
     root: u32,
     columns: Vec<String>,

@@ -152,7 +152,7 @@ impl Database {
     }
 }
 
-/// A row as a leaf page of its table has it.
+/// A row as stored in a leaf page of its table.
 #[derive(Debug)]
 pub(super) struct LeafCell {
     pub(super) id: i64,
@@ -221,7 +221,7 @@ impl LeafCells {
         }
     }
 
-    /// The next row; after a fault it goes on with what stands beside it.
+    /// The next row; after a fault it goes on with the next cell or page.
     pub(super) fn next(&mut self, database: &mut Database) -> Option<Result<LeafCell, Fault>> {
         loop {
             if let Some(number) = self.pending.take() {

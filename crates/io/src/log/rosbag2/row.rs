@@ -1,4 +1,4 @@
-//! What stands in a row of a SQLite table, and what the columns of a table are called. "Database File
+//! The values in a row of a SQLite table, and the names of a table's columns. "Database File
 //! Format", section 2.1 (record format).
 
 use std::borrow::Cow;

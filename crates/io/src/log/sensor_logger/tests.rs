@@ -9,7 +9,7 @@ use crate::format::Format;
 use crate::gnss::{GnssLog, GnssReader};
 use crate::imu::{ImuFormat, ImuReader};
 
-/// 8 July 2025 19:34:00 UTC in its GPS week, as the script has it by Unix time.
+/// 8 July 2025 19:34:00 UTC in its GPS week \[s\]; the script gives it in Unix time.
 const START: f64 = 243_258.0;
 
 fn golden() -> PathBuf {

@@ -141,7 +141,7 @@ impl Messages {
             let mut used = 0;
             for &byte in buffer {
                 used += 1;
-                // The pattern's first byte stands nowhere else in it.
+                // The pattern's first byte occurs nowhere else in it.
                 matched = match SYNC.get(matched) {
                     Some(&wanted) if wanted == byte => matched + 1,
                     _ => usize::from(byte == SYNC[0]),

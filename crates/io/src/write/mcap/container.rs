@@ -157,7 +157,7 @@ impl<W: Write> Container<W> {
     /// Adds a channel for messages of one type of ROS 2, and gives its number.
     pub(super) fn channel(&mut self, topic: &str, type_name: &str, definition: &str) -> u16 {
         let number = self.channels.len() as u16;
-        // Zero stands for no schema.
+        // Zero means no schema.
         let schema_number = number + 1;
         let schema = Fields::default()
             .u16(schema_number)

@@ -55,7 +55,7 @@ pub(super) fn as_key(key: &str) -> String {
     format!("\"{}\"", escaped(key))
 }
 
-/// What stands between the quotes of a basic string.
+/// The text between the quotes of a basic string.
 fn escaped(text: &str) -> String {
     let mut out = String::new();
     for c in text.chars() {
