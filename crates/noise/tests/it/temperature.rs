@@ -182,56 +182,6 @@ fn temperatures_that_cannot_be_used() {
     );
 }
 
-#[test]
-#[ignore = "slow: 100 records"]
-fn a_walk_beside_temperature_has_an_honest_interval() {
-    // The hour of `identify_coverage`, one sample a second; a slope of 2.7 standard errors.
-    let (samples, slope) = (3600, 0.05 * 20f64.sqrt());
-    let truth = CompositeTerms {
-        white: 1.0,
-        random_walk: 1.0 / 30.0,
-        ..CompositeTerms::default()
-    };
-    let filter = truth.to_shaping(1.0).unwrap();
-    let warm_up = |k: usize| 20.0 * (1.0 - (-3.0 * k as f64 / samples as f64).exp());
-    let warmth: Vec<f64> = (0..samples).map(warm_up).collect();
-    let options = Options {
-        temperature: Some(&warmth),
-        n_max: 1,
-        ..Options::at(1.0)
-    };
-    let (mut chosen, mut held) = (0, [0; 2]);
-    for seed in 5001..5101 {
-        let mut record = vec![0.0; samples];
-        NoiseGenerator::new(&filter, seed).fill(&mut record);
-        let warm = record.iter_mut().zip(&warmth);
-        warm.for_each(|(x, t)| *x += slope * t);
-        let axis = identify(&record, false, &options).unwrap();
-        if axis.recommended().name != "white + random walk" {
-            continue;
-        }
-        chosen += 1;
-        // The same with the slope, where it is not determined, taken for noise.
-        let effect = axis.temperature.and_then(|found| found.in_model());
-        let effect = effect.unwrap_or_default();
-        let warm = record.iter().zip(&warmth);
-        let rest: Vec<f64> = warm.map(|(x, t)| x - effect.bias(*t)).collect();
-        let fit = composite::fit(&rest, 1.0, truth.set(), &FitOptions::default()).unwrap();
-        let without = composite::intervals(&rest, 1.0, &fit, 0.95).unwrap();
-        for (held, intervals) in held.iter_mut().zip([&axis.intervals, &without]) {
-            let walk = intervals.iter();
-            let mut walk = walk.filter(|of| of.parameter == Parameter::RandomWalk);
-            *held += i32::from(walk.any(|of| (of.low..=of.high).contains(&truth.random_walk)));
-        }
-    }
-    println!("{held:?} of {chosen} hold: integrated out, taken for noise");
-    // 95 % of 94, less three standard deviations.
-    assert!(
-        chosen > 80 && 100 * held[0] >= 88 * chosen,
-        "{held:?} {chosen}"
-    );
-}
-
 mod weekly {
     use super::*;
 
@@ -261,5 +211,55 @@ mod weekly {
         }
         println!("covered {all_covered} of 360, found {all_found} of 810 that are not there");
         assert!(all_found <= 8, "{all_found} of 810");
+    }
+
+    #[test]
+    #[ignore = "slow: 100 records"]
+    fn a_walk_beside_temperature_has_an_honest_interval() {
+        // The hour of `identify_coverage`, one sample a second; a slope of 2.7 standard errors.
+        let (samples, slope) = (3600, 0.05 * 20f64.sqrt());
+        let truth = CompositeTerms {
+            white: 1.0,
+            random_walk: 1.0 / 30.0,
+            ..CompositeTerms::default()
+        };
+        let filter = truth.to_shaping(1.0).unwrap();
+        let warm_up = |k: usize| 20.0 * (1.0 - (-3.0 * k as f64 / samples as f64).exp());
+        let warmth: Vec<f64> = (0..samples).map(warm_up).collect();
+        let options = Options {
+            temperature: Some(&warmth),
+            n_max: 1,
+            ..Options::at(1.0)
+        };
+        let (mut chosen, mut held) = (0, [0; 2]);
+        for seed in 5001..5101 {
+            let mut record = vec![0.0; samples];
+            NoiseGenerator::new(&filter, seed).fill(&mut record);
+            let warm = record.iter_mut().zip(&warmth);
+            warm.for_each(|(x, t)| *x += slope * t);
+            let axis = identify(&record, false, &options).unwrap();
+            if axis.recommended().name != "white + random walk" {
+                continue;
+            }
+            chosen += 1;
+            // The same with the slope, where it is not determined, taken for noise.
+            let effect = axis.temperature.and_then(|found| found.in_model());
+            let effect = effect.unwrap_or_default();
+            let warm = record.iter().zip(&warmth);
+            let rest: Vec<f64> = warm.map(|(x, t)| x - effect.bias(*t)).collect();
+            let fit = composite::fit(&rest, 1.0, truth.set(), &FitOptions::default()).unwrap();
+            let without = composite::intervals(&rest, 1.0, &fit, 0.95).unwrap();
+            for (held, intervals) in held.iter_mut().zip([&axis.intervals, &without]) {
+                let walk = intervals.iter();
+                let mut walk = walk.filter(|of| of.parameter == Parameter::RandomWalk);
+                *held += i32::from(walk.any(|of| (of.low..=of.high).contains(&truth.random_walk)));
+            }
+        }
+        println!("{held:?} of {chosen} hold: integrated out, taken for noise");
+        // 95 % of 94, less three standard deviations.
+        assert!(
+            chosen > 80 && 100 * held[0] >= 88 * chosen,
+            "{held:?} {chosen}"
+        );
     }
 }
