@@ -32,6 +32,7 @@ const OTHER_UNITS: f64 = 3.0;
 const MOST_HIDDEN: usize = 12;
 /// Rounds of setting logs aside.
 const ROUNDS: usize = 12;
+
 /// What a measure depends on.
 #[derive(Default)]
 pub struct Effects {

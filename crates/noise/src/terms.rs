@@ -55,7 +55,7 @@ pub enum CompositeError {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GaussMarkov {
-    /// Standard deviation σ \[unit\]; 0 where there is none.
+    /// Standard deviation σ \[unit\]; 0 without a process.
     pub sigma: f64,
     /// Correlation time τ \[s\].
     pub tau_s: f64,

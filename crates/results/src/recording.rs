@@ -77,7 +77,7 @@ pub enum NotStatic {
 pub struct Slower {
     /// Whether it is the gyroscopes, else the accelerometers.
     pub gyro: bool,
-    /// Its own rate \[Hz\]; 0 where all that it has are zeros, and it is left out.
+    /// Its own rate \[Hz\]; 0 if all its samples are zero, and it is excluded.
     pub rate_hz: f64,
 }
 

@@ -37,10 +37,10 @@ pub(super) fn within_units(points: &[Point]) -> Option<Estimate> {
 /// Sums of squares and products about the means of groups.
 #[derive(Default)]
 pub(super) struct Line {
-    pub(super) xx: f64,
-    pub(super) xy: f64,
-    pub(super) yy: f64,
-    pub(super) freedom: f64,
+    xx: f64,
+    xy: f64,
+    yy: f64,
+    freedom: f64,
 }
 
 impl Line {
@@ -89,7 +89,7 @@ pub(super) fn welch(a: &Moments, b: &Moments) -> Option<Estimate> {
 pub(super) struct Moments {
     pub(super) n: f64,
     pub(super) mean: f64,
-    pub(super) squares: f64,
+    squares: f64,
 }
 
 impl Moments {
@@ -121,7 +121,7 @@ impl Moments {
 
 /// Scatter of logs within units.
 pub(super) struct Spread {
-    pub(super) squares: f64,
+    squares: f64,
     pub(super) freedom: f64,
 }
 
@@ -185,12 +185,12 @@ impl Estimate {
         }
     }
 
-    pub(super) fn student(&self) -> Option<StudentsT> {
+    fn student(&self) -> Option<StudentsT> {
         // Beyond this t is normal to 1e-6, and its quantile is found by bisection.
         (self.freedom > 0.0).then(|| StudentsT::new(0.0, 1.0, self.freedom.min(1e6)).ok())?
     }
 
-    /// Probability of as large a magnitude where there is none.
+    /// Two-sided p value: the probability of a magnitude at least this large without an effect.
     pub(super) fn probability(&self) -> f64 {
         let t = (self.value / self.error).abs();
         let known = t.is_finite() && self.value.abs() > ROUNDING;

@@ -69,7 +69,7 @@ impl Outcome {
 pub struct Gate {
     /// NIS from which the covariance is enlarged, to NIS/limit times itself (Huber's weights; Zhang 1997).
     pub weaken: f64,
-    /// NIS from which the measurement is left out.
+    /// NIS from which the measurement is rejected.
     pub reject: f64,
 }
 

@@ -62,7 +62,7 @@ def effects(
     ``undrift fleet`` compares one cause at a time. Here each is estimated with the others held: the linear mixed model
     ``ln y = part + sensor + labels + slope · (T − 25 °C) + unit + log + rest``, with a row for each log and part, fitted
     by restricted maximum likelihood (``statsmodels`` ``MixedLM``); unit, log and rest are random. Rows with a note or
-    a failure are left out, as by the command. Logs without a unit are units of their own; those without a
+    a failure are excluded, as by the command. Logs without a unit are units of their own; those without a
     temperature or label have an effect of that, so that they count for the rest.
 
     The intervals are those of ``MixedLM``, by the normal distribution: with fewer than some twenty units those of

@@ -26,7 +26,7 @@ pub enum NoError {
     TooSparse,
 }
 
-/// Why an outage is left out of an experiment.
+/// Why an outage is excluded from an experiment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]

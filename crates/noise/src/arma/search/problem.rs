@@ -93,7 +93,7 @@ impl Problem<'_> {
         self.likelihoods(&[point]).pop().flatten()
     }
 
-    /// Negative log-likelihoods at search coordinates, +∞ where there is none.
+    /// Negative log-likelihoods at search coordinates, +∞ where the likelihood is undefined.
     pub(in crate::arma) fn objective(&self, z: &[Vec<f64>], p: usize) -> Vec<f64> {
         let points: Vec<_> = z.iter().map(|z| self.coefficients(z, p)).collect();
         // Of one root the steady state loses no digits, and does without a response that may last for long.
