@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn every_scale_is_the_sum_over_its_second_differences() {
-        let whole: Vec<f64> = (0..700).map(|k| (k * k * 7919 % 101) as f64).collect();
+        let whole: Vec<f64> = (0..700_i64).map(|k| (k * k * 7919 % 101) as f64).collect();
         let mut gaps = whole.clone();
         for missing in [3..5, 40..41, 100..104, 300..313, 500..521, 699..700] {
             gaps[missing].fill(f64::NAN);
