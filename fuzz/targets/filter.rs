@@ -24,7 +24,7 @@ fuzz_target!(|data: &[u8]| {
         return;
     };
     let kind = BiasModel::ALL[usize::from(first & 0x0f) % BiasModel::ALL.len()];
-    let events: Vec<Event> = events.chunks_exact(EVENT).map(Event::of).collect();
+    let events: Vec<Event> = events.chunks_exact(EVENT).map(Event::from_bytes).collect();
     step_by_step(kind, first & 0x10 != 0, &events);
     replayed(kind, first, &events);
 });
@@ -37,7 +37,7 @@ struct Event {
 }
 
 impl Event {
-    fn of(bytes: &[u8]) -> Self {
+    fn from_bytes(bytes: &[u8]) -> Self {
         let power = i32::from(bytes[1] & 0x0f) - 8;
         let number = |k: usize| {
             let short = i16::from_le_bytes([bytes[2 + 2 * k], bytes[3 + 2 * k]]);

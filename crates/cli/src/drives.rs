@@ -43,7 +43,7 @@ pub struct Source {
 
 impl Source {
     /// The drive of a drive file, or of logs.
-    pub fn of(files: &[PathBuf], data: Option<&Path>, kept: &Kept) -> Result<Self> {
+    pub fn open(files: &[PathBuf], data: Option<&Path>, kept: &Kept) -> Result<Self> {
         let [file] = files else {
             return Self::of_logs(files, inspect::read, data, kept);
         };
@@ -61,11 +61,11 @@ impl Source {
     pub fn of_each(files: &[PathBuf], data: &[PathBuf], kept: &Kept) -> Result<Vec<Self>> {
         let folder = |k: usize| data.get(k).or(data.first()).map(PathBuf::as_path);
         if files.len() == 1 || !files.iter().any(|file| is_toml(file)) {
-            return Ok(vec![Self::of(files, folder(0), kept)?]);
+            return Ok(vec![Self::open(files, folder(0), kept)?]);
         }
         let drives = files.iter().enumerate();
         drives
-            .map(|(k, file)| Self::of(std::slice::from_ref(file), folder(k), kept))
+            .map(|(k, file)| Self::open(std::slice::from_ref(file), folder(k), kept))
             .collect()
     }
 

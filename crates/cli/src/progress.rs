@@ -73,7 +73,7 @@ impl Bar {
         let stage = Arc::new(Mutex::new(Stage::new(name, total, unit)));
         Self {
             #[cfg(not(target_family = "wasm"))]
-            _watcher: drawn::Watcher::of(&done, &stage, patience),
+            _watcher: drawn::Watcher::start(&done, &stage, patience),
             done,
             stage,
         }
@@ -171,7 +171,7 @@ mod drawn {
     pub struct Watcher(Option<(Sender<()>, JoinHandle<()>)>);
 
     impl Watcher {
-        pub fn of(
+        pub fn start(
             done: &Arc<AtomicU64>,
             stage: &Arc<Mutex<Stage>>,
             patience: Duration,

@@ -123,7 +123,7 @@ pub fn run(record: &Record, options: &Options<'_>, done: impl Fn() + Sync) -> Id
             .as_ref()
             .ok()
             .and_then(|axis| axis.normality.quantisation);
-        let series = RecordSeries::of(samples, options.rate_hz, step.map(|q| q.step));
+        let series = RecordSeries::new(samples, options.rate_hz, step.map(|q| q.step));
         done();
         let found = found.map_err(|error| AxisError {
             record: None,

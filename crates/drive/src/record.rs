@@ -253,7 +253,7 @@ fn of_samples(mut reader: ImuReader, mut record: Record) -> Result<Record, ReadE
         let room = room.and_then(|()| push(slice::from_mut(&mut record.stamps), [sample.time]));
         let warmth = [reader.temperature_c()];
         let room = room.and_then(|()| push(slice::from_mut(&mut temperature), warmth));
-        room.map_err(|problem| problem.of(&record.name))?;
+        room.map_err(|problem| problem.in_log(&record.name))?;
     }
     room_to_work(&record)?;
     // A topic of gyroscopes alone has zeros in the place of forces, and the other way round.
@@ -318,7 +318,7 @@ fn read_table(
                 }
             }
         }
-        row_of(&row).map_err(|problem| problem.of(&record.name))?;
+        row_of(&row).map_err(|problem| problem.in_log(&record.name))?;
     }
     room_to_work(&record)?;
     let unit = |gyro: bool| {
@@ -358,7 +358,7 @@ fn push(columns: &mut [Vec<f64>], values: impl IntoIterator<Item = f64>) -> Resu
 fn room_to_work(record: &Record) -> Result<(), ReadError> {
     let samples = record.samples.iter().map(Vec::len).sum::<usize>();
     let room = Vec::<f64>::new().try_reserve_exact(2 * samples);
-    room.map_err(|_| too_large("does not fit into memory".to_owned()).of(&record.name))
+    room.map_err(|_| too_large("does not fit into memory".to_owned()).in_log(&record.name))
 }
 
 fn too_large(problem: String) -> ReadError {

@@ -100,7 +100,7 @@ pub const GROUPS: [(&str, usize); 3] = [("position", 0), ("velocity", 4), ("atti
 
 impl Predicted {
     /// From the present covariance of a filter.
-    pub fn of(filter: &dyn Estimator) -> Self {
+    pub fn from_filter(filter: &dyn Estimator) -> Self {
         let p = filter.covariance();
         Self([0, 3, 6].map(|at| p.fixed_view::<3, 3>(at, at).into_owned()))
     }

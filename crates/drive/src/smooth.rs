@@ -112,7 +112,7 @@ impl Smoothed {
         let behind = self.sensors.states() - NAV;
         core::array::from_fn(|axis| {
             let scaled: f64 = coupling
-                .of(axis)
+                .axis(axis)
                 .iter()
                 .map(|(index, factor)| factor * node.estimates.get(behind + index).unwrap_or(&0.0))
                 .sum();

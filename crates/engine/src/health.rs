@@ -22,7 +22,7 @@ pub struct CovarianceHealth {
 
 impl CovarianceHealth {
     /// Of the present state of a filter.
-    pub fn of(filter: &dyn Estimator) -> Self {
+    pub fn new(filter: &dyn Estimator) -> Self {
         let p = filter.covariance();
         let kept: Vec<usize> = (0..filter.states()).filter(|i| p[(*i, *i)] > 0.0).collect();
         let scaled = DMatrix::from_fn(kept.len(), kept.len(), |i, j| {

@@ -117,7 +117,7 @@ fn carries_velocity(fix: &GnssFix, part: Option<Part>) -> bool {
 
 impl Run {
     pub(super) fn new(mut settings: Settings) -> Self {
-        let search = Search::of(&mut settings);
+        let search = Search::from_settings(&mut settings);
         let settings = Arc::new(settings);
         Self {
             queue: Queue::new(),
@@ -135,7 +135,7 @@ impl Run {
             course: CourseWatch::new(),
             vehicle: Vehicle::new(&settings),
             inertial: Inertial::new(settings.rotation),
-            vibration: Vibration::of(&settings),
+            vibration: Vibration::from_settings(&settings),
             search,
             fixes: (settings.from_fixes.is_some()
                 && settings.nodes.is_none()
@@ -177,7 +177,7 @@ impl Run {
     #[cfg(feature = "checkpoint")]
     pub(super) fn go_on_under(&mut self, settings: Settings) -> bool {
         let mut in_sensor_axes = settings.clone();
-        let looks = Search::of(&mut in_sensor_axes).is_some();
+        let looks = Search::from_settings(&mut in_sensor_axes).is_some();
         self.settings = Arc::new(match self.has_vehicle_axes() {
             true => settings,
             false => in_sensor_axes,

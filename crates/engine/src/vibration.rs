@@ -125,7 +125,7 @@ impl Vibration {
     }
 
     /// The one of a replay with these settings, where its noise follows the vibration.
-    pub fn of(settings: &Settings) -> Option<Self> {
+    pub fn from_settings(settings: &Settings) -> Option<Self> {
         let factors = settings.vibration?;
         Some(Self::new(&settings.sensors, &factors))
     }

@@ -94,8 +94,8 @@ impl Window {
         }
     }
 
-    /// The one of a part.
-    pub fn of(&self, part: WindowPart) -> &Agreement {
+    /// How a part of the solution agrees with the measurements.
+    pub fn agreement(&self, part: WindowPart) -> &Agreement {
         match part {
             WindowPart::Position => &self.position,
             WindowPart::Height => &self.height,
@@ -106,7 +106,7 @@ impl Window {
     fn disagrees(&self) -> bool {
         WindowPart::ALL
             .iter()
-            .any(|part| self.of(*part).disagrees())
+            .any(|part| self.agreement(*part).disagrees())
     }
 
     fn join(&mut self, other: &Self) {
@@ -210,7 +210,7 @@ impl Windows {
     /// Of all of them together.
     pub fn overall(&self, part: WindowPart) -> Agreement {
         let mut all = Agreement::default();
-        self.iter().for_each(|window| all.join(window.of(part)));
+        self.iter().for_each(|window| all.join(window.agreement(part)));
         all
     }
 
@@ -227,12 +227,12 @@ impl Windows {
     pub fn disagreements(&self, part: WindowPart) -> impl Iterator<Item = Disagreement> + '_ {
         let groups = self
             .windows
-            .chunk_by(move |a, b| a.of(part).disagrees() == b.of(part).disagrees());
+            .chunk_by(move |a, b| a.agreement(part).disagrees() == b.agreement(part).disagrees());
         groups.filter_map(move |group| {
             let (first, last) = (group.first()?, group.last()?);
             let mut agreement = Agreement::default();
-            group.iter().for_each(|of| agreement.join(of.of(part)));
-            first.of(part).disagrees().then_some(Disagreement {
+            group.iter().for_each(|window| agreement.join(window.agreement(part)));
+            first.agreement(part).disagrees().then_some(Disagreement {
                 part,
                 start: first.start,
                 end: last.end,

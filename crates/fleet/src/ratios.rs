@@ -130,7 +130,7 @@ fn logs_of<'a>(samples: &'a [Sample<'a>], parts: usize) -> (Vec<Log<'a>>, Vec<Op
     }
     let means = Vec::from_iter(by_part.iter().map(|logs| Moments::of_logs(logs).mean));
     logs.retain_mut(|log| {
-        let all = Moments::of(logarithms(log).map(|(part, value)| value - means[part]));
+        let all = Moments::new(logarithms(log).map(|(part, value)| value - means[part]));
         log.value = all.mean;
         all.n > 0.0
     });
@@ -138,7 +138,7 @@ fn logs_of<'a>(samples: &'a [Sample<'a>], parts: usize) -> (Vec<Log<'a>>, Vec<Op
         let units = Vec::from_iter(by_unit(logs).map(Moments::of_logs));
         let level = match units[..] {
             [of_logs] => of_logs,
-            _ => Moments::of(units.iter().map(|unit| unit.mean)),
+            _ => Moments::new(units.iter().map(|unit| unit.mean)),
         };
         let error = (level.variance()? / level.n).sqrt();
         let level = Estimate {
@@ -225,8 +225,8 @@ fn compared_units<'a>(logs: &[Log<'a>]) -> Vec<OfUnit<'a>> {
     let mut aside = vec![false; units.len()];
     let test = |aside: &[bool]| {
         let kept = || units.iter().zip(aside).filter(|(_, aside)| !**aside);
-        let means = Moments::of(kept().map(|((_, unit), _)| unit.mean));
-        let shares = Moments::of(kept().map(|((_, unit), _)| 1.0 / unit.n));
+        let means = Moments::new(kept().map(|((_, unit), _)| unit.mean));
+        let shares = Moments::new(kept().map(|((_, unit), _)| 1.0 / unit.n));
         let one = |((name, unit), aside): (&(&'a str, Moments), &bool)| {
             let (means, shares) = if *aside {
                 (means, shares)
@@ -277,7 +277,7 @@ fn of_unit(
             (between * (own + 1.0 / others.n), of_own),
             (logs, within.freedom),
         ];
-        Estimate::of(difference, terms)
+        Estimate::new(difference, terms)
     };
     let test = estimate(1.0, freedom, more);
     // Where each unit has one log, these differ as units do.
@@ -310,7 +310,7 @@ fn compared_levels<'a>(logs: &[Log<'a>], factor: usize) -> Vec<(&'a str, Estimat
         let of_units = |x: f64| {
             let own = Vec::from_iter(points.iter().copied().filter(|point| point.x == x));
             let units = own.chunk_by(|a, b| a.unit == b.unit);
-            Moments::of(units.map(|unit| mean(unit).y))
+            Moments::new(units.map(|unit| mean(unit).y))
         };
         let estimate = within_units(&points).or_else(|| welch(&of_units(1.0), &of_units(0.0)))?;
         Some((name, estimate))
@@ -331,7 +331,7 @@ fn of_temperature(logs: &[Log<'_>]) -> Option<Estimate> {
     let points = Vec::from_iter(logs.iter().filter_map(point));
     let units = points.chunk_by(|a, b| a.unit == b.unit);
     let means = Vec::from_iter(units.map(mean));
-    within_units(&points).or_else(|| Line::of([&means[..]]).slope())
+    within_units(&points).or_else(|| Line::fit([&means[..]]).slope())
 }
 
 #[cfg(test)]

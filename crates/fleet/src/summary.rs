@@ -143,7 +143,7 @@ impl Tally {
     }
 
     /// The logs that have a part of a measure, with its value.
-    fn of<'a>(
+    fn logs_with<'a>(
         &'a self,
         place: usize,
         part: &'a str,
@@ -159,7 +159,7 @@ impl Tally {
             .parts
             .iter()
             .map(String::as_str)
-            .filter(|part| self.of(place, part).next().is_some())
+            .filter(|part| self.logs_with(place, part).next().is_some())
             .collect();
         if parts.is_empty() {
             return None;
@@ -264,8 +264,8 @@ impl Tally {
 
     /// A bias model or axis over all logs.
     fn part(&self, place: usize, part: &str, level: Option<Level>) -> FleetPart {
-        let values: Vec<f64> = self.of(place, part).map(|(_, value)| value).collect();
-        let known = self.of(place, part);
+        let values: Vec<f64> = self.logs_with(place, part).map(|(_, value)| value).collect();
+        let known = self.logs_with(place, part);
         let pairs: Vec<(f64, f64)> = known
             .filter_map(|(log, value)| Some((log.temperature_c?, value)))
             .collect();

@@ -33,7 +33,7 @@ pub enum What {
 
 impl What {
     /// What was read, or why it cannot be used.
-    pub(crate) fn of(read: Result<Self, Unfit>) -> Self {
+    pub(crate) fn from_read(read: Result<Self, Unfit>) -> Self {
         read.unwrap_or_else(|(kind, detail)| Self::Skipped(kind, detail))
     }
 

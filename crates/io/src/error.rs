@@ -41,7 +41,7 @@ impl ReadError {
     }
 
     /// Of the log with this name, where it has none yet.
-    pub fn of(mut self, name: &Path) -> Self {
+    pub fn in_log(mut self, name: &Path) -> Self {
         if self.path.as_os_str().is_empty() {
             self.path = name.to_path_buf();
         }

@@ -80,22 +80,22 @@ impl Opened {
     /// As [`Opened::open`].
     pub fn counted(path: &Path, read: &BytesRead) -> Result<Self, ReadError> {
         if path.as_os_str() == "-" {
-            return Self::of(Path::new("standard input"), io::stdin(), read)?.a_log();
+            return Self::from_stream(Path::new("standard input"), io::stdin(), read)?.a_log();
         }
         if path.is_dir() {
             if let Some(merged) = log::sensor_logger::folder(path)? {
-                return Self::of(path, merged, read)?.a_log();
+                return Self::from_stream(path, merged, read)?.a_log();
             }
             rosbag2::parts_of_folder(path)?;
             return Ok(Self {
                 name: path.to_path_buf(),
                 origin: Origin::Folder,
-                ..Self::of(path, io::empty(), read)?
+                ..Self::from_stream(path, io::empty(), read)?
             });
         }
         let file = source::file(path)?;
         let regular = file.metadata().is_ok_and(|about| about.is_file());
-        let mut opened = Self::of(path, file, read)?;
+        let mut opened = Self::from_stream(path, file, read)?;
         if regular {
             opened.origin = Origin::File;
         }
@@ -107,10 +107,10 @@ impl Opened {
     /// # Errors
     /// If it cannot be read.
     pub fn stream(name: &Path, stream: impl Read + Send + 'static) -> Result<Self, ReadError> {
-        Self::of(name, stream, &BytesRead::default())?.a_log()
+        Self::from_stream(name, stream, &BytesRead::default())?.a_log()
     }
 
-    fn of(
+    fn from_stream(
         name: &Path,
         stream: impl Read + Send + 'static,
         read: &BytesRead,
@@ -147,7 +147,7 @@ impl Opened {
     /// If it cannot be decompressed.
     pub fn memory(name: &Path, memory: Memory, read: &BytesRead) -> Result<Self, ReadError> {
         match memory {
-            Memory::Bytes(bytes) => Self::of(name, Cursor::new(bytes), read)?.a_log(),
+            Memory::Bytes(bytes) => Self::from_stream(name, Cursor::new(bytes), read)?.a_log(),
             Memory::Columns(columns) => Ok(Self::held(name, Origin::Columns(columns), read)),
             records => Ok(Self::held(name, Origin::Records(records), read)),
         }
@@ -239,7 +239,7 @@ impl Opened {
             Some(source) => source,
             None => TableSource::Text(self.beginning()),
         };
-        table::preview(source, rows).map_err(|error| error.of(&self.name))
+        table::preview(source, rows).map_err(|error| error.in_log(&self.name))
     }
 
     /// The streams of a log that says itself what it holds.
@@ -253,7 +253,7 @@ impl Opened {
         } else {
             log::streams(self.into_source(), format)
         };
-        streams.map_err(|error| error.of(&name))
+        streams.map_err(|error| error.in_log(&name))
     }
 
     /// Reads it as a table, text or Parquet, and finds the wanted columns.
@@ -276,7 +276,7 @@ impl Opened {
             let read = self.read.clone();
             let parts = self.into_parts();
             let log = parts.and_then(|parts| Log::of_bag(parts, &read, wanted));
-            return log.map_err(|error| error.of(&name));
+            return log.map_err(|error| error.in_log(&name));
         }
         let held: Option<Arc<[u8]>> = match self.origin {
             Origin::Once if log::reads_twice(format) => {
@@ -289,7 +289,7 @@ impl Opened {
             Some(bytes) => Ok(Box::new(Cursor::new(bytes.clone())) as Source),
             None => source::open(&name),
         };
-        Log::new(self.into_source(), &again, format, wanted).map_err(|error| error.of(&name))
+        Log::new(self.into_source(), &again, format, wanted).map_err(|error| error.in_log(&name))
     }
 
     /// Whether it is read as a ROS 2 bag where a format is asked for.
@@ -366,7 +366,7 @@ impl Opened {
         if file.is_none() {
             self.read_to(u64::MAX);
         }
-        table::parquet(file, &self.start).map_err(|error| error.of(&self.name))
+        table::parquet(file, &self.start).map_err(|error| error.in_log(&self.name))
     }
 
     /// The whole stream, from its start.

@@ -183,7 +183,7 @@ impl<K: Kind> Reader<K> {
     /// If it is not of the format, lacks a column or a stream, or the options contradict themselves.
     pub fn new(opened: Opened, options: &K::Options) -> Result<Self, ReadError> {
         let name = opened.name().to_path_buf();
-        let plan = K::plan(options).map_err(|error| error.of(&name))?;
+        let plan = K::plan(options).map_err(|error| error.in_log(&name))?;
         let rows = match plan.source {
             Want::Table(wanted) => {
                 let row = vec![0.0; wanted.columns.len()];
@@ -358,7 +358,7 @@ impl<K: Kind> Iterator for Reader<K> {
         if self.finished {
             return None;
         }
-        let item = self.next_record().map_err(|error| error.of(&self.name));
+        let item = self.next_record().map_err(|error| error.in_log(&self.name));
         let item = item.transpose();
         self.finished = !matches!(item, Some(Ok(_)));
         item

@@ -117,7 +117,7 @@ impl Table {
         };
         Ok(Self {
             name: name.to_path_buf(),
-            rows: rows.map_err(|error| error.of(name))?,
+            rows: rows.map_err(|error| error.in_log(name))?,
             columns: options.columns.clone(),
             empty: None,
             keep: options.keep(),
@@ -128,7 +128,7 @@ impl Table {
             stamp: options.stamp.clone(),
             counter: (options.stamp.as_ref())
                 .filter(|stamp| stamp.date.is_none())
-                .map(|stamp| (stamp.place, Counter::of(stamp.scale))),
+                .map(|stamp| (stamp.place, Counter::new(stamp.scale))),
             epoch: None,
         })
     }
@@ -184,7 +184,7 @@ impl Table {
                     self.skipped.add(SkipKind::TooLong, line, detail);
                 }
                 Ok(NextRow::End(failure)) => self.finish(failure)?,
-                Err(error) => return Err(error.of(&self.name)),
+                Err(error) => return Err(error.in_log(&self.name)),
             }
         }
         Ok(None)
@@ -203,7 +203,7 @@ impl Table {
             _ => None,
         };
         let error = error.unwrap_or_else(|| no_rows(self.rows_seen, &self.skipped));
-        Err(error.of(&self.name))
+        Err(error.in_log(&self.name))
     }
 
     /// That a wanted column has no number in any row.

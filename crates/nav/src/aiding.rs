@@ -119,7 +119,7 @@ impl<const N: usize> Filter<N> {
                 h[(row, at + i)] += column[row] * filter.h[i];
             }
         }
-        for (index, factor) in coupling.of(axis) {
+        for (index, factor) in coupling.axis(axis) {
             for row in 0..M {
                 h[(row, *index)] += column[row] * factor;
             }

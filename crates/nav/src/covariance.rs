@@ -296,7 +296,7 @@ impl Sensors {
             for i in 1..filter.order {
                 add_row(error, filter.h[i], &rows[from + i]);
             }
-            for (index, factor) in coupling.of(axis) {
+            for (index, factor) in coupling.axis(axis) {
                 add_row(error, *factor, &rows[*index]);
             }
         }

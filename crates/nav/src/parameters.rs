@@ -299,7 +299,7 @@ impl Coupling {
 
     /// States and factors of an axis; a factor may be zero.
     #[inline]
-    pub fn of(&self, axis: usize) -> &[(usize, f64)] {
+    pub fn axis(&self, axis: usize) -> &[(usize, f64)] {
         &self.terms[axis][..self.len]
     }
 }
@@ -332,9 +332,9 @@ mod tests {
             .with(Parameter::GyroScale, prior)
             .with(Parameter::GyroMisalignment, prior);
         let c = Coupling::new(&all, 20, &Vector3::new(1.0, 2.0, 3.0), &Vector3::zeros());
-        assert_eq!(c.of(0), [(20, 1.0), (23, 2.0), (24, 3.0)]);
-        assert_eq!(c.of(1), [(21, 2.0), (25, 1.0), (26, 3.0)]);
-        assert_eq!(c.of(2), [(22, 3.0), (27, 1.0), (28, 2.0)]);
-        assert_eq!(c.of(3)[0].1, 0.0);
+        assert_eq!(c.axis(0), [(20, 1.0), (23, 2.0), (24, 3.0)]);
+        assert_eq!(c.axis(1), [(21, 2.0), (25, 1.0), (26, 3.0)]);
+        assert_eq!(c.axis(2), [(22, 3.0), (27, 1.0), (28, 2.0)]);
+        assert_eq!(c.axis(3)[0].1, 0.0);
     }
 }

@@ -118,7 +118,7 @@ pub fn score(
         .map(|v| (v - mean) * (v - mean))
         .sum();
     let started = free_start(filter, squares / present as f64);
-    let sums = pass::RunningSums::of(&record[first_part..], mean);
+    let sums = pass::RunningSums::new(&record[first_part..], mean);
     let task = pass::Task {
         record,
         first_part,

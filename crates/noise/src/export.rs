@@ -98,7 +98,7 @@ impl ImuModel {
         if format == ModelFormat::Undrift {
             return Ok(self.to_toml());
         }
-        let imu = Equivalent::of(self, format)?;
+        let imu = Equivalent::new(self, format)?;
         let rate = || {
             rate_hz.or(self.known_rate()).ok_or(ModelError::NoRate {
                 format: format.name(),

@@ -41,7 +41,7 @@ pub struct Arrays<'a, 'py, T> {
 
 impl<'a, 'py, T> Arrays<'a, 'py, T> {
     /// Of items, none yet.
-    pub fn of(py: Python<'py>, items: &'a [T]) -> Self {
+    pub fn new(py: Python<'py>, items: &'a [T]) -> Self {
         Self {
             items,
             dict: PyDict::new(py),
@@ -113,7 +113,7 @@ pub fn rows(matrix: Matrix3) -> [[f64; 3]; 3] {
 /// A solution as arrays by the names of `undrift.Solution`.
 pub fn solution<'py>(py: Python<'py>, rows: &[SolutionRow]) -> PyResult<Bound<'py, PyDict>> {
     let std = |of: &[f64], from: usize| [0, 1, 2].map(|i| of[from + i]);
-    let arrays = Arrays::of(py, rows)
+    let arrays = Arrays::new(py, rows)
         .one("time", |row| row.time)?
         .place(|row| coordinates(&row.position))?
         .three("velocity", |row| array(&row.v_n))?

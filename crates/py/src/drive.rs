@@ -88,7 +88,7 @@ impl Drive {
             Ok::<_, Failure>(samples?)
         })?;
         let samples = samples.map_err(error)?;
-        let imu = Arrays::of(py, &samples)
+        let imu = Arrays::new(py, &samples)
             .one("time", |sample| sample.time)?
             .three("gyro", |sample| array(&(sample.dtheta / sample.dt)))?
             .three("accel", |sample| array(&(sample.dvel / sample.dt)))?;
@@ -113,7 +113,7 @@ impl Drive {
             fix.position
                 .map_or(nan, |(at, _)| coordinates(&antenna(at)))
         };
-        let arrays = Arrays::of(py, &fixes)
+        let arrays = Arrays::new(py, &fixes)
             .one("time", |fix| fix.time)?
             .place(place)?
             .three("position_std", |fix| matrix_std(&position(fix)))?

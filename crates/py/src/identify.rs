@@ -138,7 +138,7 @@ fn identified(
 ) -> Result<Identified, Failure> {
     let axes = prepared.iter().map(|one| one.record.axes.len() as u64);
     // Several records are identified axis by axis together.
-    counted.of(axes.max().unwrap_or(0));
+    counted.set_total(axes.max().unwrap_or(0));
     let found = identification::recordings(prepared, settings, || counted.add(1))?;
     let names: Vec<&str> = prepared.iter().map(|one| one.name.as_str()).collect();
     let name = results::names(&names);

@@ -130,7 +130,7 @@ pub fn outages<'py>(
         let logs = Logs::load(&drive.drive, hindsight)
             .map_err(|error| say::unsolved(error.findings(), error))?;
         let cuts = logs.plan_or_usual(asked, length, start)?;
-        counted.of(logs.samples(compared.len()));
+        counted.set_total(logs.samples(compared.len()));
         let experiment = logs.compare(&compared, &cuts, hindsight, &|samples| {
             counted.add(samples);
         })?;

@@ -115,12 +115,12 @@ pub fn simulate<'py>(
     });
     let made = made?.map_err(error)?;
 
-    let imu = Arrays::of(py, &made.imu)
+    let imu = Arrays::new(py, &made.imu)
         .one("time", |sample| sample.time)?
         .three("gyro", |sample| array(&(sample.dtheta / sample.dt)))?
         .three("accel", |sample| array(&(sample.dvel / sample.dt)))?;
     let unknown = [f64::NAN; 3];
-    let gnss = Arrays::of(py, &made.gnss)
+    let gnss = Arrays::new(py, &made.gnss)
         .one("time", |fix| fix.time)?
         .place(|fix| match fix.position {
             Some((Position::Geodetic(place), _)) => coordinates(&place),
@@ -135,7 +135,7 @@ pub fn simulate<'py>(
         .three("velocity_std", |fix| {
             fix.velocity.map_or(unknown, |(_, r)| matrix_std(&r))
         })?;
-    let truth = Arrays::of(py, &made.truth)
+    let truth = Arrays::new(py, &made.truth)
         .one("time", |at| at.time)?
         .place(|at| coordinates(&at.position))?
         .three("velocity", |at| at.v_n.map_or(unknown, |v| array(&v)))?

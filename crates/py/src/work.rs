@@ -34,7 +34,7 @@ impl Progress {
     }
 
     /// How much there is to do, in units of its own; 0 where it is not known.
-    pub fn of(&self, total: u64) {
+    pub fn set_total(&self, total: u64) {
         self.total.store(total, Ordering::Relaxed);
     }
 

@@ -19,7 +19,7 @@ struct Bucket {
 }
 
 impl Bucket {
-    fn of(point: Point) -> Self {
+    fn new(point: Point) -> Self {
         Self {
             least: point,
             most: point,
@@ -80,7 +80,7 @@ impl Envelope {
         if !(time.is_finite() && value.is_finite()) {
             return;
         }
-        let one = Bucket::of((time, value));
+        let one = Bucket::new((time, value));
         if self.filled < self.width
             && let Some(last) = self.buckets.last_mut()
         {
@@ -279,7 +279,7 @@ mod tests {
     /// Of values that are the same the first.
     #[test]
     fn an_extreme_is_where_it_first_was() {
-        let bucket = |time: f64, value: f64| Bucket::of((time, value));
+        let bucket = |time: f64, value: f64| Bucket::new((time, value));
         let low = bucket(1.0, 5.0)
             .with(bucket(2.0, 5.0))
             .with(bucket(3.0, 7.0))

@@ -44,7 +44,7 @@ pub(super) struct Part {
 /// # Errors
 /// [`NotStatic::Moving`] where it moves for longer than knocks last and not just at its ends.
 pub(super) fn part_at_rest(record: &Record, rate_hz: f64) -> Result<Part, NotStatic> {
-    let windows = Windows::of(record, rate_hz);
+    let windows = Windows::new(record, rate_hz);
     let seconds = |windows_: usize| (windows_ * windows.width) as f64 / rate_hz;
     let length = record.length() as f64 / rate_hz;
     let end_of = |window: usize| match window >= windows.count {

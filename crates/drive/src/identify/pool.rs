@@ -87,7 +87,7 @@ pub(super) fn run_pool(
             .ok()
             .and_then(|(axis, _)| axis.normality.quantisation);
         let Sampled { samples, options } = &sampled[longest];
-        let series = RecordSeries::of(samples, options.rate_hz, grid.map(|grid| grid.step));
+        let series = RecordSeries::new(samples, options.rate_hz, grid.map(|grid| grid.step));
         done();
         (names[axis], found, series)
     });

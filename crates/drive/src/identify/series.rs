@@ -28,7 +28,7 @@ pub struct RecordSeries {
 
 impl RecordSeries {
     /// Of samples at a rate \[Hz\] that lie on a grid of `step`, if they do.
-    pub(super) fn of(samples: &[f64], rate_hz: f64, step: Option<f64>) -> Self {
+    pub(super) fn new(samples: &[f64], rate_hz: f64, step: Option<f64>) -> Self {
         let mut record = Envelope::new(RECORD);
         for (k, value) in samples.iter().enumerate() {
             record.add(k as f64 / rate_hz, *value);
@@ -207,7 +207,7 @@ mod tests {
     #[test]
     fn a_histogram_is_a_density_over_value() {
         let samples: Vec<f64> = (0..1001).map(|k| f64::from(k * 10 % 1001 - 500)).collect();
-        let series = RecordSeries::of(&samples, 10.0, None);
+        let series = RecordSeries::new(&samples, 10.0, None);
         let deviation = (1001f64.powi(2) - 1.0).sqrt() / 12f64.sqrt();
         assert!(series.mean.abs() < 1e-9 && (series.deviation / deviation - 1.0).abs() < 1e-12);
         // Five standard deviations either way in eighty bars.
@@ -242,7 +242,7 @@ mod tests {
             let samples: Vec<f64> = (0..10 * count)
                 .map(|k| 0.3 + step * f64::from(k % count - most))
                 .collect();
-            let series = RecordSeries::of(&samples, 1.0, Some(step));
+            let series = RecordSeries::new(&samples, 1.0, Some(step));
             let lines = series.width / step;
             assert!(
                 (lines - lines.round()).abs() < 1e-9 && lines > 0.5,
@@ -268,11 +268,11 @@ mod tests {
 
     #[test]
     fn a_record_that_stands_has_no_bars_and_what_is_not_finite_does_not_count() {
-        let still = RecordSeries::of(&[2.0; 50], 1.0, None);
+        let still = RecordSeries::new(&[2.0; 50], 1.0, None);
         assert_eq!((still.mean, still.deviation), (2.0, 0.0));
         assert!(still.density.is_empty());
         let holes = [1.0, f64::NAN, 3.0, f64::INFINITY];
-        let series = RecordSeries::of(&holes, 1.0, None);
+        let series = RecordSeries::new(&holes, 1.0, None);
         assert_eq!((series.mean, series.deviation), (2.0, 1.0));
         assert_eq!(series.record.points().count(), 2);
     }

@@ -80,7 +80,7 @@ pub(super) fn without_slow(
     let whole = steady.kept.clone();
     // The axis that drifts most beyond its noise says why.
     let warmest = warm_ups(&found).max_by(|a, b| a.1.fall.total_cmp(&b.1.fall));
-    let warmest = warmest.and_then(|(axis, _)| Some((axis, WarmUp::of(&found[axis])?)));
+    let warmest = warmest.and_then(|(axis, _)| Some((axis, WarmUp::find(&found[axis])?)));
     let warming: Vec<(usize, Disturbance)> =
         warm_ups(&found).map(|(axis, of)| (axis, *of)).collect();
     for share in CUTS {
@@ -94,7 +94,7 @@ pub(super) fn without_slow(
         }
     }
     // The tail of what was found is there where it does not show by itself, too.
-    let shown: Vec<bool> = found.iter().map(|of| WarmUp::of(of).is_some()).collect();
+    let shown: Vec<bool> = found.iter().map(|of| WarmUp::find(of).is_some()).collect();
     let cut = (steady.kept.start - whole.start) as f64;
     for (axis, of) in warming.into_iter().filter(|(axis, _)| !shown[*axis]) {
         found[axis].push(Disturbance {
@@ -119,7 +119,7 @@ pub(super) fn without_slow(
     }
     for (axis, of_axis) in found.iter().enumerate() {
         let kept = &steady.kept;
-        if let Some(of) = WarmUp::of(of_axis) {
+        if let Some(of) = WarmUp::find(of_axis) {
             leave_out(
                 Omission::WarmUpRest,
                 kept,
@@ -192,7 +192,7 @@ struct WarmUp {
 }
 
 impl WarmUp {
-    fn of(of_axis: &[Disturbance]) -> Option<Self> {
+    fn find(of_axis: &[Disturbance]) -> Option<Self> {
         let parts = of_axis.iter().copied();
         let parts = Vec::from_iter(parts.filter(|one| matches!(one.shape, Shape::WarmUp(_))));
         let clearest = parts.iter().max_by(|a, b| a.fall.total_cmp(&b.fall))?;
@@ -266,7 +266,7 @@ mod tests {
             samples: vec![of(0), of(1)],
             ..Record::default()
         };
-        Windows::of(&record, 10.0)
+        Windows::new(&record, 10.0)
     }
 
     #[test]
@@ -299,11 +299,11 @@ mod tests {
             found(Shape::Cycle(50.0), 7.0, 400.0),
             found(Shape::WarmUp(200.0), -1.0, 60.0),
         ];
-        let warm_up = WarmUp::of(&of).unwrap();
+        let warm_up = WarmUp::find(&of).unwrap();
         assert_eq!((warm_up.tau, warm_up.parts.len()), (30.0, 2));
         let exact = 2.0 * (-2f64).exp() - 2.0 - (-0.3f64).exp() + 1.0;
         assert!((warm_up.drift(60) - exact).abs() < 1e-12);
-        assert!(WarmUp::of(&of[1..2]).is_none());
+        assert!(WarmUp::find(&of[1..2]).is_none());
     }
 
     #[test]

@@ -45,7 +45,7 @@ pub(super) struct Windows {
 
 impl Windows {
     /// Of a record at a rate \[Hz\]; NaN is a missing sample.
-    pub(super) fn of(record: &Record, rate_hz: f64) -> Self {
+    pub(super) fn new(record: &Record, rate_hz: f64) -> Self {
         let present = |samples: &Vec<f64>| samples.iter().filter(|x| !x.is_nan()).count();
         let length = record.length() as f64;
         let axes = || record.axes.iter().zip(&record.samples);
@@ -62,7 +62,7 @@ impl Windows {
             width,
             count: record.length() / width,
             axes: axes()
-                .map(|(name, samples)| (*name, Levels::of(samples, width, least(name))))
+                .map(|(name, samples)| (*name, Levels::new(samples, width, least(name))))
                 .collect(),
             temperature: record
                 .temperature
@@ -147,7 +147,7 @@ pub(super) struct Levels {
 }
 
 impl Levels {
-    fn of(samples: &[f64], width: usize, least: f64) -> Self {
+    fn new(samples: &[f64], width: usize, least: f64) -> Self {
         let windows = samples.chunks_exact(width).map(trimmed);
         let (means, deviations): (Vec<f64>, Vec<f64>) = windows.unzip();
         let mut sorted: Vec<f64> = deviations.iter().copied().filter(|x| !x.is_nan()).collect();

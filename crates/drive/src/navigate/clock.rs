@@ -57,7 +57,7 @@ pub(super) struct Timing {
 }
 
 impl Timing {
-    pub(super) fn of(clock: Clock) -> Self {
+    pub(super) fn new(clock: Clock) -> Self {
         Self {
             clock,
             last: f64::NEG_INFINITY,
@@ -118,7 +118,7 @@ mod tests {
             position_std: [0.01, 0.02, 0.03],
             interval: 0.01,
         };
-        let mut timing = Timing::of(clock);
+        let mut timing = Timing::new(clock);
         let mut last = None;
         for k in 0..200 {
             let time = 0.01 * f64::from(k);
@@ -166,7 +166,7 @@ mod tests {
 
     #[test]
     fn times_go_on() {
-        let mut timing = Timing::of(Clock::Gnss);
+        let mut timing = Timing::new(Clock::Gnss);
         let mut at = |time: f64, offset: f64| {
             let nav = NavState {
                 time,

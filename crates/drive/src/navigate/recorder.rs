@@ -120,7 +120,7 @@ impl Recorder {
     pub(super) fn new(wanted: Wanted, truth: Option<TruthReader>) -> Result<Self, ReplayError> {
         Ok(Self {
             outputs: Outputs::new(wanted.files),
-            timing: Timing::of(wanted.clock),
+            timing: Timing::new(wanted.clock),
             truth: truth.map(|reader| {
                 TruthCursor::new(Readable {
                     reader,

@@ -34,7 +34,7 @@ pub fn start(drive: &Drive, kind: BiasModel) -> Result<Started, NavigateError> {
         // It ended with the sample that it began in.
         return Err(ReplayError::Filter(undrift_nav::filter::FilterError::Diverged).into());
     };
-    let mut vibration = Vibration::of(&settings);
+    let mut vibration = Vibration::from_settings(&settings);
     if let Some(vibration) = &mut vibration {
         let end = filter.nav().time + STAMP_ROUNDING;
         for sample in drive.open_imu()? {

@@ -49,7 +49,7 @@ impl ComparedModel {
     }
 
     /// The drive with its noise model.
-    pub(super) fn of<'a>(&self, drive: &'a Drive) -> Cow<'a, Drive> {
+    pub(super) fn with_model<'a>(&self, drive: &'a Drive) -> Cow<'a, Drive> {
         match &self.model {
             None => Cow::Borrowed(drive),
             Some(model) => Cow::Owned(Drive {

@@ -120,7 +120,7 @@ impl Logs {
         let models = compared
             .iter()
             .map(|one| {
-                let drive = one.of(&self.drive);
+                let drive = one.with_model(&self.drive);
                 let mut settings = settings(&drive, one.kind)?;
                 if hindsight != Hindsight::Causal {
                     look_ahead(&mut settings, self.study());

@@ -282,7 +282,7 @@ impl Observer for OutageWatch<'_> {
                 false => TruthSample { rpy: None, ..truth },
             };
             let errors = Errors::against_truth(filter.nav(), &truth);
-            self.note(outage, filter.nav(), errors, &Predicted::of(filter));
+            self.note(outage, filter.nav(), errors, &Predicted::from_filter(filter));
         }
         Ok(())
     }
@@ -296,7 +296,7 @@ impl Observer for OutageWatch<'_> {
             && let Some(outage) = self.outage_at(fix.time)
         {
             let errors = Errors::against_fix(filter, &fix, &self.lever_arm);
-            let predicted = Predicted::of(filter).against_fix(&fix);
+            let predicted = Predicted::from_filter(filter).against_fix(&fix);
             self.note(outage, filter.nav(), errors, &predicted);
         }
     }

@@ -51,7 +51,7 @@ pub(super) fn find(beginning: &Preview, format: &RecordFormat) -> Result<RecordC
     let mut guess = None;
     let mut axes = match find_axes(header, format) {
         Err(problem) if format.columns.is_empty() => {
-            guess = Guess::of(beginning);
+            guess = Guess::from_preview(beginning);
             let of_guess = guess.as_ref().ok_or(problem)?.columns().enumerate();
             let found = of_guess.map(|(index, column)| AxisColumn {
                 index,
@@ -68,7 +68,7 @@ pub(super) fn find(beginning: &Preview, format: &RecordFormat) -> Result<RecordC
     };
     let unknown = axes.iter().any(|axis| axis.unit.is_none()) && format.units.is_none();
     if unknown && axes.len() == AXES.len() && format.columns.is_empty() {
-        guess = guess.or_else(|| Guess::of(beginning));
+        guess = guess.or_else(|| Guess::from_preview(beginning));
         if let Some(guess) = &guess {
             let units = guess.units()?;
             for axis in axes.iter_mut().filter(|axis| axis.unit.is_none()) {

@@ -21,7 +21,7 @@ const INCREMENTS: &str = "by their size the columns are increments: describe the
 
 impl Guess {
     /// By the names and the first rows of a table; `None` where they do not show six axes.
-    pub(super) fn of(beginning: &Preview) -> Option<Self> {
+    pub(super) fn from_preview(beginning: &Preview) -> Option<Self> {
         let parts = inspect::of_table(beginning.clone());
         let imu = parts.into_iter().find(|part| part.table == "imu")?;
         let lines = imu.lines.iter();

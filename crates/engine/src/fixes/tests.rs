@@ -256,8 +256,8 @@ fn a_track_is_of_sound_fixes_in_metres() {
         fix(1, 1.0, -1.0),
         fix(2, 4.0, 0.25),
     ];
-    let seen: Vec<Seen> = fixes.iter().filter_map(Seen::of).collect();
-    let track = Track::of(seen.iter());
+    let seen: Vec<Seen> = fixes.iter().filter_map(Seen::from_fix).collect();
+    let track = Track::from_fixes(seen.iter());
     assert_eq!(track.time, [0.0, 2.0]);
     assert_eq!(track.stated[1], Vector3::repeat(4.0));
     assert_eq!(track.stated_velocity[1], Vector3::repeat(0.25));

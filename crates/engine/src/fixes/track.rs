@@ -22,7 +22,7 @@ pub(super) struct Seen {
 
 impl Seen {
     /// Of a fix with a position.
-    pub(super) fn of(fix: &GnssFix) -> Option<Self> {
+    pub(super) fn from_fix(fix: &GnssFix) -> Option<Self> {
         let (position, r) = fix.position?;
         let seen = Self {
             time: fix.time,
@@ -52,7 +52,7 @@ pub(super) struct Track {
 }
 
 impl Track {
-    pub(super) fn of<'a>(fixes: impl Iterator<Item = &'a Seen> + Clone) -> Self {
+    pub(super) fn from_fixes<'a>(fixes: impl Iterator<Item = &'a Seen> + Clone) -> Self {
         let by_velocity = fixes.clone().any(|fix| fix.velocity.is_some());
         let mut track = Self::default();
         let mut before: Option<(Position, Vector3)> = None;

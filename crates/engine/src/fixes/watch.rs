@@ -33,7 +33,7 @@ impl FixWatch {
         if count >= MOST {
             return None;
         }
-        let seen = Seen::of(fix)?;
+        let seen = Seen::from_fix(fix)?;
         self.by_velocity |= seen.velocity.is_some();
         self.last.push(seen);
         if self.last.len() == BLOCK {
@@ -55,7 +55,7 @@ impl FixWatch {
     /// What all of them show.
     pub(crate) fn study(&self) -> Option<FixStudy> {
         let full = self.full.iter().flat_map(|block| block.iter());
-        study_track(&Track::of(full.chain(&self.last)))
+        study_track(&Track::from_fixes(full.chain(&self.last)))
     }
 }
 

@@ -54,7 +54,7 @@ pub(crate) struct Turned {
 impl Search {
     /// Where it is asked for; what the settings know of the vehicle's axes is kept until there are such. Not beside nodes
     /// or a log of the updates, whose states stay the same.
-    pub(crate) fn of(settings: &mut Settings) -> Option<Box<Self>> {
+    pub(crate) fn from_settings(settings: &mut Settings) -> Option<Box<Self>> {
         if !settings.find_mounting || settings.nodes.is_some() || settings.log.is_some() {
             return None;
         }

@@ -68,7 +68,7 @@ impl Run {
             self.summary.diverged = self.summary.restarts.last().map(|last| last.time);
             return Ok(self.summary);
         };
-        self.summary.covariance = Some(CovarianceHealth::of(&**filter));
+        self.summary.covariance = Some(CovarianceHealth::new(&**filter));
         for (kind, _, prior) in filter.parameters().blocks() {
             if let Some((value, std)) = filter.parameter(kind) {
                 let n = kind.width();

@@ -19,7 +19,7 @@ pub(super) struct Point {
 }
 
 pub(super) fn mean(points: &[Point]) -> Point {
-    let mean = |of: fn(&Point) -> f64| Moments::of(points.iter().map(of)).mean;
+    let mean = |of: fn(&Point) -> f64| Moments::new(points.iter().map(of)).mean;
     Point {
         unit: 0,
         x: mean(|point| point.x),
@@ -29,8 +29,8 @@ pub(super) fn mean(points: &[Point]) -> Point {
 
 /// The slope of values on a cause with a level for each unit, if enough of the cause's spread is within units.
 pub(super) fn within_units(points: &[Point]) -> Option<Estimate> {
-    let within = Line::of(points.chunk_by(|a, b| a.unit == b.unit));
-    let all = Line::of([points]);
+    let within = Line::fit(points.chunk_by(|a, b| a.unit == b.unit));
+    let all = Line::fit([points]);
     (within.xx >= WITHIN * all.xx).then(|| within.slope())?
 }
 
@@ -44,7 +44,7 @@ pub(super) struct Line {
 }
 
 impl Line {
-    pub(super) fn of<'a>(groups: impl IntoIterator<Item = &'a [Point]>) -> Self {
+    pub(super) fn fit<'a>(groups: impl IntoIterator<Item = &'a [Point]>) -> Self {
         let mut sums = Self {
             freedom: -1.0,
             ..Self::default()
@@ -81,7 +81,7 @@ impl Line {
 /// Difference of two means whose variances differ (Welch, Biometrika 34 (1947) 28).
 pub(super) fn welch(a: &Moments, b: &Moments) -> Option<Estimate> {
     let term = |of: &Moments| Some((of.variance()? / of.n, of.n - 1.0));
-    Some(Estimate::of(a.mean - b.mean, [term(a)?, term(b)?]))
+    Some(Estimate::new(a.mean - b.mean, [term(a)?, term(b)?]))
 }
 
 /// Number, mean and sum of squares about the mean.
@@ -93,7 +93,7 @@ pub(super) struct Moments {
 }
 
 impl Moments {
-    pub(super) fn of(values: impl Iterator<Item = f64> + Clone) -> Self {
+    pub(super) fn new(values: impl Iterator<Item = f64> + Clone) -> Self {
         let n = values.clone().count() as f64;
         let mean = values.clone().sum::<f64>() / n;
         let squares = values.map(|value| (value - mean).powi(2)).sum();
@@ -101,7 +101,7 @@ impl Moments {
     }
 
     pub(super) fn of_logs(logs: &[Log<'_>]) -> Self {
-        Self::of(logs.iter().map(|log| log.value))
+        Self::new(logs.iter().map(|log| log.value))
     }
 
     /// Those of the other values.
@@ -173,7 +173,7 @@ pub(super) struct Estimate {
 
 impl Estimate {
     /// With the sum of two variances, each with its degrees of freedom (Satterthwaite, Biometrics Bulletin 2 (1946) 110).
-    pub(super) fn of(value: f64, variances: [(f64, f64); 2]) -> Self {
+    pub(super) fn new(value: f64, variances: [(f64, f64); 2]) -> Self {
         let variance: f64 = variances.iter().map(|(variance, _)| variance).sum();
         let share = |(part, freedom): &(f64, f64)| (part / variance).powi(2) / freedom;
         let counted = variances.iter().filter(|(variance, _)| *variance > 0.0);

@@ -81,7 +81,7 @@ pub struct ImuFormat {
 impl ImuFormat {
     /// Rates in SI units along the body axes, times in seconds.
     pub fn new(time: Option<Column>, gyro: [Column; 3], accel: [Column; 3]) -> Self {
-        Self::of(ImuSource::Table {
+        Self::from_source(ImuSource::Table {
             time,
             gyro,
             accel,
@@ -99,15 +99,15 @@ impl ImuFormat {
 
     /// The samples of a log's stream, along the body axes.
     pub fn log(format: Format, stream: Option<String>) -> Self {
-        Self::of(ImuSource::Log(format, stream))
+        Self::from_source(ImuSource::Log(format, stream))
     }
 
     /// Samples in memory, along the body axes: [`Memory::Samples`](crate::Memory::Samples).
     pub fn samples() -> Self {
-        Self::of(ImuSource::Samples)
+        Self::from_source(ImuSource::Samples)
     }
 
-    fn of(source: ImuSource) -> Self {
+    fn from_source(source: ImuSource) -> Self {
         Self {
             source,
             date: None,

@@ -46,7 +46,7 @@ pub(super) fn entries(source: Source, again: Again, wanted: &Wanted) -> Result<E
         );
     }
     let (name, kind, key) = wanted.one_stream()?;
-    let survey = Survey::of(Messages::open(again()?)?);
+    let survey = Survey::new(Messages::open(again()?)?);
     let found = match name {
         Some(name) => survey.named(name, kind),
         None => survey.usual(kind),
@@ -70,7 +70,7 @@ pub(super) fn entries(source: Source, again: Again, wanted: &Wanted) -> Result<E
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
-    Ok(Survey::of(Messages::open(source)?).streams())
+    Ok(Survey::new(Messages::open(source)?).streams())
 }
 
 /// A stream: the kind of its messages, the gyro's where there are two, and the instance.

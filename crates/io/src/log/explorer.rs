@@ -52,7 +52,7 @@ pub(crate) fn detect(start: &[u8]) -> bool {
     let lines = start.split(|&byte| byte == b'\n').take(HEAD);
     // All names have a capital letter; rows of numbers are passed over quickly.
     let mut named = lines.filter(|line| line.iter().any(u8::is_ascii_uppercase));
-    named.any(|line| Columns::of(line).is_some())
+    named.any(|line| Columns::from_names(line).is_some())
 }
 
 /// Where the columns are.
@@ -64,7 +64,7 @@ struct Columns {
 
 impl Columns {
     /// Of a line of names, if it is one: with a place and a height, or an attitude, as such exports call them.
-    fn of(line: &[u8]) -> Option<Self> {
+    fn from_names(line: &[u8]) -> Option<Self> {
         let comma = line.contains(&b',');
         let names: Vec<&[u8]> = fields(line, comma).collect();
         let place = |known: &&[&str]| {
@@ -134,7 +134,7 @@ struct Reader {
 impl Reader {
     fn line(&mut self, at: u64, line: &[u8], ready: &mut Ready) -> Result<(), ReadError> {
         let Some(columns) = &self.columns else {
-            self.columns = Columns::of(line);
+            self.columns = Columns::from_names(line);
             return Ok(());
         };
         let trimmed = line.trim_ascii();

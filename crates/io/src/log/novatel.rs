@@ -33,7 +33,7 @@ const POSES: [Content; 2] = [Content::Solution, Content::Extended];
 /// Whether the first bytes of a file hold a message that is read here.
 pub(crate) fn detect(start: &[u8]) -> bool {
     any(start, &LAYOUT, |Head { kind, .. }| {
-        messages::of(kind).is_some_and(|known| known.content != Content::Other)
+        messages::find(kind).is_some_and(|known| known.content != Content::Other)
     })
 }
 
@@ -243,7 +243,7 @@ impl Reader {
         body: &[u8],
         ready: &mut Ready,
     ) -> Result<(), ReadError> {
-        let Some(known) = messages::of(&head.kind) else {
+        let Some(known) = messages::find(&head.kind) else {
             return Ok(());
         };
         let fields = Fields::new(body, head.text);

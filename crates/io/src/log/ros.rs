@@ -208,7 +208,7 @@ impl Recording {
                     return Ok(true);
                 }
                 let read = self.message(number, time, bytes);
-                read.unwrap_or_else(|unfit| Some((self.messages, What::of(Err(unfit)))))
+                read.unwrap_or_else(|unfit| Some((self.messages, What::from_read(Err(unfit)))))
             }
             Event::Skipped(kind, detail) => Some((self.messages, What::Skipped(kind, detail))),
         };
@@ -234,7 +234,7 @@ impl Recording {
         let Some(accel) = &mut self.wanted.accel else {
             return Ok(false);
         };
-        let topic = self.topics.of(number);
+        let topic = self.topics.topic(number);
         if !topic.is_some_and(|(index, topic)| accel.takes(index, topic)) {
             return Ok(false);
         }
@@ -244,7 +244,7 @@ impl Recording {
         if let Some(accel) = &mut self.wanted.accel {
             std::mem::swap(&mut self.wanted.main, accel);
         }
-        match read.unwrap_or_else(|unfit| Some((self.messages, What::of(Err(unfit))))) {
+        match read.unwrap_or_else(|unfit| Some((self.messages, What::from_read(Err(unfit))))) {
             Some((at, What::Imu(of))) => {
                 if let Some(join) = &mut self.join {
                     join.accel((at, of.time, of.accel), ready)?;

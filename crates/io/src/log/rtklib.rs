@@ -53,7 +53,7 @@ fn layout(start: &[u8]) -> Option<(Layout, bool)> {
         .filter(|line| !line.is_empty())
     {
         if line.starts_with(b"%") {
-            match Layout::of(line) {
+            match Layout::from_line(line) {
                 Some(named) if rows == 0 => return Some((named, true)),
                 _ => continue,
             }
@@ -76,7 +76,7 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
             return Err(no_header());
         };
         let line = lines.bytes(range).trim_ascii();
-        if let Some(layout) = Layout::of(line) {
+        if let Some(layout) = Layout::from_line(line) {
             break (layout, None);
         }
         if !line.is_empty() && !line.starts_with(b"%") {
@@ -161,7 +161,7 @@ impl Reader {
         let line = line.trim_ascii();
         if line.starts_with(b"%") {
             // Solutions that were put one after the other have a header each.
-            self.layout = Layout::of(line).unwrap_or(self.layout);
+            self.layout = Layout::from_line(line).unwrap_or(self.layout);
         } else if !line.is_empty() {
             let mut tokens = line.split(|byte| b" \t,;".contains(byte));
             let mut tokens = tokens.by_ref().filter(|token| !token.is_empty());

@@ -43,7 +43,7 @@ pub(super) struct Counted {
 
 impl Counter {
     /// Of a column with this factor to seconds.
-    pub(super) fn of(scale: f64) -> Self {
+    pub(super) fn new(scale: f64) -> Self {
         Self {
             days: scale == DAY,
             ..Self::default()
@@ -158,7 +158,7 @@ mod tests {
     fn days_are_those_of_spreadsheets() {
         // datenum(2025, 7, 8) = 739806 and DATEVALUE("2025-07-08") = 45846.
         for (scale, expected) in [(DAY, 45_846.5), (1.0, 739_806.5)] {
-            assert_eq!(Counter::of(scale).count(739_806.5).value, expected);
+            assert_eq!(Counter::new(scale).count(739_806.5).value, expected);
         }
     }
 

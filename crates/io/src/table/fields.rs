@@ -30,7 +30,7 @@ impl Delimiter {
             .map_or(Self::Blanks, Self::Byte)
     }
 
-    pub(crate) fn of(byte: u8) -> Self {
+    pub(crate) fn from_byte(byte: u8) -> Self {
         if byte == b' ' {
             Self::Blanks
         } else {
@@ -293,7 +293,7 @@ fn parse_any_row(
         // A column that is wanted twice has been read already.
         if column == target {
             last = match fields.number() {
-                Some(Ok(value)) if value.is_finite() || keep.of(slot) => {
+                Some(Ok(value)) if value.is_finite() || keep.keeps(slot) => {
                     if let Some(stamps) = stamps.as_mut() {
                         stamps.number(slot, value);
                     }
@@ -307,7 +307,7 @@ fn parse_any_row(
                         slot,
                     });
                 }
-                Some(Err(b"")) if keep.of(slot) => f64::NAN,
+                Some(Err(b"")) if keep.keeps(slot) => f64::NAN,
                 Some(Err(b"")) => return Err(Defect::Empty { column: target + 1 }),
                 Some(Err(_)) if keep.optional(slot) => f64::NAN,
                 Some(Err(text)) => {

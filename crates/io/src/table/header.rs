@@ -89,7 +89,7 @@ pub(super) fn find(
     let delimiter = options
         .delimiter
         .or(separator)
-        .map_or_else(|| Delimiter::detect(&first), Delimiter::of);
+        .map_or_else(|| Delimiter::detect(&first), Delimiter::from_byte);
     let by_name = |(_, column): &(String, Column)| matches!(column, Column::Name(_));
     let named = options.columns.iter().chain(options.date()).any(by_name);
     let has_text = Fields::new(&first, delimiter).any(is_text);
@@ -189,7 +189,7 @@ fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, Rea
                 }
                 if starts_a_row(line) {
                     above.push_back((number, line.to_vec()));
-                    let delimiter = named.map_or_else(|| Delimiter::detect(line), Delimiter::of);
+                    let delimiter = named.map_or_else(|| Delimiter::detect(line), Delimiter::from_byte);
                     let is_number = |field: &&[u8]| number::parse(field).is_some();
                     let fields = |line| Fields::new(line, delimiter);
                     let is_row = fields(line).filter(is_number).count() >= NUMBERS;
@@ -277,7 +277,7 @@ fn comment_names(comment: &[u8], delimiter: Option<u8>) -> Vec<String> {
     }
     let detected = Delimiter::detect(text);
     let asked = delimiter.filter(|byte| text.contains(byte));
-    names_of(text, asked.map_or(detected, Delimiter::of))
+    names_of(text, asked.map_or(detected, Delimiter::from_byte))
 }
 
 fn reads_as_row(
@@ -287,7 +287,7 @@ fn reads_as_row(
     options: &TableOptions,
 ) -> bool {
     let mut out = vec![0.0; options.columns.len()];
-    let mut stamps = stamps::Stamps::of(options);
+    let mut stamps = stamps::Stamps::from_options(options);
     let keep = options.optional.map_or(Keep::Finite, Keep::One);
     fields::parse_row(line, delimiter, wanted, keep, stamps.as_mut(), &mut out).is_ok()
 }
@@ -378,7 +378,7 @@ pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError>
         rows: behind,
         ..
     } = first_line(&mut lines, &mut Skipped::default())?;
-    let delimiter = separator.map_or_else(|| Delimiter::detect(&first), Delimiter::of);
+    let delimiter = separator.map_or_else(|| Delimiter::detect(&first), Delimiter::from_byte);
     let own = names_of(&first, delimiter);
     let above = comment.map_or(Vec::new(), |(_, text)| comment_names(&text, None));
     let of_time = |field: &[u8]| stamps::any(&mut WeekClock::default(), field);

@@ -126,7 +126,7 @@ impl Lines {
             lines.window.refill();
         }
         let start = lines.window.bytes();
-        lines.monitor = Monitor::of(start.get(..MAX_LINE).unwrap_or(start));
+        lines.monitor = Monitor::detect(start.get(..MAX_LINE).unwrap_or(start));
         lines.header = lines.monitor.as_ref().and_then(Monitor::header);
         lines
     }

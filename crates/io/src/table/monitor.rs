@@ -29,7 +29,7 @@ pub(crate) struct Monitor {
 
 impl Monitor {
     /// What the beginning of a text shows; `None` of a table as usual.
-    pub(crate) fn of(start: &[u8]) -> Option<Self> {
+    pub(crate) fn detect(start: &[u8]) -> Option<Self> {
         let end = start.iter().rposition(|byte| *byte == b'\n')?;
         let lines = start.get(..end)?.split(|byte| *byte == b'\n');
         let lines = lines
@@ -98,7 +98,7 @@ impl Monitor {
             return rest;
         };
         let is_number = |field: &[u8]| number::parse(field).is_some();
-        let of_data = Fields::new(&rest, Delimiter::of(delimiter)).any(is_number);
+        let of_data = Fields::new(&rest, Delimiter::from_byte(delimiter)).any(is_number);
         let mut row = match of_data {
             // A blank or a comma would end the field.
             true => stamp
@@ -177,7 +177,7 @@ mod tests {
 
     /// The rows that a text becomes, the header before them.
     fn rows(text: &str) -> Option<Vec<String>> {
-        let monitor = Monitor::of(text.as_bytes())?;
+        let monitor = Monitor::detect(text.as_bytes())?;
         let lines = text.lines().map(|line| monitor.row(line.as_bytes()));
         let rows = monitor.header().into_iter().chain(lines);
         Some(rows.map(|row| String::from_utf8(row).unwrap()).collect())

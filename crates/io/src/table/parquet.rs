@@ -124,7 +124,7 @@ pub(super) fn preview(bytes: Bytes, rows: usize) -> Result<Preview, ReadError> {
     if columns.is_empty() {
         return Ok(preview);
     }
-    let mut table = ParquetTable::of(bytes, reader, columns);
+    let mut table = ParquetTable::from_reader(bytes, reader, columns);
     let mut row = vec![f64::NAN; preview.names.len()];
     while preview.rows.len() < rows
         && let NextRow::Row(..) = table.step(Keep::All, &mut row)
@@ -179,10 +179,10 @@ impl ParquetTable {
                 ReadError::nameless(format!("column \"{name}\" holds {what}")).key(key)
             })?);
         }
-        Ok(Self::of(bytes, reader, columns))
+        Ok(Self::from_reader(bytes, reader, columns))
     }
 
-    fn of(bytes: Bytes, reader: SerializedFileReader<Bytes>, columns: Vec<WantedColumn>) -> Self {
+    fn from_reader(bytes: Bytes, reader: SerializedFileReader<Bytes>, columns: Vec<WantedColumn>) -> Self {
         Self {
             bytes,
             reader,

@@ -41,7 +41,7 @@ pub(super) struct Stamps {
 
 impl Stamps {
     /// Of the column of times that is wanted.
-    pub(super) fn of(options: &TableOptions) -> Option<Self> {
+    pub(super) fn from_options(options: &TableOptions) -> Option<Self> {
         let stamp = options.stamp.as_ref()?;
         Some(Self {
             time: stamp.place,

@@ -38,7 +38,7 @@ impl TextTable {
     ) -> Result<Self, ReadError> {
         let mut lines = Lines::of_table(source);
         let layout = header::find(&mut lines, options, skipped)?;
-        let mut stamps = Stamps::of(options);
+        let mut stamps = Stamps::from_options(options);
         if let Some(stamps) = &mut stamps {
             stamps.hemispheres = layout.hemispheres;
         }

@@ -65,7 +65,7 @@ pub(crate) enum Keep {
 }
 
 impl Keep {
-    pub(super) fn of(self, slot: usize) -> bool {
+    pub(super) fn keeps(self, slot: usize) -> bool {
         self == Self::All || self.optional(slot)
     }
 
@@ -197,7 +197,7 @@ pub(super) fn fill(
 ) -> Result<(), Defect> {
     for (slot, index, number) in numbers {
         let number = match number {
-            Some(number) if number.is_finite() || keep.of(slot) => number,
+            Some(number) if number.is_finite() || keep.keeps(slot) => number,
             Some(value) => {
                 let column = index + 1;
                 return Err(Defect::NotFinite {
@@ -206,7 +206,7 @@ pub(super) fn fill(
                     slot,
                 });
             }
-            None if keep.of(slot) => f64::NAN,
+            None if keep.keeps(slot) => f64::NAN,
             None => return Err(Defect::Empty { column: index + 1 }),
         };
         if let Some(place) = out.get_mut(slot) {

@@ -168,7 +168,7 @@ proptest! {
             for i in 0..NAV {
                 for j in 0..NAV { q[(i, j)] += map[i][NAV + axis] * white * map[j][NAV + axis]; }
                 for j in 0..filter.order { phi[(i, at + j)] = map[i][NAV + axis] * filter.h[j]; }
-                for (index, factor) in coupling.of(axis) { phi[(i, *index)] += map[i][NAV + axis] * factor; }
+                for (index, factor) in coupling.axis(axis) { phi[(i, *index)] += map[i][NAV + axis] * factor; }
             }
             for i in 0..filter.order {
                 for j in 0..filter.order {

@@ -24,7 +24,7 @@ pub(crate) struct Span {
 
 impl Span {
     /// `k` steps by doubling: O(log k), only sums of covariances (no inverse, no closed form to cancel).
-    pub(crate) fn of(filter: &ShapingFilter, k: usize) -> Self {
+    pub(crate) fn doubled(filter: &ShapingFilter, k: usize) -> Self {
         let n = filter.order;
         let mut span = Self {
             a: [[0.0; MAX_ORDER]; MAX_ORDER],
@@ -99,7 +99,7 @@ pub fn block_average(filter: &ShapingFilter, m: usize) -> Result<ShapingFilter, 
     if m == 1 {
         return Ok(*filter);
     }
-    let span = Span::of(filter, m);
+    let span = Span::doubled(filter, m);
     let width = m as f64;
     let blank = ShapingFilter::none(filter.interval * width)?;
     let average = ShapingFilter {

@@ -101,7 +101,7 @@ impl<const N: usize> Predictor<N> {
     /// [`LOOK`] samples where they change slowly.
     pub(crate) fn settling(filter: &ShapingFilter, still: f64) -> Self {
         Self {
-            stride: Steps::of(filter, LOG_LOOK),
+            stride: Steps::doubled(filter, LOG_LOOK),
             ..Self::until(filter, still)
         }
     }

@@ -29,7 +29,7 @@ pub(super) struct RunningSums {
 }
 
 impl RunningSums {
-    pub(super) fn of(record: &[f64], mean: f64) -> Self {
+    pub(super) fn new(record: &[f64], mean: f64) -> Self {
         let (mut sum, mut absent) = (0.0, 0);
         let (mut values, mut missing) = (vec![0.0], vec![0]);
         values.reserve_exact(record.len());
@@ -131,7 +131,7 @@ fn take_in<const N: usize>(predictor: &mut Predictor<N>, y: f64) -> Result<(), D
 
 impl<const N: usize> Horizon<N> {
     fn new(filter: &ShapingFilter, length: usize, scored: usize) -> Self {
-        let span = Span::of(filter, length);
+        let span = Span::doubled(filter, length);
         let origins = scored + 1 - length;
         // Batches of two horizons at least.
         let batches = (origins / (2 * length)).clamp(1, MAX_BATCHES);

@@ -36,7 +36,7 @@ pub(super) struct EquivalentAxis {
 }
 
 impl Equivalent {
-    pub fn of(model: &ImuModel, format: ModelFormat) -> Result<Self, ModelError> {
+    pub fn new(model: &ImuModel, format: ModelFormat) -> Result<Self, ModelError> {
         let mut remarks = Vec::new();
         let mut axes: [EquivalentAxis; 6] = Default::default();
         for ((name, axis), slot) in model.known_axes()?.into_iter().zip(&mut axes) {

@@ -44,7 +44,7 @@ struct PartialFraction {
 }
 
 impl PartialFraction {
-    fn of(arma: &Arma, poles: &[Complex64], at: usize) -> Self {
+    fn new(arma: &Arma, poles: &[Complex64], at: usize) -> Self {
         let pole = poles[at];
         let others = poles.iter().enumerate().filter(|(l, _)| *l != at);
         let product: Complex64 = others
@@ -88,7 +88,7 @@ pub(super) fn parts(arma: &Arma) -> Parts {
     // It decays slowly, and no oscillation is faster than that.
     let is_slow = |pole: Complex64| tau_s(pole) >= SLOW && pole.arg().abs() * SLOW <= interval;
     let all = (0..poles.len()).filter(|i| poles[*i].norm() > 0.0);
-    let all = all.map(|i| PartialFraction::of(arma, &poles, i));
+    let all = all.map(|i| PartialFraction::new(arma, &poles, i));
     let (slow, rest): (Vec<PartialFraction>, Vec<PartialFraction>) =
         all.partition(|part| is_slow(part.pole));
     let mut bias = Slow::default();

@@ -71,7 +71,7 @@ pub fn remove_lines(record: &mut [f64], rate_hz: f64) -> Vec<Line> {
     let (mut lines, mut resonances): (Vec<Sine>, Vec<Resonance>) = (Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
         let room = MOST.saturating_sub(lines.len() + resonances.len());
-        let mut peaks = Periodogram::of(&bridge(record, 0.0)).peaks(FALSE_ALARM);
+        let mut peaks = Periodogram::new(&bridge(record, 0.0)).peaks(FALSE_ALARM);
         // What the fit of a resonance has left of it is no line.
         peaks.retain(|peak| peak.is_broad || !resonances.iter().any(|of| of.reaches(peak, step)));
         if peaks.is_empty() || room == 0 {
@@ -87,7 +87,7 @@ pub fn remove_lines(record: &mut [f64], rate_hz: f64) -> Vec<Line> {
                 line.add_to(record, 1.0);
             }
             let whole = bridge(record, 0.0);
-            let resonance = Resonance::fitted(&Periodogram::of(&whole), peak);
+            let resonance = Resonance::fitted(&Periodogram::new(&whole), peak);
             resonance.notch(&whole, record);
             resonances.push(resonance);
         } else {

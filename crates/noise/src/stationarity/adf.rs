@@ -64,11 +64,11 @@ pub fn adf(x: &[f64], deterministic: Deterministic, lags: Lags) -> Result<Adf, R
             let max = max
                 .unwrap_or(schwert(x.len(), 12.0).ceil() as usize)
                 .min(most);
-            let (lag, criterion) = search(&Products::of(x, centre, max)?, deterministic, lags)?;
+            let (lag, criterion) = search(&Products::new(x, centre, max)?, deterministic, lags)?;
             (lag, Some(criterion))
         }
     };
-    let products = Products::of(x, centre, chosen)?;
+    let products = Products::new(x, centre, chosen)?;
     // The level last: its t is then the last element of the solved right-hand side.
     let mut order = products.deterministic(deterministic);
     order.extend((1..=chosen).map(Column::Difference));
@@ -171,7 +171,7 @@ struct Products {
 const BLOCK: usize = 1024;
 
 impl Products {
-    fn of(x: &[f64], centre: f64, lags: usize) -> Result<Self, RecordError> {
+    fn new(x: &[f64], centre: f64, lags: usize) -> Result<Self, RecordError> {
         let count = x.len();
         if count < lags.saturating_add(3) {
             return Err(RecordError::TooShort {

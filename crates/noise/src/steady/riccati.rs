@@ -38,7 +38,7 @@ impl<const N: usize> Steps<N> {
     }
 
     /// 2ᵏ samples.
-    pub(crate) fn of(filter: &ShapingFilter, k: u32) -> Option<Self> {
+    pub(crate) fn doubled(filter: &ShapingFilter, k: u32) -> Option<Self> {
         (0..k).try_fold(Self::one(filter)?, |steps, _| steps.twice())
     }
 

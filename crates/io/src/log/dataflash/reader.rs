@@ -62,7 +62,7 @@ impl Reader {
                 match (self.kind, kind) {
                     (MessageKind::Imu, MessageKind::Imu) => {
                         let reading = self.reading(&values);
-                        ready.push(at, What::of(reading.map(What::Imu)));
+                        ready.push(at, What::from_read(reading.map(What::Imu)));
                     }
                     (MessageKind::Gyro, MessageKind::Gyro) => self.add_gyro(at, &values, ready),
                     (MessageKind::Gyro, MessageKind::Accel) => self.add_accel(at, &values, ready),

@@ -66,7 +66,7 @@ pub(super) struct Survey {
 
 impl Survey {
     /// Reads a log to its end.
-    pub(super) fn of(mut messages: Messages) -> Self {
+    pub(super) fn new(mut messages: Messages) -> Self {
         let mut survey = Self::default();
         loop {
             match messages.next() {

@@ -59,7 +59,7 @@ pub(super) fn rows(
         _ => fixes(&mut variable, count)?,
     };
     let row = move |index: usize| match time.one(index) {
-        time if time.is_finite() => What::of(read(index, time)),
+        time if time.is_finite() => What::from_read(read(index, time)),
         time => What::Skipped(SkipKind::NotFinite, format!("t = {time}")),
     };
     Ok((count, row))

@@ -74,7 +74,7 @@ const KNOWN: [Known; 30] = [
     known(37, "VERSION", Content::Other),
 ];
 
-pub(super) fn of(kind: &MessageKind) -> Option<&'static Known> {
+pub(super) fn find(kind: &MessageKind) -> Option<&'static Known> {
     KNOWN.iter().find(|known| match kind {
         MessageKind::Number(number) => known.number == *number,
         MessageKind::Name(name) => text(name) == known.name.as_bytes(),
@@ -93,7 +93,7 @@ fn text(name: &[u8]) -> &[u8] {
 }
 
 pub(super) fn name(kind: &MessageKind) -> String {
-    match (of(kind), kind) {
+    match (find(kind), kind) {
         (Some(known), _) => known.name.to_owned(),
         (None, MessageKind::Number(number)) => format!("message {number}"),
         (None, MessageKind::Name(name)) => String::from_utf8_lossy(text(name)).into_owned(),
@@ -102,7 +102,7 @@ pub(super) fn name(kind: &MessageKind) -> String {
 
 pub(super) fn described(kind: &MessageKind) -> (StreamKind, &'static str) {
     let corrected = "without gravity and the Earth's rate: no inertial samples";
-    match of(kind) {
+    match find(kind) {
         None => (StreamKind::Other, ""),
         Some(known) => match known.content {
             Content::Position => (StreamKind::Fixes, "position"),

@@ -64,7 +64,7 @@ impl Topics {
     }
 
     /// The topic of a message's number, and its place in the list.
-    pub(super) fn of(&self, number: u32) -> Option<(usize, &Topic)> {
+    pub(super) fn topic(&self, number: u32) -> Option<(usize, &Topic)> {
         let &(index, _) = self.by_number.get(&number)?;
         Some((index, self.list.get(index)?))
     }

@@ -103,7 +103,7 @@ impl Parts {
         self.number += 1;
         self.before = self.messages;
         self.name = part.name().to_path_buf();
-        let opened = open(part, &self.read).map_err(|error| error.of(&self.name));
+        let opened = open(part, &self.read).map_err(|error| error.in_log(&self.name));
         let turned = opened.map(|events| self.present = Some(events));
         if let Err(error) = &turned {
             let detail = [error.problem.as_str(), &error.mend].join("; ");
@@ -147,7 +147,7 @@ impl Events for Parts {
                     None => return Ok(None),
                 }
             };
-            let next = events.next().map_err(|error| error.of(&self.name))?;
+            let next = events.next().map_err(|error| error.in_log(&self.name))?;
             let first = self.number << 16;
             let event = match next {
                 // Topics of another part may have the same numbers.

@@ -92,12 +92,12 @@ impl Layout {
         } else {
             ""
         };
-        Self::of(format!("% GPST {columns} {velocity}").as_bytes())
+        Self::from_line(format!("% GPST {columns} {velocity}").as_bytes())
     }
 
     /// From a line that starts with `%`, a time system and the names of the columns; `None` for
     /// any other line.
-    pub(super) fn of(line: &[u8]) -> Option<Self> {
+    pub(super) fn from_line(line: &[u8]) -> Option<Self> {
         let text = std::str::from_utf8(line.strip_prefix(b"%")?).ok()?;
         let mut words = text
             .split([' ', '\t', ',', ';'])
@@ -166,7 +166,7 @@ mod tests {
 
     #[test]
     fn layouts() {
-        let layout = Layout::of(
+        let layout = Layout::from_line(
             b"%  GPST , latitude(deg) , longitude(deg), height(m), Q, ns, sdn(m), sde(m), sdu(m), \
               sdne(m), sdeu(m), sdun(m), age(s), ratio, vn(m/s), ve(m/s), vu(m/s), sdvn, sdve, sdvu",
         )
@@ -179,7 +179,7 @@ mod tests {
         assert_eq!(layout.velocity, Some([13, 14, 15]));
         assert_eq!(layout.velocity_sd.unwrap().cross, None);
 
-        let dms = Layout::of(b"% UTC latitude(d'\") longitude(d'\") height(m) Q").unwrap();
+        let dms = Layout::from_line(b"% UTC latitude(d'\") longitude(d'\") height(m) Q").unwrap();
         assert_eq!((dms.axes, dms.system), (Axes::GeodeticDms, TimeSystem::Utc));
         assert_eq!(dms.position, [(0, 3), (3, 3), (6, 1)]);
         assert_eq!((dms.quality, dms.position_sd), (Some(7), None));
@@ -222,7 +222,7 @@ mod tests {
             "GPST latitude(deg) longitude(deg) height(m)",
             "",
         ] {
-            assert_eq!(Layout::of(line.as_bytes()), None, "{line}");
+            assert_eq!(Layout::from_line(line.as_bytes()), None, "{line}");
         }
     }
 }

@@ -188,7 +188,7 @@ impl Reader {
             return Err(self.thinned());
         }
         self.given = true;
-        Ok(Some(What::of(what)))
+        Ok(Some(What::from_read(what)))
     }
 
     /// Whether the stream was there and can be used.

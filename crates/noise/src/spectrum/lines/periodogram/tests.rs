@@ -11,7 +11,7 @@ fn a_sine_of_whole_cycles_has_a_sixth_of_its_square_a_sample_and_a_quarter_of_th
     // Hann's window: half of the amplitude in its bin, a quarter in the next, of Σw² = 3n/8.
     for samples in [2000, 2001] {
         for bin in [30, 700, 998] {
-            let of = Periodogram::of(&sine(samples, bin as f64, 3.0));
+            let of = Periodogram::new(&sine(samples, bin as f64, 3.0));
             assert_eq!(of.power.len(), samples / 2 + 1);
             let exact = 9.0 / 6.0 * samples as f64;
             for (off, share) in [(0usize, 1.0), (1, 0.25), (2, 0.0)] {
@@ -33,7 +33,7 @@ fn white_noise_has_its_variance_in_every_bin_and_a_line_from_end_to_end_has_none
     let states = std::iter::successors(Some(7), next);
     let uniform = states.map(|x: u32| f64::from(x) / f64::from(u32::MAX) - 0.5);
     let noise: Vec<f64> = uniform.take(20_000).collect();
-    let of = Periodogram::of(&noise);
+    let of = Periodogram::new(&noise);
     let mean = of.power[2..9999].iter().sum::<f64>() / 9997.0;
     // Correlated neighbours: √(35/18/10 000) = 0.014; four of these.
     assert!((12.0 * mean - 1.0).abs() < 0.056, "{mean}");
@@ -41,7 +41,7 @@ fn white_noise_has_its_variance_in_every_bin_and_a_line_from_end_to_end_has_none
         .zip(&noise)
         .map(|(k, x)| x + 7.0 - 0.01 * f64::from(k))
         .collect();
-    let drifting = Periodogram::of(&drifting);
+    let drifting = Periodogram::new(&drifting);
     for (a, b) in of.power[2..].iter().zip(&drifting.power[2..]) {
         // The line goes in and out again, 200 units high; what is left of the mean is in bins 0 and 1.
         assert!((a - b).abs() < 1e-6 * (1.0 + a), "{a} {b}");
@@ -58,7 +58,7 @@ fn white_noise_has_its_variance_in_every_bin_and_a_line_from_end_to_end_has_none
 #[test]
 fn between_two_bins_a_sine_is_where_the_parabola_says() {
     for off in [-0.4, -0.2, 0.0, 0.3] {
-        let of = Periodogram::of(&sine(4000, 900.0 + off, 1.0));
+        let of = Periodogram::new(&sine(4000, 900.0 + off, 1.0));
         // Known of the parabola through a Hann window's logarithms: a sixtieth of a bin.
         assert!(
             (of.offset(900) - off).abs() < 0.02,
@@ -95,7 +95,7 @@ fn it_is_the_transform_of_the_windowed_record_up_to_half_the_sample_rate() {
         // The line through the means of a tenth at either end.
         let (first, last) = (mean(&x[..6]), mean(&x[n - 6..]));
         let slope = (last - first) / (n - 6) as f64;
-        let of = Periodogram::of(&x);
+        let of = Periodogram::new(&x);
         assert_eq!(of.power.len(), n / 2 + 1);
         for (k, power) in of.power.iter().enumerate().skip(1) {
             let (mut re, mut im) = (0.0, 0.0);
