@@ -49,7 +49,7 @@ pub fn exhaust<T: std::fmt::Debug>(
 pub fn imu(reader: Result<ImuReader, ReadError>) {
     if let Ok(mut reader) = opened(reader) {
         exhaust(&mut reader, |sample| sample.time, imu_sample);
-        told(reader.skipped(), Some(reader.gaps()));
+        check_counts(reader.skipped(), Some(reader.gaps()));
     }
 }
 
@@ -59,7 +59,7 @@ pub fn opened<T>(reader: Result<T, ReadError>) -> Result<T, ReadError> {
 }
 
 /// Checks a reader's counts of skipped records and gaps.
-pub fn told(skipped: &Skipped, gaps: Option<GapSummary>) {
+pub fn check_counts(skipped: &Skipped, gaps: Option<GapSummary>) {
     let _ = skipped.to_string();
     if let Some(gaps) = gaps {
         assert!(gaps.nominal_interval.is_finite() && gaps.nominal_interval >= 0.0);

@@ -9,7 +9,7 @@ use undrift::io::imu::{ImuFormat, ImuReader};
 use undrift::io::log::StreamKind;
 use undrift::io::truth::{TruthLog, TruthReader};
 
-use crate::{exhaust, fix, imu, opened, told, truth_sample, with_file};
+use crate::{check_counts, exhaust, fix, imu, opened, truth_sample, with_file};
 
 /// Streams that are read by their names: a file can list thousands.
 const STREAMS: usize = 4;
@@ -67,7 +67,7 @@ fn fixes(path: &Path, log: &GnssLog) {
 pub fn gnss(reader: Result<GnssReader, undrift::io::ReadError>) {
     if let Ok(mut reader) = opened(reader) {
         exhaust(&mut reader, |fix| fix.time, fix);
-        told(reader.skipped(), None);
+        check_counts(reader.skipped(), None);
     }
 }
 
@@ -85,6 +85,6 @@ fn truth(path: &Path, format: Format, stream: Option<String>) {
 pub fn poses(reader: Result<TruthReader, undrift::io::ReadError>) {
     if let Ok(mut reader) = opened(reader) {
         exhaust(&mut reader, |sample| sample.time, truth_sample);
-        told(reader.skipped(), None);
+        check_counts(reader.skipped(), None);
     }
 }

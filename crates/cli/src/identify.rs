@@ -172,7 +172,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         files = files.and_read(record.file.as_deref());
         recordings.push(prepare(record, &settings, arguments.force)?);
     }
-    tell_apart(&mut recordings);
+    name_apart(&mut recordings);
     if let ([one], true) = (&recordings[..], arguments.allan) {
         let result = identify::allan_deviations(one, &settings);
         return show(arguments, &files, &result);
@@ -265,12 +265,12 @@ fn prepare(record: Record, settings: &Settings, force: bool) -> Result<Prepared>
         }
         None => {}
     }
-    tell_settings(&prepared, settings);
+    print_settings(&prepared, settings);
     Ok(prepared)
 }
 
 /// Records of one name, in different folders, by their paths.
-fn tell_apart(recordings: &mut [Prepared]) {
+fn name_apart(recordings: &mut [Prepared]) {
     let names: Vec<String> = recordings.iter().map(|one| one.name.clone()).collect();
     for one in recordings {
         if names.iter().filter(|name| **name == one.name).count() > 1 {
@@ -316,7 +316,7 @@ fn read(path: &Path, format: &RecordFormat) -> Result<Record> {
     Ok(record)
 }
 
-fn tell_settings(prepared: &Prepared, settings: &Settings) {
+fn print_settings(prepared: &Prepared, settings: &Settings) {
     let Prepared {
         record, rate_hz, ..
     } = prepared;

@@ -50,7 +50,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = bias_models)]
     bias_models: Option<Vec<Vec<BiasModel>>>,
     #[command(flatten)]
-    plan: Plan,
+    plan: Cuts,
     /// Start times of the outages in the GNSS file's time [s], instead of --start, --count and --every
     #[arg(long, value_name = "T1,T2,…", allow_negative_numbers = true, value_delimiter = ',', conflicts_with_all = ["count", "every", "start"], help_heading = "Outages")]
     at: Option<Vec<f64>>,
@@ -69,7 +69,7 @@ pub struct Arguments {
 
 /// When GNSS is cut.
 #[derive(Args)]
-struct Plan {
+struct Cuts {
     /// Length of an outage [s]. Default: 10
     #[arg(long, value_name = "S", help_heading = "Outages")]
     length: Option<f64>,
@@ -85,7 +85,7 @@ struct Plan {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let Plan {
+    let Cuts {
         length,
         count,
         every,

@@ -136,13 +136,13 @@ impl Aligner {
         if !self.rest.add(span, &dtheta, &dvel) {
             return;
         }
-        let stands = match self.last_fix {
+        let at_rest_by_gnss = match self.last_fix {
             Some((fixed, _)) if until - fixed <= PAIR_SPAN => Some(self.speed < REST_SPEED),
             _ => None,
         };
-        if self.rest.holds(stands) {
+        if self.rest.holds(at_rest_by_gnss) {
             self.rest.take_bias();
-            self.stood |= stands == Some(true);
+            self.stood |= at_rest_by_gnss == Some(true);
             // The smallest turn that makes the mean specific force point up: the azimuth stays.
             let up = self.level * self.rest.mean_force;
             let tilt = Quaternion::rotation_between(&up, &-Vector3::z())

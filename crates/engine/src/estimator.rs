@@ -6,7 +6,7 @@
 mod erased;
 
 use alloc::{boxed::Box, sync::Arc};
-use erased::{Start, sized};
+use erased::{Initial, sized};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use nalgebra::{DMatrix, DMatrixView, DVector, SMatrix};
@@ -312,7 +312,7 @@ pub fn build(
     parameters: Parameters,
 ) -> Result<Box<dyn Estimator>, FilterError> {
     let behind: usize = sensors.iter().map(|axis| axis.order).sum();
-    let start = Start::New(nav, std, sensors, parameters);
+    let start = Initial::New(nav, std, sensors, parameters);
     sized(NAV + behind + parameters.states(), start)
 }
 

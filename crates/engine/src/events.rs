@@ -108,7 +108,7 @@ pub struct Contradiction {
     /// Whether the receiver repeated its fix while the solution moved.
     pub frozen: bool,
     /// Whether they were accepted in the end.
-    pub gave_way: bool,
+    pub accepted_in_the_end: bool,
 }
 
 /// Samples of an axis that could not be right and were replaced.
@@ -152,7 +152,7 @@ pub enum RestartCause {
     /// The innovations were far beyond their predicted size for half a minute.
     LargeInnovations,
     /// Rejected fixes were accepted in the end again and again.
-    GaveWayOften,
+    RejectedThenAccepted,
 }
 
 /// A span in which innovations of a kind leaned to one side far more than is usual in the log.

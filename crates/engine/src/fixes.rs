@@ -121,7 +121,10 @@ const STEP_SHARE: f64 = 0.25;
 pub fn study(fixes: impl IntoIterator<Item = GnssFix>) -> Option<FixStudy> {
     let mut repeats = Repeats::default();
     let own = fixes.into_iter().filter(|fix| !repeats.is(fix));
-    let seen: Vec<Seen> = own.filter_map(|fix| Seen::from_fix(&fix)).take(MOST).collect();
+    let seen: Vec<Seen> = own
+        .filter_map(|fix| Seen::from_fix(&fix))
+        .take(MOST)
+        .collect();
     let study = study_track(&Track::from_fixes(seen.iter()))?;
     Some(FixStudy {
         repeated: repeats.count(),

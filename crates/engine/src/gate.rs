@@ -90,7 +90,7 @@ pub(super) struct FixGate {
     /// What is being left out.
     open: Option<Contradiction>,
     /// When the solution was last reset to the fixes \[s\], the latest first.
-    gave_way: [f64; 3],
+    resets: [f64; 3],
 }
 
 impl FixGate {
@@ -105,7 +105,7 @@ impl FixGate {
             confirmed: 0,
             agreeing: None,
             open: None,
-            gave_way: [f64::NEG_INFINITY; 3],
+            resets: [f64::NEG_INFINITY; 3],
         }
     }
 
@@ -178,7 +178,7 @@ impl FixGate {
             self.confirmed += 1;
             if let (Some((_, last)), Some(open)) = (self.agreeing.take(), &mut self.open) {
                 // The solution has become so unsure that it takes in what it rejected.
-                open.gave_way |= (innovation - last).norm() < AGREE * innovation.norm();
+                open.accepted_in_the_end |= (innovation - last).norm() < AGREE * innovation.norm();
             }
             self.close(summary);
             return;
@@ -201,7 +201,7 @@ impl FixGate {
             growth: 0.0,
             largest: size,
             frozen: false,
-            gave_way: false,
+            accepted_in_the_end: false,
         });
         open.end = time;
         open.fixes += 1;
@@ -211,15 +211,15 @@ impl FixGate {
     }
 
     /// The solution was reset to a fix of this innovation.
-    pub(super) fn give_way(&mut self, time: f64, innovation: &Vector3, summary: &mut Summary) {
+    pub(super) fn reset_to_fix(&mut self, time: f64, innovation: &Vector3, summary: &mut Summary) {
         if let Some(open) = &mut self.open {
             open.end = time;
             open.last = innovation.norm();
             open.largest = open.largest.max(open.last);
-            open.gave_way = true;
+            open.accepted_in_the_end = true;
         }
         self.close(summary);
-        self.gave_way = [time, self.gave_way[0], self.gave_way[1]];
+        self.resets = [time, self.resets[0], self.resets[1]];
         self.accepted = time;
         self.unconfirm();
     }
@@ -236,7 +236,7 @@ impl FixGate {
 
     /// Since when the solution has given way three times \[s\].
     pub(super) fn third_last(&self) -> f64 {
-        self.gave_way[2]
+        self.resets[2]
     }
 
     fn learn(&mut self, nis: f64) {

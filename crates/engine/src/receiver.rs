@@ -368,7 +368,7 @@ impl FixPart {
                             tilt,
                         });
                     }
-                    self.gate.give_way(time, &innovation, summary);
+                    self.gate.reset_to_fix(time, &innovation, summary);
                 }
             }
         }

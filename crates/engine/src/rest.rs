@@ -142,13 +142,13 @@ impl RestDetector {
         let limit = if self.learned > 0 { LIMIT } else { NOISE_LIMIT };
         // A drive as smooth as rest leaves no room for a limit: then only GNSS can tell.
         let quiet = relative < limit.min(0.7 * self.moving);
-        let (possible, stands) = match speed {
+        let (possible, slow) = match speed {
             Some((least, greatest)) => (least < MOVES, greatest < MOVES),
             // What motion looks like must be known, unless GNSS has no speeds at all.
             None => (self.moving.is_finite() || self.learned == 0, false),
         };
         // Where the readings and GNSS say rest, the solution's biases and level may be wrong.
-        let trust = if quiet && stands { UNSURE } else { 1.0 };
+        let trust = if quiet && slow { UNSURE } else { 1.0 };
         let tolerance = |axis: usize| 4.0 * (self.level(axis) / n).sqrt();
         let steady = (0..3).all(|i| {
             (block_rate[i] - expected.0[i]).abs() < trust * RATE + tolerance(i)
@@ -156,8 +156,8 @@ impl RestDetector {
                 && halves[i].abs() < FORCE + 2.0 * tolerance(3 + i)
         });
         Some(RestBlock {
-            rest: possible && steady && (quiet || stands),
-            confirmed: stands,
+            rest: possible && steady && (quiet || slow),
+            confirmed: slow,
             rate: block_rate,
             duration,
         })

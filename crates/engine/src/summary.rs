@@ -349,7 +349,7 @@ impl Summary {
     pub(super) fn contradicted(&mut self, what: Contradiction, goes_on: f64) {
         let same = |c: &&mut Contradiction| (c.part, c.height) == (what.part, what.height);
         if let Some(last) = self.contradictions.iter_mut().rev().find(same)
-            && last.gave_way
+            && last.accepted_in_the_end
             && what.start - last.end < goes_on
         {
             last.end = what.end;

@@ -210,7 +210,8 @@ impl Windows {
     /// Of all of them together.
     pub fn overall(&self, part: WindowPart) -> Agreement {
         let mut all = Agreement::default();
-        self.iter().for_each(|window| all.join(window.agreement(part)));
+        self.iter()
+            .for_each(|window| all.join(window.agreement(part)));
         all
     }
 
@@ -231,7 +232,9 @@ impl Windows {
         groups.filter_map(move |group| {
             let (first, last) = (group.first()?, group.last()?);
             let mut agreement = Agreement::default();
-            group.iter().for_each(|window| agreement.join(window.agreement(part)));
+            group
+                .iter()
+                .for_each(|window| agreement.join(window.agreement(part)));
             first.agreement(part).disagrees().then_some(Disagreement {
                 part,
                 start: first.start,

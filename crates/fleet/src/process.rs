@@ -412,7 +412,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_is_told_with_the_causes_that_it_does_not_say() {
+    fn an_error_is_reported_with_the_causes_that_it_does_not_say() {
         #[derive(Debug, thiserror::Error)]
         #[error("{text}")]
         struct Layer {

@@ -264,7 +264,10 @@ impl Tally {
 
     /// A bias model or axis over all logs.
     fn part(&self, place: usize, part: &str, level: Option<Level>) -> FleetPart {
-        let values: Vec<f64> = self.logs_with(place, part).map(|(_, value)| value).collect();
+        let values: Vec<f64> = self
+            .logs_with(place, part)
+            .map(|(_, value)| value)
+            .collect();
         let known = self.logs_with(place, part);
         let pairs: Vec<(f64, f64)> = known
             .filter_map(|(log, value)| Some((log.temperature_c?, value)))

@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_are_told_first() {
+    fn the_nearest_come_first() {
         let folder = std::env::temp_dir().join(format!("undrift-io-{}-near", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         for name in ["imu.csv", "imu2.csv", "truth.csv"] {

@@ -147,7 +147,7 @@ fn antenna(at: Position) -> Geodetic {
 /// What the names of columns tell of a table of the drive file, `imu`, `gnss` or `truth`: keys and
 /// values as TOML writes them.
 #[pyfunction]
-pub fn told_by_names(names: Vec<String>) -> Vec<(&'static str, Vec<(&'static str, String)>)> {
+pub fn parts_by_names(names: Vec<String>) -> Vec<(&'static str, Vec<(&'static str, String)>)> {
     inspect::by_names(&names)
         .into_iter()
         .map(|part| {

@@ -38,7 +38,7 @@ mod _undrift {
             ar_burg, ar_order, ar_yule_walker, arma_fit, arma_log_likelihood,
             arma_profile_interval, arma_residuals, arma_simulate,
         },
-        drive::{Drive, told_by_names},
+        drive::{Drive, parts_by_names},
         error::{UndriftError, in_python},
         filter::Filter,
         fleet::{

@@ -128,7 +128,7 @@ pub fn run_with<T: Send>(
                     Err(RecvTimeoutError::Timeout) => {
                         let listened = Python::attach(|py| {
                             py.check_signals()?;
-                            tell(py, report, progress, &mut seen)
+                            report_progress(py, report, progress, &mut seen)
                         });
                         if let Err(problem) = listened {
                             team.stop.store(true, Ordering::Relaxed);
@@ -145,7 +145,7 @@ pub fn run_with<T: Send>(
     }
     match done {
         Some(Ok(done)) => {
-            tell(py, report, progress, &mut (0, 0))?;
+            report_progress(py, report, progress, &mut (0, 0))?;
             Ok(done)
         }
         Some(Err(panic)) if !panic.is::<Stopped>() => resume_unwind(panic),
@@ -154,7 +154,7 @@ pub fn run_with<T: Send>(
 }
 
 /// Reports progress where there is some since `seen`.
-fn tell(
+fn report_progress(
     py: Python<'_>,
     report: Option<&Py<PyAny>>,
     progress: &Progress,

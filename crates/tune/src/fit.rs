@@ -3,10 +3,10 @@
 use super::{
     filter::Fixed,
     noise::{COUNT, Noise, Vector},
-    objective::{Objective, Plan, Score},
+    objective::{Layout, Objective, Score},
     prior::Prior,
+    rest_noise::RestNoise,
     search::minimise,
-    start::Start,
     steps::{Followed, condense},
 };
 use nalgebra::{DMatrix, DVector};
@@ -88,7 +88,11 @@ fn is_at_rest(before: &Vector, now: &Vector) -> bool {
 ///
 /// # Errors
 /// [`FilterError::BadMeasurement`] for a density that is negative or not finite.
-pub fn under(settings: &Settings, noise: &Noise, start: &Start) -> Result<Settings, FilterError> {
+pub fn under(
+    settings: &Settings,
+    noise: &Noise,
+    start: &RestNoise,
+) -> Result<Settings, FilterError> {
     let mut settings = settings.clone();
     let bad = |_| FilterError::BadMeasurement;
     let white = match &mut settings.vibration {
@@ -119,7 +123,7 @@ struct Linear<const N: usize> {
 }
 
 impl<const N: usize> Linear<N> {
-    fn new(logs: &[FitLog], about: Noise, start: &Start) -> Result<Self, ReplayError> {
+    fn new(logs: &[FitLog], about: Noise, start: &RestNoise) -> Result<Self, ReplayError> {
         let drive = |log: &FitLog| {
             let (sender, receiver) = std::sync::mpsc::channel::<Logged>();
             let settings = Settings {
@@ -157,7 +161,7 @@ impl<const N: usize> Linear<N> {
             Ok(Objective::new(
                 condense(receiver, followed.as_ref()),
                 fixed,
-                Plan::default(),
+                Layout::default(),
             ))
         };
         let drives = logs.iter().map(drive).collect::<Result<_, ReplayError>>()?;
@@ -225,7 +229,7 @@ fn states(log: &FitLog) -> usize {
 /// A drive that cannot be navigated.
 pub fn fit(
     logs: &[FitLog],
-    start: &Start,
+    start: &RestNoise,
     prior: &Prior,
     from: Noise,
     sure: bool,
@@ -237,7 +241,7 @@ pub fn fit(
 
 fn fit_sized<const N: usize>(
     logs: &[FitLog],
-    start: &Start,
+    start: &RestNoise,
     prior: &Prior,
     from: Noise,
     sure: bool,
@@ -361,7 +365,7 @@ fn uncertainty<const N: usize>(linear: &Linear<N>, prior: &Prior, z: &Vector) ->
 /// A drive that cannot be navigated.
 pub fn unseen_likelihood(
     logs: &[FitLog],
-    start: &Start,
+    start: &RestNoise,
     noise: &Noise,
     spans: &[(f64, f64)],
 ) -> Result<f64, ReplayError> {
@@ -377,7 +381,7 @@ pub fn unseen_likelihood(
 
 fn of_unseen<const N: usize>(
     logs: &[FitLog],
-    start: &Start,
+    start: &RestNoise,
     noise: &Noise,
     spans: &[(f64, f64)],
 ) -> Result<f64, ReplayError> {

@@ -13,16 +13,16 @@ pub mod judge;
 pub mod noise;
 pub mod objective;
 pub mod prior;
+pub mod rest_noise;
 mod result;
 pub mod search;
-pub mod start;
 pub mod steps;
 
 use fit::{Fit, FitLog, fit, under, unseen_likelihood};
 use judge::{Following, Judged, Judgement, Unseen, judge};
 use noise::Noise;
 use prior::Prior;
-use start::{Start, idle};
+use rest_noise::{RestNoise, idle};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 pub use undrift_drive::findings::is_tuned;
 use undrift_drive::{
@@ -51,7 +51,7 @@ pub struct Options {
 #[derive(Clone, Debug)]
 pub struct Tuned {
     /// The sensor at rest.
-    pub start: Start,
+    pub start: RestNoise,
     /// What was known before.
     pub prior: Prior,
     /// What the drives say.
@@ -148,7 +148,7 @@ struct Way<'a> {
 fn first_of(
     from: &[Noise],
     logs: &[FitLog],
-    start: &Start,
+    start: &RestNoise,
     prior: &Prior,
     sure: bool,
     goes_on: &dyn Fn(f64) -> bool,
@@ -163,7 +163,7 @@ fn first_of(
 }
 
 /// What is known before the drives.
-fn prior_of(logs: &[FitLog], start: &Start) -> Prior {
+fn prior_of(logs: &[FitLog], start: &RestNoise) -> Prior {
     let of_drives: Vec<&Settings> = logs.iter().map(|log| &log.settings).collect();
     Prior::new(start, &of_drives)
 }
@@ -209,18 +209,18 @@ fn root_mean_square(found: &[[f64; AXES]]) -> Option<[f64; AXES]> {
 }
 
 /// The sensor at rest: what is asked for, else what the first drive names or shows.
-fn at_rest(first: &Drive, options: &Options) -> Result<Start, NavigateError> {
+fn at_rest(first: &Drive, options: &Options) -> Result<RestNoise, NavigateError> {
     match options.start.as_ref().or(first.model.as_ref()) {
-        Some(model) => Ok(Start::of_model(model, first.sample_interval()?)?),
+        Some(model) => Ok(RestNoise::from_model(model, first.sample_interval()?)?),
         None => {
             let samples = first.open_imu()?.collect::<Result<Vec<_>, _>>()?;
-            Start::of_samples(&samples).ok_or(NavigateError::NoModel)
+            RestNoise::of_samples(&samples).ok_or(NavigateError::NoModel)
         }
     }
 }
 
 /// The logs of the drives, with the mounting found under a noise.
-fn load(drives: &[Drive], start: &Start, noise: &Noise) -> Result<Vec<Logs>, NavigateError> {
+fn load(drives: &[Drive], start: &RestNoise, noise: &Noise) -> Result<Vec<Logs>, NavigateError> {
     let load = |drive: &Drive| {
         let drive = Drive {
             model: Some(start.model(&noise.white, &noise.walk)),
@@ -257,7 +257,7 @@ fn split(all: &Logs, hold_out: Option<f64>) -> Result<(FitLog<'_>, (f64, f64)), 
 /// The same drives with white noise that follows the vibration; `None` where they cannot be navigated so.
 fn following<'a>(
     steady: &Way<'a>,
-    start: &Start,
+    start: &RestNoise,
     sure: bool,
     goes_on: &dyn Fn(f64) -> bool,
 ) -> Option<Way<'a>> {
@@ -283,7 +283,7 @@ fn following<'a>(
 fn before_and_after(
     (k, drive): (usize, &Drive),
     ways: &[Way],
-    start: &Start,
+    start: &RestNoise,
     rest: &ImuModel,
 ) -> Result<Vec<Settings>, NavigateError> {
     let before = &ways[0].logs[k].settings;

@@ -18,12 +18,12 @@ use undrift_nav::covariance::four_lanes;
 
 /// How the objective is laid out.
 #[derive(Clone, Copy, Debug)]
-pub struct Plan {
-    /// Lengths of the windows \[s\]. All count as much: a window of each length every [`Plan::every`] would.
+pub struct Layout {
+    /// Lengths of the windows \[s\]. All count as much: a window of each length every [`Layout::every`] would.
     pub lengths: [f64; 4],
-    /// From start to start of the windows of one length, as a share of it, but not less than [`Plan::least`] \[s\].
+    /// From start to start of the windows of one length, as a share of it, but not less than [`Layout::least`] \[s\].
     pub stagger: f64,
-    /// See [`Plan::stagger`].
+    /// See [`Layout::stagger`].
     pub least: f64,
     /// For every so many seconds each length counts as one window \[s\].
     pub every: f64,
@@ -35,7 +35,7 @@ pub struct Plan {
     pub huber: f64,
 }
 
-impl Default for Plan {
+impl Default for Layout {
     fn default() -> Self {
         Self {
             lengths: [1.0, 3.0, 10.0, 30.0],
@@ -64,7 +64,7 @@ struct Window {
 pub struct Objective<const N: usize> {
     segments: Vec<LinearSegment<N>>,
     fixed: Fixed,
-    plan: Plan,
+    plan: Layout,
     windows: Vec<Window>,
     /// Weight of each fix in the filter that has all.
     every_fix: f64,
@@ -125,7 +125,7 @@ struct Seed<const N: usize> {
 
 impl<const N: usize> Objective<N> {
     /// Of condensed replays.
-    pub fn new(segments: Vec<LinearSegment<N>>, fixed: Fixed, plan: Plan) -> Self {
+    pub fn new(segments: Vec<LinearSegment<N>>, fixed: Fixed, plan: Layout) -> Self {
         let mut windows = Vec::new();
         let (mut fixes, mut span) = (0_u32, 0.0);
         for (index, segment) in segments.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use super::{
     noise::{COUNT, FIX, Noise, RULE, Vector, WALK, WHITE},
-    start::Start,
+    rest_noise::RestNoise,
 };
 use undrift_engine::{
     settings::{
@@ -50,7 +50,7 @@ pub struct Prior {
 
 impl Prior {
     /// Of a sensor, in drives with these settings; of white noise that follows the vibration where they say so.
-    pub fn new(start: &Start, drives: &[&Settings]) -> Self {
+    pub fn new(start: &RestNoise, drives: &[&Settings]) -> Self {
         let rule = drives.iter().find_map(|s| s.constraints.non_holonomic);
         let of = rule.unwrap_or(NonHolonomic::CAR);
         let follows = drives.iter().any(|s| s.vibration.is_some());

@@ -125,7 +125,7 @@ impl Tuned {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{fit::Fit, noise::Noise, prior::Prior, start::Start};
+    use super::super::{fit::Fit, noise::Noise, prior::Prior, rest_noise::RestNoise};
     use super::*;
     use undrift_engine::settings::Settings;
     use undrift_nav::{covariance::AXES as COUNT_OF_AXES, shaping::ShapingFilter};
@@ -133,7 +133,7 @@ mod tests {
     /// Twice the centre of the prior, to a twentieth.
     fn tuned(follows: bool) -> Tuned {
         let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
-        let start = Start::of_model(&model, 0.01).unwrap();
+        let start = RestNoise::from_model(&model, 0.01).unwrap();
         let settings = Settings::new([ShapingFilter::white(0.0, 0.01).unwrap(); COUNT_OF_AXES]);
         let prior = Prior::new(&start, &[&settings]);
         let twice = std::array::from_fn(|i| prior.centre[i] + 2f64.ln());

@@ -186,7 +186,7 @@ pub fn of_disagreement(summary: &Summary) -> Vec<Finding> {
         let more = &rejected[LISTED..];
         found.push(Finding::MoreRejected {
             spans: more.len() as u64 + summary.more_contradictions,
-            accepted: more.iter().filter(|c| c.gave_way).count() as u64,
+            accepted: more.iter().filter(|c| c.accepted_in_the_end).count() as u64,
         });
     }
     if let Some(worst) = summary

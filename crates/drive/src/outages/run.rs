@@ -282,7 +282,12 @@ impl Observer for OutageWatch<'_> {
                 false => TruthSample { rpy: None, ..truth },
             };
             let errors = Errors::against_truth(filter.nav(), &truth);
-            self.note(outage, filter.nav(), errors, &Predicted::from_filter(filter));
+            self.note(
+                outage,
+                filter.nav(),
+                errors,
+                &Predicted::from_filter(filter),
+            );
         }
         Ok(())
     }

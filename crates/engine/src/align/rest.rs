@@ -95,16 +95,16 @@ impl Rest {
         true
     }
 
-    /// Whether the present span is rest; `stands` is what GNSS says, if it says something. A steady
+    /// Whether the present span is rest; `at_rest_by_gnss` is what GNSS says, if it says something. A steady
     /// turn has steady readings too, and so has a vehicle that pulls away steadily, and a fix may be old:
     /// so rate and force must be those of the rest before, unless GNSS has said for a while that the
     /// vehicle is at rest.
-    pub(super) fn holds(&self, stands: Option<bool>) -> bool {
+    pub(super) fn holds(&self, at_rest_by_gnss: Option<bool>) -> bool {
         if (self.mean_rate.abs() - self.most_rate).max() > 0.0 {
             return false;
         }
         let steady = self.bias_blocks == 0 || (self.is_steady() && self.force_is_as_before());
-        let needed = match (stands, steady) {
+        let needed = match (at_rest_by_gnss, steady) {
             (Some(false), _) | (None, false) => return false,
             (Some(true), true) => self.needed,
             (None, true) => self.needed.max(BLOCKS_UNSEEN),

@@ -80,7 +80,7 @@ fn block(confirmed: bool) -> RestBlock {
 }
 
 /// Applies a block's zero-velocity update: whether the vehicle is at rest, whether that was known before, and the speed \[m/s\].
-fn stands(speed: f64, stood: bool, block: &RestBlock) -> (bool, bool, f64) {
+fn rest_by_speed(speed: f64, stood: bool, block: &RestBlock) -> (bool, bool, f64) {
     let mut settings = Settings::new(sensors());
     settings.constraints.zero_velocity = Some(0.05);
     let mut filter = moving(Vector3::new(speed, 0.0, 0.0), Vector3::repeat(0.05));
@@ -94,37 +94,40 @@ fn a_start_after_a_rest_is_no_rest() {
     // NIS of v²/(0.05² + 0.05²), 21.1 at the limit.
     let limit = (21.1f64 * 2.0 * 0.05 * 0.05).sqrt();
     let unseen = block(false);
-    let (rest, stood, speed) = stands(1.001 * limit, true, &unseen);
+    let (rest, stood, speed) = rest_by_speed(1.001 * limit, true, &unseen);
     assert!(!rest && stood && speed == 1.001 * limit);
-    let (rest, _, speed) = stands(0.999 * limit, true, &unseen);
+    let (rest, _, speed) = rest_by_speed(0.999 * limit, true, &unseen);
     assert!(rest && speed < 0.999 * limit);
     // Before it stood, or where the fixes confirm it, there is no start: it is held.
-    assert!(stands(1.001 * limit, false, &unseen).2 < 1.001 * limit);
-    assert!(stands(1.001 * limit, true, &block(true)).2 < 0.9 * limit);
+    assert!(rest_by_speed(1.001 * limit, false, &unseen).2 < 1.001 * limit);
+    assert!(rest_by_speed(1.001 * limit, true, &block(true)).2 < 0.9 * limit);
     let moves = RestBlock {
         rest: false,
         ..block(true)
     };
-    assert_eq!(stands(0.1, true, &moves), (false, false, 0.1));
+    assert_eq!(rest_by_speed(0.1, true, &moves), (false, false, 0.1));
 }
 
 #[test]
 fn what_only_the_sensors_see_holds_the_velocity_less() {
     let speed = 0.01;
     // Equal variances halve it; ten times the standard deviation takes a hundred and first part away.
-    let (rest, stood, held) = stands(speed, false, &block(true));
+    let (rest, stood, held) = rest_by_speed(speed, false, &block(true));
     assert!(rest && stood && (held / speed - 0.5).abs() < 1e-9, "{held}");
-    let (rest, stood, held) = stands(speed, false, &block(false));
+    let (rest, stood, held) = rest_by_speed(speed, false, &block(false));
     assert!(
         rest && stood && (held / speed - 100.0 / 101.0).abs() < 1e-9,
         "{held}"
     );
     // A solution that is sure to move: rejected beyond a NIS of 100.
     let sure = (101.0f64 * 2.0 * 0.05 * 0.05).sqrt();
-    assert_eq!(stands(sure, false, &block(true)), (false, false, sure));
+    assert_eq!(
+        rest_by_speed(sure, false, &block(true)),
+        (false, false, sure)
+    );
     // One that is weakened had not detected the rest.
     let weakened = (50.0f64 * 2.0 * 0.05 * 0.05).sqrt();
-    let (rest, stood, _) = stands(weakened, false, &block(true));
+    let (rest, stood, _) = rest_by_speed(weakened, false, &block(true));
     assert!(rest && !stood);
 }
 
@@ -318,7 +321,7 @@ fn a_rest_measures_the_gyros_with_the_noise_of_its_mean() {
         ..block(true)
     };
     let (mut stood, mut summary) = (false, Summary::default());
-    let stands =
+    let at_rest =
         |filter: &mut dyn Estimator, rest: &RestBlock, stood: &mut bool, summary: &mut Summary| {
             zero_velocity::update(filter, rest, stood, &settings, summary)
         };
@@ -326,9 +329,9 @@ fn a_rest_measures_the_gyros_with_the_noise_of_its_mean() {
         rest: false,
         ..rest
     };
-    assert!(!stands(&mut *filter, &moves, &mut stood, &mut summary));
+    assert!(!at_rest(&mut *filter, &moves, &mut stood, &mut summary));
     assert_eq!(filter.sensor_error()[0], 0.0);
-    assert!(stands(&mut *filter, &rest, &mut stood, &mut summary));
+    assert!(at_rest(&mut *filter, &rest, &mut stood, &mut summary));
     let found = filter.sensor_error();
     for axis in 0..3 {
         let variance = known[axis] * known[axis];

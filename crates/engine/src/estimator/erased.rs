@@ -24,7 +24,7 @@ use undrift_nav::{
     clippy::large_enum_variant,
     reason = "passed on once, when a filter is made"
 )]
-pub(super) enum Start<'a> {
+pub(super) enum Initial<'a> {
     New(
         NavState,
         &'a InitialStd,
@@ -41,7 +41,7 @@ pub(super) enum Start<'a> {
 }
 
 /// A filter of the smallest size that holds so many states.
-pub(super) fn sized(states: usize, start: Start) -> Result<Box<dyn Estimator>, FilterError> {
+pub(super) fn sized(states: usize, start: Initial) -> Result<Box<dyn Estimator>, FilterError> {
     match states {
         // Four columns go at a time: one that is left costs nearly as much.
         ..=16 => of_size::<16>(start),
@@ -56,12 +56,12 @@ pub(super) fn sized(states: usize, start: Start) -> Result<Box<dyn Estimator>, F
     }
 }
 
-fn of_size<const N: usize>(start: Start) -> Result<Box<dyn Estimator>, FilterError> {
+fn of_size<const N: usize>(start: Initial) -> Result<Box<dyn Estimator>, FilterError> {
     let filter = match start {
-        Start::New(nav, std, sensors, parameters) => {
+        Initial::New(nav, std, sensors, parameters) => {
             Filter::<N>::new(nav, std, *sensors, parameters)
         }
-        Start::Lasting(carried, x, p, lasting) => {
+        Initial::Lasting(carried, x, p, lasting) => {
             Filter::with_lasting(carried, x, &|i, j| p[(i, j)], lasting)
         }
     }?;
@@ -372,7 +372,7 @@ impl<const N: usize> Estimator for Erased<N> {
     ) -> Result<Box<dyn Estimator>, FilterError> {
         let carried = self.filter.carried();
         let states = self.sensors().states() + carried.parameters(lasting).states();
-        let start = Start::Lasting(carried, self.estimates(), self.covariance(), lasting);
+        let start = Initial::Lasting(carried, self.estimates(), self.covariance(), lasting);
         sized(states, start)
     }
 }

@@ -126,7 +126,7 @@ fn stamps_that_jitter_move_fixes_along_the_track() {
 }
 
 #[test]
-fn a_velocity_that_is_wrong_beyond_doubt_is_told() {
+fn a_velocity_that_is_wrong_beyond_doubt_is_reported() {
     let time = seconds(100);
     let bias = |bias: Vector3, stated: f64, count: usize| {
         let of = steady(&time[..count], -bias);

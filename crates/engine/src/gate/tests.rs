@@ -27,7 +27,7 @@ fn show(gate: &mut FixGate, start: f64, innovations: &[f64], summary: &mut Summa
         let innovation = Vector3::new(*x, 0.0, 0.0);
         match gate.judge(time, &innovation, &r, 15.0) {
             Verdict::ResetToFixes(_) => {
-                gate.give_way(time, &innovation, summary);
+                gate.reset_to_fix(time, &innovation, summary);
                 seen.push('g');
             }
             Verdict::Limits(limits) => {
@@ -85,7 +85,7 @@ fn a_lasting_jump_wins_after_the_patience() {
     let mut gate = settled(&mut summary);
     let seen = show(&mut gate, 10.0, &[20.0; 61], &mut summary);
     assert_eq!(seen, "r".repeat(60) + "g");
-    assert!(summary.contradictions[0].gave_way);
+    assert!(summary.contradictions[0].accepted_in_the_end);
 }
 
 #[test]
@@ -161,7 +161,7 @@ fn after_a_gap_the_solution_is_to_be_confirmed_again() {
 
 #[test]
 fn a_solution_that_takes_in_what_it_rejected_has_given_way_to_it() {
-    let gave_way = |rejected: f64, then: f64| {
+    let accepted_in_the_end = |rejected: f64, then: f64| {
         let mut summary = Summary::default();
         let mut gate = settled(&mut summary);
         let note = |gate: &mut FixGate, time, x, outcome, summary: &mut Summary| {
@@ -178,12 +178,12 @@ fn a_solution_that_takes_in_what_it_rejected_has_given_way_to_it() {
         note(&mut gate, 10.0, rejected, Outcome::Rejected, &mut summary);
         note(&mut gate, 10.25, then, Outcome::Used, &mut summary);
         assert_eq!(summary.contradictions.len(), 1);
-        summary.contradictions[0].gave_way
+        summary.contradictions[0].accepted_in_the_end
     };
     // As large to three tenths, whatever its size.
     for size in [0.1, 1.0, 20.0] {
-        assert!(gave_way(1.29 * size, size) && gave_way(0.71 * size, size));
-        assert!(!gave_way(1.31 * size, size) && !gave_way(0.69 * size, size));
-        assert!(!gave_way(-size, size));
+        assert!(accepted_in_the_end(1.29 * size, size) && accepted_in_the_end(0.71 * size, size));
+        assert!(!accepted_in_the_end(1.31 * size, size) && !accepted_in_the_end(0.69 * size, size));
+        assert!(!accepted_in_the_end(-size, size));
     }
 }

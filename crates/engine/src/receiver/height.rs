@@ -48,7 +48,7 @@ impl HeightGate {
         let outcome = match self.0.judge(time, &height, &variance, patience) {
             Verdict::ResetToFixes(_) => {
                 filter.inflate(&height.abs(), 0.0, 0.0);
-                self.0.give_way(time, &height, summary);
+                self.0.reset_to_fix(time, &height, summary);
                 return 0.0;
             }
             Verdict::Limits(gate) if nis(2) > gate.reject => Outcome::Rejected,

@@ -60,7 +60,7 @@ fn velocities_that_are_wrong_for_two_seconds_are_rejected_and_change_nothing() {
         let seen = drive(seed).alter(30.0, 32.0, hurried(5.0)).navigate();
         let event = only(&seen.summary);
         assert_eq!(
-            (event.part, event.fixes, event.gave_way),
+            (event.part, event.fixes, event.accepted_in_the_end),
             (Part::Velocity, 10, false)
         );
         assert_near(event.start, 30.2, 1e-6);
@@ -82,7 +82,10 @@ fn velocities_that_contradict_for_more_than_three_seconds_are_followed_with_all_
         let seen = drive(seed).alter(30.0, 36.0, hurried(size)).navigate();
         let summary = &seen.summary;
         let event = summary.contradictions[0];
-        assert!(event.part == Part::Velocity && event.gave_way, "{event:?}");
+        assert!(
+            event.part == Part::Velocity && event.accepted_in_the_end,
+            "{event:?}"
+        );
         // Rejected from the first on for three seconds.
         assert_near(event.start, 30.2, 1e-6);
         assert_near(event.end, 33.2, 0.3);
@@ -108,7 +111,7 @@ fn positions_that_contradict_alone_are_rejected_for_a_quarter_of_a_minute() {
     let short = drive(1).alter(30.0, 44.0, moved(30.0)).navigate();
     let event = only(&short.summary);
     assert_eq!(
-        (event.part, event.fixes, event.gave_way),
+        (event.part, event.fixes, event.accepted_in_the_end),
         (Part::Position, 70, false)
     );
     assert_near(event.largest, 30.0, 2.5);
@@ -117,7 +120,7 @@ fn positions_that_contradict_alone_are_rejected_for_a_quarter_of_a_minute() {
     // A solution may be 30 m off all the same: after fifteen seconds it follows, and doubts its position alone.
     let long = drive(1).alter(30.0, 60.0, moved(30.0)).navigate();
     let event = only(&long.summary);
-    assert!(event.gave_way && event.part == Part::Position);
+    assert!(event.accepted_in_the_end && event.part == Part::Position);
     assert_near(event.end, 45.2, 0.3);
     assert!(
         long.summary.doubts.is_empty(),
@@ -138,7 +141,10 @@ fn heights_that_contradict_alone_are_rejected_alone() {
     for (end, follows) in [(44.0, false), (60.0, true)] {
         let seen = drive(1).alter(30.0, end, raised).navigate();
         let event = only(&seen.summary);
-        assert!(event.height && event.gave_way == follows, "{event:?}");
+        assert!(
+            event.height && event.accepted_in_the_end == follows,
+            "{event:?}"
+        );
         assert_near(event.start, 30.2, 1e-6);
         assert_near(event.largest, 35.0, 3.0);
         // Neither the horizontal part nor its standard deviations notice.
@@ -165,10 +171,10 @@ fn a_receiver_without_velocities_is_followed_after_five_seconds_and_the_velocity
         scenario.alter(30.0, end, moved(30.0)).navigate()
     };
     let short = drive(34.8);
-    assert!(!only(&short.summary).gave_way);
+    assert!(!only(&short.summary).accepted_in_the_end);
     let long = drive(60.0);
     let event = only(&long.summary);
-    assert!(event.gave_way);
+    assert!(event.accepted_in_the_end);
     assert_near(event.end, 35.2, 0.3);
     let doubt = long.summary.doubts[0];
     let length = doubt.end - doubt.start;
@@ -185,7 +191,7 @@ fn a_receiver_without_velocities_is_followed_after_five_seconds_and_the_velocity
 fn a_contradiction_that_lasts_to_the_end_of_the_log_is_reported() {
     let seen = drive(1).alter(58.0, 60.0, moved(30.0)).navigate();
     let event = only(&seen.summary);
-    assert_eq!((event.fixes, event.gave_way), (10, false));
+    assert_eq!((event.fixes, event.accepted_in_the_end), (10, false));
     assert_near(event.end, 60.0, 1e-6);
 }
 
@@ -212,7 +218,7 @@ fn a_receiver_that_holds_its_position_in_motion_is_not_believed() {
             seen.summary
                 .contradictions
                 .iter()
-                .all(|event| !event.gave_way)
+                .all(|event| !event.accepted_in_the_end)
         );
         // The vehicle has gone on 200 m: nothing of it is taken, and the solution knows what it does not know.
         let worst = seen.most(32.0, 60.0, Epoch::worst);
@@ -359,7 +365,7 @@ fn a_solution_that_follows_contradicting_fixes_three_times_is_begun_afresh_and_o
         .restarts
         .first()
         .unwrap_or_else(|| panic!("{:?}", often.contradictions));
-    assert_eq!(restart.why, RestartCause::GaveWayOften);
+    assert_eq!(restart.why, RestartCause::RejectedThenAccepted);
     assert_near(restart.time, 43.2, 0.3);
 }
 

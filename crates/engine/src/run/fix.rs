@@ -177,7 +177,7 @@ impl Run {
             if self.streak.is_sick(fix.time) {
                 self.align_again(fix.time, RestartCause::LargeInnovations);
             } else if self.receiver.is_hopeless(fix.time) {
-                self.align_again(fix.time, RestartCause::GaveWayOften);
+                self.align_again(fix.time, RestartCause::RejectedThenAccepted);
             }
         }
         if let Some(solution) = &mut self.solution {

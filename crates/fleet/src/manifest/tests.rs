@@ -201,7 +201,7 @@ fn a_log_has_the_last_word() {
 }
 
 #[test]
-fn mistakes_are_told_with_their_line() {
+fn mistakes_are_reported_with_their_line() {
     for (text, wanted) in [
         ("", "fleet.toml, log: missing"),
         ("[[log]]\n", "fleet.toml line 1, log.drive: set drive"),

@@ -189,7 +189,8 @@ fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, Rea
                 }
                 if starts_a_row(line) {
                     above.push_back((number, line.to_vec()));
-                    let delimiter = named.map_or_else(|| Delimiter::detect(line), Delimiter::from_byte);
+                    let delimiter =
+                        named.map_or_else(|| Delimiter::detect(line), Delimiter::from_byte);
                     let is_number = |field: &&[u8]| number::parse(field).is_some();
                     let fields = |line| Fields::new(line, delimiter);
                     let is_row = fields(line).filter(is_number).count() >= NUMBERS;

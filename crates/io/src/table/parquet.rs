@@ -182,7 +182,11 @@ impl ParquetTable {
         Ok(Self::from_reader(bytes, reader, columns))
     }
 
-    fn from_reader(bytes: Bytes, reader: SerializedFileReader<Bytes>, columns: Vec<WantedColumn>) -> Self {
+    fn from_reader(
+        bytes: Bytes,
+        reader: SerializedFileReader<Bytes>,
+        columns: Vec<WantedColumn>,
+    ) -> Self {
         Self {
             bytes,
             reader,

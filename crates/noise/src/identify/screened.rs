@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slope_is_told_by_the_hour_with_its_share_of_the_variance() {
+    fn a_slope_is_given_by_the_hour_with_its_share_of_the_variance() {
         let record: Vec<f64> = white(4000)
             .iter()
             .zip(0..)

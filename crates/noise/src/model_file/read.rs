@@ -67,11 +67,11 @@ const RECORDING_KEYS: [&str; 3] = ["record", "samples", "sha256"];
 fn parse<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, ModelError> {
     DeTable::parse(text).map_err(|error| {
         let line = error.span().map_or(1, |span| line_at(text, span.start));
-        let stands = text.lines().nth(line - 1).unwrap_or_default();
+        let written = text.lines().nth(line - 1).unwrap_or_default();
         ModelError::Syntax {
             file: file.to_owned(),
             line,
-            message: match stands.contains(['=', '[']) {
+            message: match written.contains(['=', '[']) {
                 true => error.message().to_owned(),
                 false => format!("not TOML; expected {A_MODEL}"),
             },

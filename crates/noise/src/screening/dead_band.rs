@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn a_dead_band_is_told_from_rounding_and_from_a_sensor_that_hangs() {
+    fn a_dead_band_is_distinguished_from_rounding_and_from_a_sensor_that_hangs() {
         let clamped = |x: f64| if x.abs() < 1.0 { 0.0 } else { x };
         let of =
             |f: &dyn Fn(f64) -> f64| dead_band(&bell(0.3).into_iter().map(f).collect::<Vec<_>>());

@@ -58,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn clipping_is_told_from_quantisation() {
+    fn clipping_is_distinguished_from_quantisation() {
         // Sums of uniform numbers: bell-shaped, with a step of 1.
         let mut seed = 1u64;
         let mut uniform = || {

@@ -208,7 +208,10 @@ fn doubled_steps_are_the_filters_own() {
             row.copy_from_slice(&filter.p0[i][..2]);
         }
         for k in [0, 1, 5] {
-            let found = Steps::<2>::doubled(&filter, k).unwrap().after(&before).unwrap();
+            let found = Steps::<2>::doubled(&filter, k)
+                .unwrap()
+                .after(&before)
+                .unwrap();
             let mut plain = Predictor::<2>::new(&filter);
             for _ in 0..1 << k {
                 plain.settled = false;

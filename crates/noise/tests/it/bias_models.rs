@@ -317,7 +317,7 @@ fn ar_is_the_best_linear_predictor() {
 }
 
 #[test]
-fn what_cannot_be_made_is_told() {
+fn what_cannot_be_made_is_an_error() {
     // The short memory of a real gyro at 100 Hz: no slow part in it.
     let axis = arma_axis(&[-0.19], &[-0.51]);
     for model in [BiasModel::GaussMarkov, BiasModel::RandomWalk] {

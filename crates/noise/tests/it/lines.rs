@@ -193,7 +193,7 @@ fn a_resonance_is_one_entry_and_leaves_the_noise() {
 }
 
 #[test]
-fn lines_too_near_to_be_told_apart_are_one_resonance_and_another_stays_a_line() {
+fn lines_too_near_to_be_resolved_are_one_resonance_and_another_stays_a_line() {
     // Three steps of 1/T apart: the second shows when the first is gone.
     let step = RATE / SAMPLES as f64;
     let mut x = background(5, 0.0, 0.0);

@@ -430,7 +430,7 @@ fn a_preset_can_be_overridden_key_by_key() {
 }
 
 #[test]
-fn inline_tables_are_told_with_their_path() {
+fn inline_tables_are_named_with_their_path() {
     let text = "a = 1\n[model.gyro]\nwhite = \"2 deg/sqrt(h)\"\n";
     let document = toml::de::DeTable::parse(text).unwrap();
     let inner = document

@@ -207,7 +207,7 @@ fn the_disturbances_of_the_real_record_are_found() {
 }
 
 #[test]
-fn motion_is_told_from_rest() {
+fn motion_is_distinguished_from_rest() {
     let white = white_noise(4, 60_000);
     let rest = motion(&white, MotionRule::default()).unwrap();
     // 599 squares with correlation: 6 %.

@@ -15,7 +15,7 @@ from undrift._navigate import Navigation, navigate
 from undrift._outages import Drift, ModelErrors, Outages, outages
 from undrift._simulate import GnssReceiver, Simulation, Truth, simulate
 from undrift._solution import FilterState, Solution
-from undrift._told import report
+from undrift._judged import report
 from undrift._tune import TunedDrift, TunedParameter, Tuning, tune
 from undrift._undrift import UndriftError, __version__
 from undrift.arma import pandit_wu

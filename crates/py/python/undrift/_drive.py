@@ -286,7 +286,7 @@ def _stated(key: str, keys: Mapping[str, Any]) -> bool:
 
 def _recognised(table: str, names: Mapping[str, str]) -> dict[str, str]:
     """The keys of a drive file's table that follow from the names of columns, by those with units."""
-    parts = dict(_undrift.told_by_names(list(names)))
+    parts = dict(_undrift.parts_by_names(list(names)))
     if table in parts:
         recognised = dict(parts[table])
     elif table == "truth" and "gnss" in parts:

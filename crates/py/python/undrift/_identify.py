@@ -21,7 +21,7 @@ from undrift._progress import Progress, reporter
 from undrift._result import Result, axes
 from undrift._tables import columns as columns_of
 from undrift._tables import index_of, is_table, with_units
-from undrift._told import Told, judged
+from undrift._judged import Judged, judged
 from undrift._units import factor
 
 if TYPE_CHECKING:
@@ -136,7 +136,7 @@ class AxisIdentified(Result):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Identified(Told):
+class Identified(Judged):
     """A static record, identified axis by axis."""
 
     _UNITS = {"rate": "Hz"}

@@ -17,7 +17,7 @@ from undrift._progress import Progress, reporter
 from undrift._result import axes
 from undrift._simulate import Simulation
 from undrift._solution import UNITS, Solution
-from undrift._told import Told, judged
+from undrift._judged import Judged, judged
 
 if TYPE_CHECKING:
     import matplotlib.axes
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Navigation(Solution, Told):
+class Navigation(Solution, Judged):
     """A navigated drive: the solution at every sample, with its warnings."""
 
     _UNITS = {**UNITS, "diverged": "s"}

@@ -19,7 +19,7 @@ from undrift._navigate import drive_of
 from undrift._progress import Progress, reporter
 from undrift._result import Result, axes, optional
 from undrift._simulate import Simulation
-from undrift._told import Told, judged
+from undrift._judged import Judged, judged
 from undrift._units import factor
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ class ModelErrors(Result):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Outages(Told):
+class Outages(Judged):
     """How far each model drifts when GNSS is cut."""
 
     _UNITS = {"cuts": "s"}

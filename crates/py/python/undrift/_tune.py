@@ -17,7 +17,7 @@ from undrift._navigate import drive_of
 from undrift._progress import Progress, reporter
 from undrift._result import Result
 from undrift._simulate import Simulation
-from undrift._told import Told, judged
+from undrift._judged import Judged, judged
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -76,7 +76,7 @@ class TunedDrift(Result):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Tuning(Told):
+class Tuning(Judged):
     """The noise of a sensor in its vehicle, estimated from drives, and the drift before and after."""
 
     parameters: tuple[TunedParameter, ...]

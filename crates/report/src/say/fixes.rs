@@ -122,7 +122,7 @@ pub(super) fn rejected(fixes: &Contradiction) -> String {
             at(fixes.start)
         );
     }
-    if fixes.height && fixes.gave_way {
+    if fixes.height && fixes.accepted_in_the_end {
         return format!(
             "the height of the fixes jumps by {largest:.1} m at {} s while nothing else does (above sea level against above the ellipsoid?): heights before and after do not fit together",
             at(fixes.start)
@@ -152,7 +152,7 @@ pub(super) fn rejected(fixes: &Contradiction) -> String {
     } else {
         ""
     };
-    let then = if fixes.gave_way {
+    let then = if fixes.accepted_in_the_end {
         "; then accepted them"
     } else {
         ""

@@ -183,6 +183,6 @@ pub fn cause(cause: RestartCause) -> &'static str {
         RestartCause::LargeInnovations => {
             "the innovations far exceeded their predicted size for half a minute"
         }
-        RestartCause::GaveWayOften => "it repeatedly rejected fixes and then accepted them",
+        RestartCause::RejectedThenAccepted => "it repeatedly rejected fixes and then accepted them",
     }
 }

@@ -17,7 +17,7 @@ fn jump() -> Contradiction {
         growth: 3.68,
         largest: 17.02,
         frozen: false,
-        gave_way: true,
+        accepted_in_the_end: true,
     }
 }
 
@@ -232,7 +232,7 @@ fn every_finding_has_its_sentence() {
                 part: Part::Velocity,
                 fixes: 1,
                 largest: 0.5,
-                gave_way: false,
+                accepted_in_the_end: false,
                 frozen: true,
                 ..jump()
             }),
@@ -603,7 +603,7 @@ fn rejected_fixes_grow_or_fall_and_may_be_larger_amid() {
         last: 2.0,
         growth: -0.75,
         largest: 5.3,
-        gave_way: false,
+        accepted_in_the_end: false,
         ..jump()
     }));
     assert_eq!(
@@ -630,7 +630,7 @@ fn rejected_fixes_grow_or_fall_and_may_be_larger_amid() {
         "{text}"
     );
     let text = say(&Finding::Rejected(Contradiction {
-        gave_way: false,
+        accepted_in_the_end: false,
         ..height
     }));
     assert!(text.starts_with("rejected 15 heights"), "{text}");
@@ -671,7 +671,7 @@ fn further_findings_have_their_sentences() {
         (
             Finding::Restart {
                 time: 80.0,
-                why: RestartCause::GaveWayOften,
+                why: RestartCause::RejectedThenAccepted,
                 resumed: None,
             },
             "discarded the solution at 80 s: it repeatedly rejected fixes and then accepted them; could not be re-initialised",

@@ -34,7 +34,7 @@ const FOLLOWS: f64 = 5.0;
 pub fn is_jump(of: &Contradiction) -> bool {
     let steady = (of.last - of.first).abs() < 0.5 * of.largest;
     let lasted = of.end - of.start > FOLLOWS;
-    let moved = of.part == Part::Position && of.gave_way && !of.frozen;
+    let moved = of.part == Part::Position && of.accepted_in_the_end && !of.frozen;
     moved && (of.height || lasted && steady)
 }
 

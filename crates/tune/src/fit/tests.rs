@@ -6,7 +6,7 @@ use super::*;
 fn the_prior_weighs_as_much_as_its_variance_says() {
     let settings = Settings::new([ShapingFilter::white(0.0, 0.01).unwrap(); AXES]);
     let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
-    let prior = Prior::new(&Start::of_model(&model, 0.01).unwrap(), &[&settings]);
+    let prior = Prior::new(&RestNoise::from_model(&model, 0.01).unwrap(), &[&settings]);
     let best = |side: f64| -> Vector {
         std::array::from_fn(|i| prior.centre[i] + 0.8 * side * prior.std(i, prior.centre[i] + side))
     };
@@ -49,7 +49,7 @@ fn a_noise_is_at_rest_when_no_logarithm_moves_by_a_tenth() {
 fn a_parameter_is_determined_by_an_interval_that_has_shrunk_by_half() {
     let settings = Settings::new([ShapingFilter::white(0.0, 0.01).unwrap(); AXES]);
     let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
-    let prior = Prior::new(&Start::of_model(&model, 0.01).unwrap(), &[&settings]);
+    let prior = Prior::new(&RestNoise::from_model(&model, 0.01).unwrap(), &[&settings]);
     let noise = Noise::new(&prior.centre);
     let fit = |share: f64| Fit {
         noise,
@@ -70,7 +70,7 @@ fn a_replay_under_a_noise_has_its_sensors_and_its_rule() {
     let mut settings = Settings::new([ShapingFilter::white(0.0, interval).unwrap(); AXES]);
     settings.constraints.non_holonomic = Some(NonHolonomic::CAR);
     let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
-    let start = Start::of_model(&model, interval).unwrap();
+    let start = RestNoise::from_model(&model, interval).unwrap();
     let noise = Noise::new(&std::array::from_fn(|i| 0.1 * i as f64 - 5.0));
     let made = under(&settings, &noise, &start).unwrap();
     for axis in 0..AXES {
@@ -106,7 +106,7 @@ fn blocks_are_spans_of_one_length_that_add_up_to_the_drive() {
     use undrift_simulate::{GnssNoise, Trajectory, simulate};
     let interval = 0.02;
     let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
-    let start = Start::of_model(&model, interval).unwrap();
+    let start = RestNoise::from_model(&model, interval).unwrap();
     let plain = || Settings {
         parameters: undrift_nav::parameters::Parameters::none(),
         ..Settings::new([ShapingFilter::white(0.0, interval).unwrap(); AXES])

@@ -5,8 +5,8 @@ use crate::noise::LASTING;
 use undrift_nav::shaping::ShapingFilter;
 
 /// A sensor whose axes differ in everything.
-fn start() -> Start {
-    Start {
+fn start() -> RestNoise {
+    RestNoise {
         name: "a sensor".into(),
         guessed: false,
         white: [1e-4, 2e-4, 3e-4, 1e-3, 2e-3, 3e-3],
@@ -65,7 +65,7 @@ fn a_vehicle_is_five_times_as_loud_as_a_table_and_seldom_quieter() {
 /// Where the samples show noise above the band of motion, half of it is expected; never less than at rest.
 #[test]
 fn half_of_the_vibration_is_expected_in_navigation() {
-    let start = Start {
+    let start = RestNoise {
         vibrating: Some([4e-4, 2e-4, 3e-3, 8e-3, 2e-3, 0.0]),
         ..start()
     };
@@ -89,7 +89,7 @@ fn half_of_the_vibration_is_expected_in_navigation() {
 /// Driving is louder than standing with the engine running: twice is expected, and hardly less.
 #[test]
 fn driving_is_louder_than_idling() {
-    let start = Start {
+    let start = RestNoise {
         idle: Some([1e-3, 1e-4, 1e-3, 1e-2, 1e-3, 1e-2]),
         ..start()
     };

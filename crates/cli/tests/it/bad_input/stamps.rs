@@ -103,7 +103,7 @@ fn milliseconds_called_seconds() {
     );
     // And the right unit mends it.
     log.set("time = \"t\"", "time = \"t\"\ntime_unit = \"ms\"");
-    is_sound(&log.write("ms_imu_told").solution().0);
+    is_sound(&log.write("ms_imu_stated").solution().0);
     // Seconds called nanoseconds are the other way round.
     let mut log = good();
     log.set("time = \"t\"", "time = \"t\"\ntime_unit = \"ns\"");

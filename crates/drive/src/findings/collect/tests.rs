@@ -175,7 +175,7 @@ fn rejected_spans_are_listed_up_to_three() {
                 growth: 6.0,
                 largest: 7.0,
                 frozen: false,
-                gave_way: k % 2 == 0,
+                accepted_in_the_end: k % 2 == 0,
             })
             .collect();
         summary

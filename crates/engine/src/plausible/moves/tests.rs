@@ -12,7 +12,7 @@ fn found(fixes: u32, moves: Vector3, stated: Vector3) -> Option<Implausible> {
 }
 
 #[test]
-fn each_error_is_told_by_the_velocity_that_it_makes() {
+fn each_error_is_found_by_the_velocity_that_it_makes() {
     let v = Vector3::new(8.0, 3.0, 0.0);
     for (mend, stated) in [
         (VelocityEastNorth, Vector3::new(3.0, 8.0, 0.0)),

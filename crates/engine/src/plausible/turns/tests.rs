@@ -174,7 +174,7 @@ fn turns_that_another_lag_or_axis_shows_are_found_there() {
 }
 
 #[test]
-fn pushes_are_along_forward_and_right_or_told() {
+fn pushes_are_along_forward_and_right_or_reported() {
     let strong = turned(30, 0.5, 1.0);
     let still: Vec<_> = strong.iter().map(|(_, y)| (0.0, *y)).collect();
     let reversed = turned(30, 0.5, -1.0);

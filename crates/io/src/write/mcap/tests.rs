@@ -99,7 +99,7 @@ fn what_is_written_is_read_again() {
 
 /// Its messages, summary and indices are read by others in crates/py/tests/test_mcap.py.
 #[test]
-fn a_clock_without_a_date_is_told_of() {
+fn a_clock_without_a_date_is_reported() {
     let mut writer = McapWriter::new(Vec::new(), None).unwrap();
     writer.write(&row(0.0)).unwrap();
     let file = writer.into_inner().unwrap();

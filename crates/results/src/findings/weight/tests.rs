@@ -7,7 +7,7 @@ fn late(delay: f64) -> Finding {
     Finding::Late { delay }
 }
 
-fn rejected(height: bool, gave_way: bool) -> Finding {
+fn rejected(height: bool, accepted_in_the_end: bool) -> Finding {
     Finding::Rejected(Contradiction {
         part: Part::Position,
         height,
@@ -19,7 +19,7 @@ fn rejected(height: bool, gave_way: bool) -> Finding {
         growth: 0.0,
         largest: 1.0,
         frozen: false,
-        gave_way,
+        accepted_in_the_end,
     })
 }
 
@@ -304,7 +304,7 @@ fn jump() -> Contradiction {
         growth: 0.017,
         largest: 0.6,
         frozen: false,
-        gave_way: true,
+        accepted_in_the_end: true,
     }
 }
 
@@ -317,7 +317,7 @@ fn a_jump_lasts_stays_and_is_of_the_positions_alone() {
     };
     assert!(with(|_| {}));
     // It came back, or the solution followed as where more than the positions contradicts it.
-    assert!(!with(|of| of.gave_way = false));
+    assert!(!with(|of| of.accepted_in_the_end = false));
     assert!(!with(|of| of.end = 105.0));
     // A solution that drifts away.
     assert!(!with(|of| of.last = 0.9));

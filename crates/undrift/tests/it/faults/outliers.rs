@@ -140,7 +140,7 @@ fn check_several_jumps_in_sequence(log: &Log) {
         summary
             .contradictions
             .iter()
-            .any(|c| c.fixes == 20 && !c.gave_way)
+            .any(|c| c.fixes == 20 && !c.accepted_in_the_end)
     );
 }
 

@@ -22,7 +22,7 @@ class HasJson(Protocol):
         """The result as the terminal's ``--json`` writes it."""
 
 
-class Told(Result):
+class Judged(Result):
     """A result of a verb of the terminal; a subclass has the fields ``verdict`` and ``json``."""
 
     verdict: str
@@ -51,10 +51,10 @@ class Told(Result):
         _undrift.report([(Path(), self.json)], output, figures)
 
 
-_Judged = TypeVar("_Judged", bound=Told)
+_Result = TypeVar("_Result", bound=Judged)
 
 
-def judged(result: _Judged, line: str, strict: bool | None) -> _Judged:
+def judged(result: _Result, line: str, strict: bool | None) -> _Result:
     """The result, where its verdict permits it; ``line`` is the terminal's first one. To be called by the function that
     people call.
 

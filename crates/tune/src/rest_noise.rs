@@ -80,7 +80,7 @@ pub fn idle(imu: &[ImuSample], aiding: &[Measurement]) -> Option<[f64; AXES]> {
 
 /// A sensor at rest.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Start {
+pub struct RestNoise {
     /// Name of the sensor.
     pub name: String,
     /// Whether it is a guess from the drive itself.
@@ -99,12 +99,12 @@ pub struct Start {
     pub temperature: [Option<Temperature>; AXES],
 }
 
-impl Start {
+impl RestNoise {
     /// Of a model.
     ///
     /// # Errors
     /// A model with an axis of which nothing is known.
-    pub fn of_model(model: &ImuModel, interval: f64) -> Result<Self, ModelError> {
+    pub fn from_model(model: &ImuModel, interval: f64) -> Result<Self, ModelError> {
         let walks = model.shaping(BiasModel::RandomWalk, interval)?;
         let axes = model.axes();
         Ok(Self {
