@@ -23,7 +23,7 @@ use undrift::{
         fit::{FitLog, fit, under},
         noise::{COUNT, FIX, Noise, WALK},
         prior::Prior,
-        start::Start,
+        rest_noise::RestNoise,
         vibrating,
     },
 };
@@ -49,7 +49,7 @@ fn receiver() -> GnssNoise {
 fn one(seed: u64, seconds: f64, following: bool) -> ([(bool, f64); COUNT], [f64; 2]) {
     let interval = 1.0 / RATE;
     let model = ImuModel::preset("mpu6050").expect("a preset");
-    let mut start = Start::of_model(&model, interval).expect("a model");
+    let mut start = RestNoise::from_model(&model, interval).expect("a model");
     start.turn_on = [8.7e-3, 8.7e-3, 8.7e-3, 0.3, 0.3, 0.3];
     let truth = Noise {
         white: std::array::from_fn(|i| start.white[i] * LOUDER[i]),
