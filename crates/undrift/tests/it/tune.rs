@@ -13,9 +13,9 @@ use undrift::{
         filter::Fixed,
         fit::{Fit, FitLog, fit, under},
         noise::{COUNT, FIX, LASTING, Noise, RULE, Vector, WALK},
-        objective::{Objective, Plan},
+        objective::{Layout, Objective},
         prior::Prior,
-        start::Start,
+        rest_noise::RestNoise,
         steps::{Followed, condense},
     },
     vehicle::{NonHolonomic, Profile},
@@ -23,17 +23,17 @@ use undrift::{
 
 const RATE: f64 = 50.0;
 
-fn start() -> Start {
+fn start() -> RestNoise {
     let model = ImuModel::preset("mpu6050").unwrap();
-    let start = Start::of_model(&model, 1.0 / RATE).unwrap();
-    Start {
+    let start = RestNoise::from_model(&model, 1.0 / RATE).unwrap();
+    RestNoise {
         turn_on: [8.7e-3, 8.7e-3, 8.7e-3, 0.3, 0.3, 0.3],
         ..start
     }
 }
 
 /// Louder than the preset by another factor on each axis.
-fn truth(start: &Start) -> Noise {
+fn truth(start: &RestNoise) -> Noise {
     let louder = [4.0, 12.0, 3.0, 8.0, 3.0, 6.0];
     Noise {
         white: std::array::from_fn(|i| start.white[i] * louder[i]),
@@ -82,7 +82,7 @@ fn the_gradient_of_factors_on_the_vibration_is_that_of_the_value() {
     gradient_is_that_of_the_value(&start, factors, Some(factors.white));
 }
 
-fn gradient_is_that_of_the_value(start: &Start, about: Noise, factors: Option<[f64; AXES]>) {
+fn gradient_is_that_of_the_value(start: &RestNoise, about: Noise, factors: Option<[f64; AXES]>) {
     let truth = truth(start);
     let mut settings = plain();
     settings.constraints = Profile::Car.constraints();
@@ -119,7 +119,7 @@ fn gradient_is_that_of_the_value(start: &Start, about: Noise, factors: Option<[f
         factors,
     });
     let segments = condense(receiver, followed.as_ref());
-    let objective = Objective::<24>::new(segments, fixed, Plan::default());
+    let objective = Objective::<24>::new(segments, fixed, Layout::default());
     assert!(objective.windows() > 50, "{}", objective.windows());
     // Away from the noise of the replay.
     let z: Vector = std::array::from_fn(|i| {

@@ -24,7 +24,7 @@ use undrift::{
         fit::{FitLog, fit},
         noise::Noise,
         prior::Prior,
-        start::Start,
+        rest_noise::RestNoise,
         vibrating,
     },
 };
@@ -191,7 +191,7 @@ fn with_errors(axes: &[&[f64]; 6], drive: usize) -> Result<(Simulation, Vec<ImuS
 /// The model that drives alone give.
 fn tuned(drives: &[(Simulation, Vec<ImuSample>)]) -> Result<ImuModel, Failure> {
     let sheet = ImuModel::preset("adis16405").ok_or("no preset")?;
-    let mut start = Start::of_model(&sheet, 1.0 / RATE)?;
+    let mut start = RestNoise::from_model(&sheet, 1.0 / RATE)?;
     let settings = Settings {
         lever_arm: receiver().lever_arm,
         ..Settings::new(sheet.shaping(BiasModel::RandomWalk, 1.0 / RATE)?)
