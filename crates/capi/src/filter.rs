@@ -18,7 +18,7 @@ use undrift_nav::{
 };
 
 /// Bytes of a filter beside its covariance and estimates, at most; see UNDRIFT_FILTER_BYTES.
-pub const UNDRIFT_FILTER_OVERHEAD: usize = 7168;
+pub const UNDRIFT_FILTER_OVERHEAD: usize = 7424;
 
 const _: () = assert!(UNDRIFT_AXES == AXES);
 // The last kinds, the correlated parts of a fix's errors, need more of a fix than is given here.

@@ -5,7 +5,7 @@ pub const UNDRIFT_MAX_ORDER: usize = 6;
 /// Sensor axes: gyro x, y, z, then accelerometer x, y, z.
 pub const UNDRIFT_AXES: usize = 6;
 /// Kinds of parameters.
-pub const UNDRIFT_PARAMETERS: usize = 12;
+pub const UNDRIFT_PARAMETERS: usize = 13;
 
 /// The noise model of one sensor axis, a shaping filter that steps once a sample:
 /// x' = F x + G w, error = H x + D w. The functions undrift_sensor_... make the usual ones.
@@ -85,6 +85,8 @@ pub enum Parameter {
     VelocityTimeOffset = 10,
     /// By how much both time offsets grow, from the filter's start on [s/s].
     ClockRate = 11,
+    /// By how much the accelerometers are later than the gyros \[s\].
+    AccelDelay = 12,
 }
 
 /// What is known of a parameter before: its correction is zero with this standard deviation.

@@ -101,13 +101,16 @@ impl Smoothed {
         (position, velocity)
     }
 
-    /// Sensor errors of a sample under the estimates of a node.
-    fn sensor_error(&self, node: &Node, sample: &ImuSample) -> [f64; AXES] {
+    /// Sensor errors of a sample, in which the specific force changes by `jerk` [m/s³], under the estimates of a node.
+    fn sensor_error(&self, node: &Node, sample: &ImuSample, jerk: &Vector3) -> [f64; AXES] {
         let coupling = Coupling::new(
             &self.parameters,
             0,
-            &(sample.dtheta / sample.dt),
-            &(sample.dvel / sample.dt),
+            [
+                &(sample.dtheta / sample.dt),
+                &(sample.dvel / sample.dt),
+                jerk,
+            ],
         );
         let behind = self.sensors.states() - NAV;
         core::array::from_fn(|axis| {

@@ -22,7 +22,7 @@ use crate::{
     Matrix3, Vector3,
     covariance::{AXES, NAV, Part, Sensors, Transition},
     mechanisation::{Increments, NavState, RawIncrements},
-    parameters::{Coupling, Parameter, Parameters},
+    parameters::{Coupling, Parameter, Parameters, jerk},
     sample::ImuSample,
     shaping::{MAX_ORDER, ShapingFilter},
     tape::Tape,
@@ -133,6 +133,8 @@ pub struct Filter<const N: usize> {
     omega_ib_b: Vector3,
     /// Specific force of the present sample, its predicted error removed [m/s²].
     force_b: Vector3,
+    /// Specific force through a low-pass, as the sensor reads it [m/s²]: see [`jerk`].
+    slow_force: Vector3,
     /// How the parameters act on the present sample's errors.
     coupling: Coupling,
     /// From when on [`Parameter::ClockRate`] lets the time offsets grow \[s\].
@@ -201,6 +203,7 @@ impl<const N: usize> Filter<N> {
             end: nav.time,
             omega_ib_b: Vector3::zeros(),
             force_b: Vector3::zeros(),
+            slow_force: Vector3::zeros(),
             coupling: Coupling::NONE,
             start: nav.time,
         })
@@ -334,8 +337,12 @@ impl<const N: usize> Filter<N> {
     pub fn begin(&mut self, sample: &ImuSample) {
         let (rate, force) = (sample.dtheta / sample.dt, sample.dvel / sample.dt);
         let behind = self.sensors.states();
+        if self.previous.is_none() {
+            self.slow_force = force;
+        }
+        let jerk = jerk(&mut self.slow_force, &force, sample.dt);
         self.coupling
-            .follow(&self.parameters, behind, &rate, &force);
+            .follow(&self.parameters, behind, [&rate, &force, &jerk]);
         let error = self.sensors.predicted_error(&self.x, &self.coupling);
         let gyro = Vector3::new(error[0], error[1], error[2]);
         let accel = Vector3::new(error[3], error[4], error[5]);

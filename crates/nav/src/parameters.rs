@@ -7,8 +7,8 @@
 //! what the correction still misses, truth less estimate, like a sensor state's.
 //!
 //! Scale factors and axis misalignment act through the sensor error, `ε_i = … + s_i u_i + Σ m_ij u_j`
-//! with u the angular rate or the specific force (Groves 2013, section 4.4.6); all others act through
-//! the measurements only.
+//! with u the angular rate or the specific force (Groves 2013, section 4.4.6); so does the delay of the accelerometers, by the
+//! rate of change of the specific force, `ε_i = … − τ ḟ_i`. All others act through the measurements only.
 
 use crate::{Vector3, sample::AXES};
 
@@ -43,6 +43,8 @@ pub enum Parameter {
     /// By how much both time offsets grow, from the filter's start on [s/s]: the clock that stamps the samples is not
     /// that of the receiver.
     ClockRate,
+    /// By how much the accelerometers are later than the gyros \[s\]: two chips, two topics, or a filter on one of them.
+    AccelDelay,
     /// Time-correlated part of the position's error (multipath, atmosphere, the receiver's own filter), in the axes of
     /// the fix, in units of its standard deviation [–]: 1 is what the receiver states of that part.
     PositionError,
@@ -52,7 +54,7 @@ pub enum Parameter {
 
 impl Parameter {
     /// All kinds in order.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::GyroScale,
         Self::AccelScale,
         Self::GyroMisalignment,
@@ -65,6 +67,7 @@ impl Parameter {
         Self::BarometerBias,
         Self::VelocityTimeOffset,
         Self::ClockRate,
+        Self::AccelDelay,
         Self::PositionError,
         Self::VelocityError,
     ];
@@ -84,6 +87,7 @@ impl Parameter {
             Self::BarometerBias => "barometer_bias",
             Self::VelocityTimeOffset => "velocity_time_offset",
             Self::ClockRate => "clock_rate",
+            Self::AccelDelay => "accel_delay",
             Self::PositionError => "position_error",
             Self::VelocityError => "velocity_error",
         }
@@ -104,7 +108,8 @@ impl Parameter {
             | Self::OdometerScale
             | Self::BarometerBias
             | Self::VelocityTimeOffset
-            | Self::ClockRate => 1,
+            | Self::ClockRate
+            | Self::AccelDelay => 1,
         }
     }
 }
@@ -227,27 +232,39 @@ impl Parameters {
     }
 }
 
+/// Time constant of [`jerk`]'s low-pass \[s\]: slower than vibration, quicker than what a vehicle does on purpose.
+const SLOW: f64 = 0.1;
+
+/// Rate of change of the specific force behind a low-pass \[m/s³\], of a sample with the mean `force` [m/s²] over `dt` \[s\].
+/// `slow` is what the low-pass has kept of the samples before, and keeps this one.
+#[inline]
+pub fn jerk(slow: &mut Vector3, force: &Vector3, dt: f64) -> Vector3 {
+    let jerk = (force - *slow) / (SLOW + dt);
+    *slow += jerk * dt;
+    jerk
+}
+
 /// The states that the six sensor errors of one sample depend on beside the shaping filters', with
 /// their factors: `ε_axis = … + Σ factor x[index]`.
 #[derive(Clone, Copy, Debug)]
 pub struct Coupling {
-    terms: [[(usize, f64); 3]; AXES],
+    terms: [[(usize, f64); 4]; AXES],
     len: usize,
 }
 
 impl Coupling {
     /// No parameter acts on the sensors.
     pub const NONE: Self = Self {
-        terms: [[(0, 0.0); 3]; AXES],
+        terms: [[(0, 0.0); 4]; AXES],
         len: 0,
     };
 
-    /// Of a sample with mean angular rate `rate` [rad/s] and specific force `force` [m/s²], body
-    /// axes; `behind` is the place of the first parameter in the error state.
+    /// Of a sample with mean angular rate `rate` [rad/s] and specific force `force` [m/s²], which changes by `jerk` [m/s³],
+    /// body axes; `behind` is the place of the first parameter in the error state.
     #[inline]
-    pub fn new(parameters: &Parameters, behind: usize, rate: &Vector3, force: &Vector3) -> Self {
+    pub fn new(parameters: &Parameters, behind: usize, [rate, force, jerk]: [&Vector3; 3]) -> Self {
         let mut coupling = Self::NONE;
-        coupling.follow(parameters, behind, rate, force);
+        coupling.follow(parameters, behind, [rate, force, jerk]);
         coupling
     }
 
@@ -257,10 +274,9 @@ impl Coupling {
         &mut self,
         parameters: &Parameters,
         behind: usize,
-        rate: &Vector3,
-        force: &Vector3,
+        [rate, force, jerk]: [&Vector3; 3],
     ) {
-        use Parameter::{AccelMisalignment, AccelScale, GyroMisalignment, GyroScale};
+        use Parameter::{AccelDelay, AccelMisalignment, AccelScale, GyroMisalignment, GyroScale};
         let mut counts = [0; AXES];
         let mut add = |axis: usize, index: usize, factor: f64| {
             self.terms[axis][counts[axis]] = (behind + index, factor);
@@ -281,6 +297,11 @@ impl Coupling {
                     add(triad + i, at + 2 * i, u[j]);
                     add(triad + i, at + 2 * i + 1, u[k]);
                 }
+            }
+        }
+        if let Some(at) = parameters.start(AccelDelay) {
+            for i in 0..3 {
+                add(3 + i, at, -jerk[i]);
             }
         }
         self.len = counts.into_iter().max().unwrap_or(0);
@@ -331,7 +352,15 @@ mod tests {
         let all = Parameters::none()
             .with(Parameter::GyroScale, prior)
             .with(Parameter::GyroMisalignment, prior);
-        let c = Coupling::new(&all, 20, &Vector3::new(1.0, 2.0, 3.0), &Vector3::zeros());
+        let c = Coupling::new(
+            &all,
+            20,
+            [
+                &Vector3::new(1.0, 2.0, 3.0),
+                &Vector3::zeros(),
+                &Vector3::zeros(),
+            ],
+        );
         assert_eq!(c.axis(0), [(20, 1.0), (23, 2.0), (24, 3.0)]);
         assert_eq!(c.axis(1), [(21, 2.0), (25, 1.0), (26, 3.0)]);
         assert_eq!(c.axis(2), [(22, 3.0), (27, 1.0), (28, 2.0)]);

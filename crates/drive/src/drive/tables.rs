@@ -330,10 +330,10 @@ pub(super) fn with_given_lever_arm(parameters: Parameters) -> Parameters {
 
 /// The parameters that are estimated where nothing else is said.
 pub(super) fn states_by_default() -> Parameters {
-    let (offset, rate) = (Some(TIME_OFFSET_STD), Some(CLOCK_RATE_STD));
+    let times = [Some(TIME_OFFSET_STD), Some(CLOCK_RATE_STD), None];
     let scales = [Some(SCALE_FACTOR_STD), None];
     let constants = [None, Some(LEVER_ARM_STD)];
-    estimated(Parameters::none(), scales, constants, offset, rate)
+    estimated(Parameters::none(), scales, constants, times)
 }
 
 /// The parameters estimated beside those given, by their standard deviations; `antenna` where it is known where that is.
@@ -349,6 +349,7 @@ pub(super) fn read_states(
     let gyro_scale = scale.or(unless_given.then_some(SCALE_FACTOR_STD));
     let misalignment = std("misalignment", Quantity::Angle, None)?;
     let offset = std("time_offset", Quantity::Time, Some(TIME_OFFSET_STD))?;
+    let delay = std("accel_delay", Quantity::Time, None)?;
     let rate = std("clock_rate", Quantity::Dimensionless, Some(CLOCK_RATE_STD))?;
     let lever_arm = std("lever_arm", Quantity::Length, Some(lever_arm_std(antenna)))?;
     section.only_known()?;
@@ -357,8 +358,7 @@ pub(super) fn read_states(
         parameters,
         [gyro_scale, scale],
         constants,
-        offset,
-        rate,
+        [offset, rate, delay],
     ))
 }
 
@@ -368,8 +368,7 @@ fn estimated(
     mut parameters: Parameters,
     [gyro_scale, accel_scale]: [Option<f64>; 2],
     [misalignment, lever_arm]: [Option<f64>; 2],
-    offset: Option<f64>,
-    rate: Option<f64>,
+    [offset, rate, delay]: [Option<f64>; 3],
 ) -> Parameters {
     for (kind, std, walk) in [
         (Parameter::GyroScale, gyro_scale, SCALE_FACTOR_WALK),
@@ -379,6 +378,7 @@ fn estimated(
         (Parameter::LeverArm, lever_arm, 0.0),
         (Parameter::TimeOffset, offset, TIME_OFFSET_WALK),
         (Parameter::VelocityTimeOffset, offset, TIME_OFFSET_WALK),
+        (Parameter::AccelDelay, delay, 0.0),
         (Parameter::ClockRate, rate.filter(|_| offset.is_some()), 0.0),
     ] {
         if let Some(std) = std {

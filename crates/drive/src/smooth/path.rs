@@ -4,6 +4,7 @@ use super::{Node, Smoothed};
 use undrift_nav::{
     Vector3,
     mechanisation::{Increments, NavState, RawIncrements},
+    parameters::jerk,
     sample::ImuSample,
 };
 
@@ -18,6 +19,8 @@ pub struct Path<'a> {
     /// Integrated from there.
     nav: NavState,
     previous: Option<RawIncrements>,
+    /// What the low-pass of [`jerk`] keeps [m/s²].
+    slow_force: Option<Vector3>,
     /// Ends of the samples of the span so far.
     pending: Vec<NavState>,
 }
@@ -30,6 +33,7 @@ impl<'a> Path<'a> {
             smoothed,
             node: 0,
             previous: None,
+            slow_force: None,
             pending: Vec::new(),
         })
     }
@@ -50,13 +54,15 @@ impl<'a> Path<'a> {
             dvel: sample.dvel,
         };
         let previous = self.previous.replace(raw);
+        let force = sample.dvel / sample.dt;
+        let jerk = jerk(self.slow_force.get_or_insert(force), &force, sample.dt);
         while self.nav.time < sample.time - SAME {
             let Some(next) = self.smoothed.nodes.get(self.node + 1) else {
                 return Ok(());
             };
             let error = self
                 .smoothed
-                .sensor_error(&self.smoothed.nodes[self.node], sample);
+                .sensor_error(&self.smoothed.nodes[self.node], sample, &jerk);
             let less = |raw: RawIncrements| RawIncrements {
                 dt: raw.dt,
                 dtheta: raw.dtheta - Vector3::new(error[0], error[1], error[2]) * raw.dt,

@@ -13,8 +13,7 @@ impl<const N: usize> Filter<N> {
         let coupling = Coupling::new(
             self.parameters(),
             self.sensors().states(),
-            omega_b,
-            &Vector3::zeros(),
+            [omega_b, &Vector3::zeros(), &Vector3::zeros()],
         );
         let error = self.sensors().predicted_error(self.estimates(), &coupling);
         let c = self.c_nb();

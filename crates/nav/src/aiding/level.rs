@@ -12,8 +12,7 @@ impl<const N: usize> Filter<N> {
         let coupling = Coupling::new(
             self.parameters(),
             self.sensors().states(),
-            &Vector3::zeros(),
-            f_b,
+            [&Vector3::zeros(), f_b, &Vector3::zeros()],
         );
         let error = self.sensors().predicted_error(self.estimates(), &coupling);
         let c = self.c_nb();

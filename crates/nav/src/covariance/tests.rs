@@ -31,8 +31,11 @@ fn four_lanes_give_the_same_numbers() {
     let coupling = Coupling::new(
         &parameters,
         sensors.states(),
-        &(increments.rotation / dt),
-        &(increments.dvel / dt),
+        [
+            &(increments.rotation / dt),
+            &(increments.dvel / dt),
+            &Vector3::new(1.0, -0.5, 2.0),
+        ],
     );
     let mut wide = [[0.0; N]; N];
     for (i, row) in wide.iter_mut().enumerate() {

@@ -33,6 +33,7 @@ pub struct Carried {
     end: f64,
     omega_ib_b: Vector3,
     force_b: Vector3,
+    slow_force: Vector3,
     coupling: Coupling,
     start: f64,
 }
@@ -66,6 +67,7 @@ impl<const N: usize> Filter<N> {
             end: self.end,
             omega_ib_b: self.omega_ib_b,
             force_b: self.force_b,
+            slow_force: self.slow_force,
             coupling: self.coupling,
             start: self.start,
         }
@@ -107,6 +109,7 @@ impl<const N: usize> Filter<N> {
             end: carried.end,
             omega_ib_b: carried.omega_ib_b,
             force_b: carried.force_b,
+            slow_force: carried.slow_force,
             coupling: carried.coupling,
             start: carried.start,
         };

@@ -53,11 +53,12 @@ impl<const N: usize> Filter<N> {
         each(&mut self.end);
         vector(&mut self.omega_ib_b, each);
         vector(&mut self.force_b, each);
+        vector(&mut self.slow_force, each);
         if self.coupling.is_none() {
             // As of a sample of zeros: the same, with all its places.
             let behind = self.sensors.states();
             let zeros = Vector3::zeros();
-            self.coupling = Coupling::new(&self.parameters, behind, &zeros, &zeros);
+            self.coupling = Coupling::new(&self.parameters, behind, [&zeros; 3]);
         }
         self.coupling.factors(each);
         each(&mut self.start);

@@ -7,7 +7,7 @@
 use super::Filter;
 use crate::{
     Quaternion, Vector3,
-    parameters::{Coupling, Parameter},
+    parameters::{Coupling, Parameter, jerk},
     shaping::MAX_ORDER,
 };
 
@@ -63,7 +63,11 @@ impl<const N: usize> Filter<N> {
             self.mix(&[at, at + 1, at + 2], &|i, j| c[(i, j)]);
         }
         self.symmetrise();
-        for vector in [&mut self.omega_ib_b, &mut self.force_b] {
+        for vector in [
+            &mut self.omega_ib_b,
+            &mut self.force_b,
+            &mut self.slow_force,
+        ] {
             *vector = c * *vector;
         }
         if let Some(previous) = &mut self.previous {
@@ -77,7 +81,8 @@ impl<const N: usize> Filter<N> {
         if !self.coupling.is_none() {
             let [rate, force] = raw.map(|vector| c * vector);
             let behind = self.sensors.states();
-            self.coupling = Coupling::new(&self.parameters, behind, &rate, &force);
+            let jerk = jerk(&mut self.slow_force, &force, 0.0);
+            self.coupling = Coupling::new(&self.parameters, behind, [&rate, &force, &jerk]);
         }
     }
 

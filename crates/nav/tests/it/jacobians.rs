@@ -143,7 +143,7 @@ proptest! {
         }
         let behind = sensors.states();
         let n = behind + parameters.states();
-        let coupling = Coupling::new(&parameters, behind, &(inc.rotation / inc.dt), &(inc.dvel / inc.dt));
+        let coupling = Coupling::new(&parameters, behind, [&(inc.rotation / inc.dt), &(inc.dvel / inc.dt), &Vector3::new(1.0, -0.5, 2.0)]);
         let mut nominal = truth;
         let step = nominal.step(&inc);
         let c_mid = truth.q_nb.to_rotation_matrix().into_inner();

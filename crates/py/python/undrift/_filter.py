@@ -57,7 +57,7 @@ class Filter:
     the antenna's. ``parameters`` are constants to estimate with their standard deviation, or (standard
     deviation, random walk [unit/√s]): gyro_scale, accel_scale, gyro_misalignment,
     accel_misalignment, lever_arm, time_offset, mounting, axle, odometer_scale, barometer_bias,
-    velocity_time_offset, clock_rate.
+    velocity_time_offset, clock_rate, accel_delay.
 
     Every update returns an :class:`Innovation`; ``gate`` = (weaken, reject) are limits of its NIS:
     above the first the measurement's covariance grows, above the second it is rejected.

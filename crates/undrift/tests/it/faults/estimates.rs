@@ -115,6 +115,40 @@ fn a_clock_rate_is_estimated() {
 }
 
 #[test]
+fn a_delay_of_the_accelerometers_is_estimated() {
+    for (seed, steps) in [(8, 10), (9, 4), (10, 0), (11, -10)] {
+        let mut log = simulated(seed);
+        let force = log.imu.clone();
+        let interval = force[0].dt;
+        // Later than the gyros by so many samples.
+        for (k, sample) in log.imu.iter_mut().enumerate() {
+            let from = k as i64 - steps;
+            sample.dvel = force[from.clamp(0, force.len() as i64 - 1) as usize].dvel;
+        }
+        let shown = log.gnss.clone();
+        let (_, without) = navigate(&log, &shown);
+        log.settings.parameters =
+            Parameters::none().with(Parameter::AccelDelay, Prior::constant(0.05));
+        let (_, summary) = navigate(&log, &shown);
+        let (value, std) = estimate(&summary, Parameter::AccelDelay);
+        let delay = steps as f64 * interval;
+        let nis = |summary: &Summary| summary.innovations[Aid::Velocity].per_dof().unwrap();
+        println!(
+            "{:.0} ms: {:.1} ± {:.1} ms; NIS {:.3}, without {:.3}",
+            1e3 * delay,
+            1e3 * value[0],
+            1e3 * std[0],
+            nis(&summary),
+            nis(&without)
+        );
+        // Beside four standard deviations what a delay is more than a rate of change: a hundredth of it.
+        assert!((value[0] - delay).abs() < 4.0 * std[0] + 0.01 * delay.abs());
+        assert!(std[0] < 5e-3 && (nis(&summary) - 1.0).abs() < 0.15);
+        assert!(steps.abs() < 10 || nis(&without) > 1.3);
+    }
+}
+
+#[test]
 fn a_time_offset_survives_outages() {
     let mut log = simulated(4);
     log.settings.parameters = time_offset();
