@@ -17,6 +17,7 @@ fn schemas() -> Vec<(PathBuf, String)> {
     ];
     let mut results: Schema = generator.into_root_schema_for::<Results>();
     add_kinds(&mut results);
+    add_sentences(&mut results);
     if let Some(all) = results
         .pointer_mut("/anyOf")
         .and_then(|all| all.as_array_mut())
@@ -49,6 +50,32 @@ fn add_kinds(results: &mut Schema) {
         schema["properties"]["kind"] = serde_json::json!({ "type": "string", "const": name });
         if let Some(required) = schema["required"].as_array_mut() {
             required.push("kind".into());
+        }
+    }
+}
+
+/// Sentences that the report writes beside the values that an inspection has.
+fn add_sentences(results: &mut Schema) {
+    let several = serde_json::json!({
+        "description": "The same in sentences; who shows it fills them in.",
+        "type": "array",
+        "items": { "type": "string" },
+    });
+    let one = serde_json::json!({
+        "description": "The same in words, empty where it is certain; who shows it fills them in.",
+        "type": "string",
+    });
+    for (name, key, sentences) in [
+        ("Inspection", "notes", &several),
+        ("Measured", "remarks", &several),
+        ("InspectedLine", "why", &one),
+    ] {
+        let Some(schema) = results.pointer_mut(&format!("/$defs/{name}")) else {
+            continue;
+        };
+        schema["properties"][key] = sentences.clone();
+        if let Some(required) = schema["required"].as_array_mut() {
+            required.push(key.into());
         }
     }
 }
