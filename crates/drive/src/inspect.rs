@@ -33,6 +33,13 @@ use undrift_io::{
     table::Preview,
 };
 
+/// Standard deviations to begin with where a log does not have any: a single-frequency receiver
+/// under an open sky.
+const POSITION_STD: &str = "3, 3, 6 m";
+const VELOCITY_STD: &str = "0.2, 0.2, 0.4 m/s";
+/// The same where the vertical velocity is not known: 20 m/s leave it open.
+const LEVEL_VELOCITY_STD: &str = "0.2, 0.2, 20 m/s";
+
 /// Identifies a log file: its format, columns and units.
 ///
 /// # Errors
@@ -100,6 +107,14 @@ fn of_log(path: &Path, held: Option<Memory>) -> Result<Inspection, ReadError> {
         inspection.found.push(Note::Nothing);
     }
     Ok(inspection)
+}
+
+/// The first part of the files that is such a table, and its file.
+fn first<'a>(files: &'a [Inspection], table: &str) -> Option<(&'a Inspection, &'a Part)> {
+    let mut parts = files
+        .iter()
+        .flat_map(|file| file.parts.iter().map(move |part| (file, part)));
+    parts.find(|(_, part)| part.table == table)
 }
 
 /// The table of a drive file that reads a part of a file.

@@ -89,10 +89,7 @@ impl<'a> Section<'a> {
             Some(_) => return Err(wrong()),
         };
         let section = |item: Value<'a>| match item {
-            Value::Table(table @ Table::Parsed(_, at)) => {
-                Ok(self.below(Some(table), key, Some(line_at(self.text, at))))
-            }
-            Value::Table(table) => Ok(self.below(Some(table), key, None)),
+            Value::Table(table) => Ok(self.below(Some(table), key, table.line(self.text))),
             _ => Err(wrong()),
         };
         items.into_iter().map(section).collect()
@@ -117,7 +114,7 @@ impl<'a> Section<'a> {
     /// The line of a key in the file's text.
     pub fn line_of(&self, key: &str) -> Option<usize> {
         let (_, at) = self.table?.get(key)?;
-        Some(line_at(self.text, at?))
+        at.map(|at| line_at(self.text, at))
     }
 
     fn dotted(&self, key: &str) -> String {

@@ -1,6 +1,6 @@
 //! A starter `DRIVE.toml`.
 
-use super::{Inspection, Known, Model, Motion, Part};
+use super::{Inspection, Known, Model, Motion, Part, first};
 use crate::vehicle::Profile;
 use std::path::Path;
 use toml::Value;
@@ -17,12 +17,6 @@ pub fn drive_file(
     motion: Motion,
     say: &dyn Fn(&Known) -> String,
 ) -> String {
-    let first = |table: &str| {
-        inspections.iter().find_map(|file| {
-            let part = file.parts.iter().find(|part| part.table == table)?;
-            Some((file, part))
-        })
-    };
     let mut text = String::from(
         "# A starter drive file. Check what is marked \"guessed\".\n\
          # All keys: docs/drive-file.md\n\n\
@@ -32,7 +26,7 @@ pub fn drive_file(
     );
     text += &format!("model = {model} # {}\n", say(&model.known));
     for (table, needed) in [("imu", true), ("gnss", true), ("truth", false)] {
-        match first(table) {
+        match first(inspections, table) {
             Some((file, part)) => write_part(&mut text, file, part, home, say),
             None if needed => {
                 text += &format!(
@@ -87,12 +81,10 @@ fn write_part(
 
 /// The file as seen from the folder: relative if it is below it, else whole.
 fn relative(file: &Path, home: &Path) -> String {
-    let home = if home.as_os_str().is_empty() {
-        Path::new(".")
-    } else {
-        home
-    };
-    let found = match (file.canonicalize(), home.canonicalize()) {
+    let found = match (
+        file.canonicalize(),
+        Path::new(".").join(home).canonicalize(),
+    ) {
         (Ok(file), Ok(home)) => file.strip_prefix(&home).unwrap_or(&file).to_path_buf(),
         _ => file.to_path_buf(),
     };

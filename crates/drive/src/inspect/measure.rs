@@ -1,6 +1,6 @@
 //! Reads a part of a file with the keys found for it, as a drive would.
 
-use super::{sensor::Steps, table};
+use super::{LEVEL_VELOCITY_STD, POSITION_STD, VELOCITY_STD, sensor::Steps, table};
 use crate::drive::{DriveError, Logs, Section, Table, gnss, imu, tables};
 use std::path::Path;
 use undrift_io::{
@@ -17,13 +17,6 @@ use undrift_nav::{Vector3, earth::STANDARD_GRAVITY, sample::FixQuality};
 use undrift_results::inspect::{
     Content, CounterRestarts, Known, Line, Measured, Part, Start, about_gravity,
 };
-
-/// Standard deviations to begin with where a log does not tell any: a single-frequency receiver
-/// under an open sky.
-const POSITION_STD: &str = "3, 3, 6 m";
-const VELOCITY_STD: &str = "0.2, 0.2, 0.4 m/s";
-/// NMEA has no vertical speed: 20 m/s leave it open.
-const NMEA_VELOCITY_STD: &str = "0.2, 0.2, 20 m/s";
 
 /// Reads the part; what was found, or why not, goes into it. What has to be said is said: the stream
 /// where there are several, the uncertainty that a log does not tell.
@@ -89,7 +82,7 @@ fn missing(
     let line = match key {
         Key::PositionStd => Line::new("position_std", POSITION_STD, Known::NotInLog),
         Key::VelocityStd if format == Format::Nmea => {
-            Line::new("velocity_std", NMEA_VELOCITY_STD, Known::NotInNmea)
+            Line::new("velocity_std", LEVEL_VELOCITY_STD, Known::NotInNmea)
         }
         Key::VelocityStd => Line::new("velocity_std", VELOCITY_STD, Known::NotInLog),
         Key::Topic(_) => of_stream("topic")?,
@@ -246,15 +239,12 @@ impl Span {
             gaps: gaps.count,
             longest_gap_s: gaps.longest.map(|gap| (gap.start, gap.length)),
             skipped: skipped.to_string(),
-            untold_velocities: 0,
-            steps_of: None,
-            size_of_force: None,
             counter: skipped.restarts().map(|restarts| CounterRestarts {
                 line: restarts.line,
                 count: restarts.count,
                 length: restarts.length,
             }),
-            content: None,
+            ..Measured::default()
         }
     }
 }
@@ -311,7 +301,7 @@ mod tests {
         };
         let position = Line::new("position_std", POSITION_STD, Known::NotInLog);
         let velocity = Line::new("velocity_std", VELOCITY_STD, Known::NotInLog);
-        let of_nmea = Line::new("velocity_std", NMEA_VELOCITY_STD, Known::NotInNmea);
+        let of_nmea = Line::new("velocity_std", LEVEL_VELOCITY_STD, Known::NotInNmea);
         let others = ["/second", "/third"].map(str::to_owned);
         let first = Line::new("topic", "/first", Known::FirstOf(others.into()));
         let csv = Format::Csv;

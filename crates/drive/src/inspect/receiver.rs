@@ -1,6 +1,9 @@
 //! Which columns of a table are a receiver's position, velocity and accuracy, and in which units.
 
-use super::columns::{Columns, NAMES, all, three_of};
+use super::{
+    LEVEL_VELOCITY_STD, POSITION_STD, VELOCITY_STD,
+    columns::{Columns, NAMES, all, three_of},
+};
 use crate::columns::{FIX_STEP, ordinary_step};
 use crate::drive::DEGREES_MINUTES;
 use undrift_base::order_statistics::upper_median;
@@ -14,11 +17,6 @@ use undrift_results::inspect::{Known, Line};
 
 /// Integers of 1e-7 degrees.
 const INTEGERS: &str = "LSB/1e7 deg";
-/// Standard deviations to begin with.
-const POSITION_STD: &str = "3, 3, 6 m";
-const VELOCITY_STD: &str = "0.2, 0.2, 0.4 m/s";
-/// The same where the vertical velocity is not known.
-const LEVEL_VELOCITY_STD: &str = "0.2, 0.2, 20 m/s";
 /// Whole numbers from here on, as standard deviations of fixes, are mm or mm/s.
 const LARGE_STD: f64 = 50.0;
 /// Most that a speed in the right unit differs from that of the positions.
@@ -106,10 +104,7 @@ impl Columns {
         };
         let mut lines = vec![self.three("velocity", velocity)];
         if self.found.up {
-            let known = match self.found.known {
-                Known::Name { .. } => NAMES,
-                _ => Known::Numbers { several: true },
-            };
+            let known = lines[0].known.clone();
             lines.push(Line::new("velocity_axes", "north,east,up", known));
         }
         lines

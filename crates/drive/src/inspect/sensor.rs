@@ -1,6 +1,6 @@
 //! Which sensor an IMU is, where its log shows that: by a name in it, or by the steps of its values.
 
-use super::{Inspection, Known, Model};
+use super::{Inspection, Known, Model, first};
 use undrift_nav::{earth::STANDARD_GRAVITY, sample::ImuSample};
 use undrift_noise::ImuModel;
 
@@ -66,11 +66,7 @@ impl Steps {
 
 /// The noise model of a drive file that reads the first IMU of the files.
 pub fn model(inspections: &[Inspection]) -> Model {
-    let imu = inspections.iter().find_map(|file| {
-        let part = file.parts.iter().find(|part| part.table == "imu")?;
-        Some((file, part))
-    });
-    if let Some((file, part)) = imu {
+    if let Some((file, part)) = first(inspections, "imu") {
         let streams = file.streams.iter();
         let words = streams.flat_map(|(name, _, about)| [name.as_str(), about]);
         let mut columns = part.lines.iter().map(|line| line.value.to_string());

@@ -66,7 +66,7 @@ pub struct Line {
 }
 
 /// What a part holds.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Measured {
     /// Samples, fixes or reference solutions.

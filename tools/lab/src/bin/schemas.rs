@@ -56,26 +56,22 @@ fn add_kinds(results: &mut Schema) {
 
 /// Sentences that the report writes beside the values that an inspection has.
 fn add_sentences(results: &mut Schema) {
-    let several = serde_json::json!({
-        "description": "The same in sentences; who shows it fills them in.",
-        "type": "array",
-        "items": { "type": "string" },
-    });
-    let one = serde_json::json!({
-        "description": "The same in words, empty where it is certain; who shows it fills them in.",
-        "type": "string",
-    });
-    for (name, key, sentences) in [
-        ("Inspection", "notes", &several),
-        ("Measured", "remarks", &several),
-        ("InspectedLine", "why", &one),
+    let one = serde_json::json!({ "type": "string" });
+    let several = serde_json::json!({ "type": "array", "items": one });
+    let sentences = "The same in sentences; who shows it fills them in.";
+    let words = "The same in words, empty where it is certain; who shows it fills them in.";
+    for (property, what, mut schema) in [
+        ("Inspection/notes", sentences, several.clone()),
+        ("Measured/remarks", sentences, several),
+        ("InspectedLine/why", words, one),
     ] {
-        let Some(schema) = results.pointer_mut(&format!("/$defs/{name}")) else {
-            continue;
-        };
-        schema["properties"][key] = sentences.clone();
-        if let Some(required) = schema["required"].as_array_mut() {
-            required.push(key.into());
+        schema["description"] = what.into();
+        let (name, key) = property.split_once('/').unwrap_or_default();
+        if let Some(of) = results.pointer_mut(&format!("/$defs/{name}")) {
+            of["properties"][key] = schema;
+            if let Some(required) = of["required"].as_array_mut() {
+                required.push(key.into());
+            }
         }
     }
 }

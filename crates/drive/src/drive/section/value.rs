@@ -1,5 +1,6 @@
 //! Values of a table: of a file's text, or as a program has them.
 
+use crate::drive::text::line_at;
 use std::borrow::Cow;
 use toml::{
     Spanned,
@@ -39,6 +40,14 @@ impl<'a> Table<'a> {
         match self {
             Self::Parsed(table, _) => table.keys().map(|key| key.get_ref().as_ref()).collect(),
             Self::Values(table) => table.keys().map(String::as_str).collect(),
+        }
+    }
+
+    /// The line where it begins in the text.
+    pub(super) fn line(self, text: &str) -> Option<usize> {
+        match self {
+            Self::Parsed(_, at) => Some(line_at(text, at)),
+            Self::Values(_) => None,
         }
     }
 
