@@ -8,7 +8,7 @@ use undrift_results::inspect::{
     Content, CounterRestarts, Inspection, Known, Measured, Model, Note, Part, Start, about_gravity,
 };
 
-/// An inspection with its sentences, as JSON has it.
+/// An inspection with its sentences, for JSON.
 pub fn shown(inspection: &Inspection) -> impl Serialize {
     let part = |part: &Part| {
         let lines = part.lines.iter().cloned();
