@@ -4,7 +4,7 @@ use std::path::Path;
 
 use undrift::inspect::{Inspection, Motion, drive_file, inspect, model};
 use undrift_fuzz::with_file;
-use undrift_report::inspect::known;
+use undrift_report::inspect::comment;
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     with_file(data, |path| {
@@ -38,7 +38,7 @@ fn check(inspection: &Inspection) {
         Path::new("/"),
         None,
         Motion::default(),
-        &known,
+        &comment,
     );
     let drive = text.parse::<toml::Table>();
     assert!(drive.is_ok(), "{drive:?} of\n{text}");

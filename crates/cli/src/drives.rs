@@ -119,7 +119,7 @@ impl Source {
         let file = kept.file().unwrap_or(Path::new(UNSAVED));
         let folder = file.parent().unwrap_or(Path::new(""));
         let model = undrift::inspect::model(&inspections);
-        let text = drive_file(&model, &inspections, folder, None, motion, &report::known);
+        let text = drive_file(&model, &inspections, folder, None, motion, &report::comment);
         let logs = undrift::inspect::logs(&inspections, folder);
         let drive = Drive::with_logs(&text, &file.display().to_string(), folder, logs)?;
         let keep = match kept.file() {

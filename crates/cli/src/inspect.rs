@@ -63,7 +63,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let home = file.parent().unwrap_or(Path::new(""));
         let model = inspect::model(&inspections);
         let vehicle = arguments.vehicle;
-        let text = inspect::drive_file(&model, &inspections, home, vehicle, motion, &report::known);
+        let text = inspect::drive_file(
+            &model,
+            &inspections,
+            home,
+            vehicle,
+            motion,
+            &report::comment,
+        );
         files.write(file, &text)?;
         terminal::say(format!("drive file: {}", output::shown(file)))?;
         complete(&inspections, Some(file))?;

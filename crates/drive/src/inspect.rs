@@ -16,8 +16,8 @@ pub use file::drive_file;
 pub use motion::motion;
 pub use sensor::model;
 pub use undrift_results::inspect::{
-    Content, CounterRestarts, Inspection, Known, Line, Measured, Model, Motion, Note, Part, Start,
-    about_gravity,
+    Comment, Content, CounterRestarts, Inspection, Known, Line, Measured, Model, Motion, Note,
+    Part, Start, about_gravity,
 };
 
 pub(crate) use units::rate as unit_of_rates;

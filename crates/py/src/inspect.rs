@@ -54,7 +54,7 @@ fn drive_of(
     complete(&found)?;
     let model = inspection::model(&found);
     let home = Path::new("");
-    let text = inspection::drive_file(&model, &found, home, vehicle, motion, &report::known);
+    let text = inspection::drive_file(&model, &found, home, vehicle, motion, &report::comment);
     let logs = inspection::logs(&found, home);
     let file = PathBuf::from("<drive>");
     let drive = drive::Drive::with_logs(&text, "<drive>", home, logs)?;

@@ -5,7 +5,8 @@ use serde::Serialize;
 use std::path::Path;
 use undrift_io::visible;
 use undrift_results::inspect::{
-    Content, CounterRestarts, Inspection, Known, Measured, Model, Note, Part, Start, about_gravity,
+    Comment, Content, CounterRestarts, Inspection, Known, Measured, Model, Note, Part, Start,
+    about_gravity,
 };
 
 /// An inspection with its sentences, for JSON.
@@ -44,8 +45,32 @@ fn remarks(measured: &Measured) -> Vec<String> {
         .collect()
 }
 
+/// A comment of a drive file.
+pub fn comment(of: Comment) -> String {
+    match of {
+        Comment::Known(how) => return known(how),
+        Comment::Top => {
+            "A starter drive file. Check what is marked \"guessed\".\nAll keys: docs/drive-file.md"
+        }
+        Comment::Model => {
+            "Noise model of the IMU at rest: a preset, or better the file that `undrift identify` writes\n\
+             from a static recording of the sensor. `undrift tune` estimates the noise in the vehicle\n\
+             from this drive."
+        }
+        Comment::Missing(table) => return format!("Missing: a file with the {table} data."),
+        Comment::Heading => "from changes of velocity, which suffice in this drive",
+        Comment::Wheels => {
+            "The motion is that of a wheeled vehicle: these lines greatly reduce the drift without GNSS."
+        }
+        Comment::LeverArm => {
+            "from the IMU to the antenna: forward, right, down; measured beats estimated"
+        }
+    }
+    .into()
+}
+
 /// How a value is known.
-pub fn known(known: &Known) -> String {
+fn known(known: &Known) -> String {
     match known {
         Known::Certain => "",
         Known::Name { several: false } => "from its name",

@@ -4,4 +4,4 @@ mod known;
 mod parts;
 
 pub use known::{Content, Known, Note, about_gravity};
-pub use parts::{CounterRestarts, Inspection, Line, Measured, Model, Motion, Part, Start};
+pub use parts::{Comment, CounterRestarts, Inspection, Line, Measured, Model, Motion, Part, Start};

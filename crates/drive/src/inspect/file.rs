@@ -1,64 +1,56 @@
 //! A starter `DRIVE.toml`.
 
-use super::{Inspection, Known, Model, Motion, Part, first};
+use super::{Comment, Inspection, Model, Motion, Part, first};
 use crate::vehicle::Profile;
 use std::path::Path;
 use toml::Value;
 use undrift_io::visible;
 
+/// Makes the text of a comment.
+type Say<'a> = &'a dyn Fn(Comment) -> String;
+
 /// The drive file that reads the first IMU, the first fixes and the first reference of the files.
 /// `home` is the folder where it will lie: files below it are named relative to it. `vehicle` is its profile where that is
-/// known; where its `motion` is that of wheels the car's is proposed. `say` makes the comment of how a value is known.
+/// known; where its `motion` is that of wheels the car's is proposed. `say` makes the comments.
 pub fn drive_file(
     model: &Model,
     inspections: &[Inspection],
     home: &Path,
     vehicle: Option<Profile>,
     motion: Motion,
-    say: &dyn Fn(&Known) -> String,
+    say: Say,
 ) -> String {
-    let mut text = String::from(
-        "# A starter drive file. Check what is marked \"guessed\".\n\
-         # All keys: docs/drive-file.md\n\n\
-         # Noise model of the IMU at rest: a preset, or better the file that `undrift identify` writes\n\
-         # from a static recording of the sensor. `undrift tune` estimates the noise in the vehicle\n\
-         # from this drive.\n",
-    );
-    text += &format!("model = {model} # {}\n", say(&model.known));
+    let above = |of| commented(&say(of));
+    let mut text = above(Comment::Top) + "\n" + &above(Comment::Model);
+    text += &format!("model = {model} # {}\n", say(Comment::Known(&model.known)));
     for (table, needed) in [("imu", true), ("gnss", true), ("truth", false)] {
         match first(inspections, table) {
             Some((file, part)) => write_part(&mut text, file, part, home, say),
             None if needed => {
-                text += &format!(
-                    "\n# Missing: a file with the {table} data.\n# [{table}]\n# file = \"\"\n"
-                );
+                let missing = above(Comment::Missing(table));
+                text += &format!("\n{missing}# [{table}]\n# file = \"\"\n");
             }
             None => {}
         }
     }
     if motion.heading {
-        text += "\n[initial]\nheading = \"auto\" # from changes of velocity, which suffice in this drive\n";
+        let why = say(Comment::Heading);
+        text += &format!("\n[initial]\nheading = \"auto\" # {why}\n");
     }
     match vehicle {
         Some(profile) => {
             text += &format!("\n[vehicle]\nprofile = {}\n", Value::from(profile.name()));
         }
         None if motion.wheels => {
-            text += "\n# The motion is that of a wheeled vehicle: these lines greatly reduce the drift without GNSS.\n\
-                     # [vehicle]\n# profile = \"car\"\n";
+            let why = above(Comment::Wheels);
+            text += &format!("\n{why}# [vehicle]\n# profile = \"car\"\n");
         }
         None => {}
     }
     text
 }
 
-fn write_part(
-    text: &mut String,
-    inspection: &Inspection,
-    part: &Part,
-    home: &Path,
-    say: &dyn Fn(&Known) -> String,
-) {
+fn write_part(text: &mut String, inspection: &Inspection, part: &Part, home: &Path, say: Say) {
     let file = Value::from(relative(&inspection.file, home));
     *text += &format!(
         "\n[{}]\nfile = {file} # {}\n",
@@ -66,17 +58,22 @@ fn write_part(
     );
     for line in &part.lines {
         // One line, whatever a column or stream is called.
-        let why = say(&line.known);
+        let why = say(Comment::Known(&line.known));
         let entry = format!("{} = {} # {}", line.key, line.value, visible(&why));
         *text += entry.trim_end_matches(" # ");
         text.push('\n');
     }
     if part.table == "gnss" {
-        *text += "# lever_arm = \"0, 0, 0 m\" # from the IMU to the antenna: forward, right, down; measured beats estimated\n";
+        let why = say(Comment::LeverArm);
+        *text += &format!("# lever_arm = \"0, 0, 0 m\" # {why}\n");
     }
-    for line in part.problem.iter().flat_map(|problem| problem.lines()) {
-        *text += &format!("# {}\n", visible(line));
-    }
+    *text += &commented(part.problem.as_deref().unwrap_or_default());
+}
+
+/// Lines of comments.
+fn commented(text: &str) -> String {
+    let lines = text.lines();
+    lines.map(|line| format!("# {}\n", visible(line))).collect()
 }
 
 /// The file as seen from the folder: relative if it is below it, else whole.
@@ -93,7 +90,10 @@ fn relative(file: &Path, home: &Path) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{super::Line, *};
+    use super::{
+        super::{Known, Line},
+        *,
+    };
 
     #[test]
     fn names_and_problems_with_control_characters_stay_toml() {
@@ -116,8 +116,10 @@ mod tests {
             preset: "adis16405",
             known: Known::SensorName,
         };
-        let say = |known: &Known| match known {
-            Known::FirstOf(others) => format!("the others are {}", others.join(", ")),
+        let say = |of: Comment| match of {
+            Comment::Known(Known::FirstOf(others)) => {
+                format!("the others are {}", others.join(", "))
+            }
             _ => String::new(),
         };
         let home = Path::new("");

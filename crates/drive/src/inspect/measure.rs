@@ -108,7 +108,7 @@ fn read(path: &Path, logs: &mut Logs, part: &Part) -> Result<(Measured, Option<L
         }
         _ => match tables::read_truth(&section, logs)? {
             Some((path, source)) => Ok((poses(logs.read(&path, &source)?)?, None)),
-            None => Err(section.missing("file", "the file name").into()),
+            None => Err(section.error("file", "missing").into()),
         },
     }
 }

@@ -147,6 +147,25 @@ impl fmt::Display for Model {
     }
 }
 
+/// What a drive file that is written has a comment on.
+#[derive(Clone, Copy, Debug)]
+pub enum Comment<'a> {
+    /// How the value of a key is known.
+    Known(&'a Known),
+    /// The file.
+    Top,
+    /// The noise model.
+    Model,
+    /// A table for which there is no file.
+    Missing(&'a str),
+    /// The heading, where changes of velocity give it.
+    Heading,
+    /// The profile of a wheeled vehicle.
+    Wheels,
+    /// The lever arm.
+    LeverArm,
+}
+
 /// What the motion shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Motion {
