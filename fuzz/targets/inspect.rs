@@ -2,14 +2,13 @@
 
 use std::path::Path;
 
-use undrift::inspect::{Inspection, Motion, inspect, model};
+use undrift::inspect::{Inspection, Motion, drive_file, inspect, model};
 use undrift_fuzz::with_file;
-use undrift_report::inspect::{drive_file, fill};
+use undrift_report::inspect::comment;
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     with_file(data, |path| {
-        if let Ok(mut inspection) = undrift_fuzz::opened(inspect(path)) {
-            fill(&mut inspection);
+        if let Ok(inspection) = undrift_fuzz::opened(inspect(path)) {
             check(&inspection);
         }
     });
@@ -39,6 +38,7 @@ fn check(inspection: &Inspection) {
         Path::new("/"),
         None,
         Motion::default(),
+        &comment,
     );
     let drive = text.parse::<toml::Table>();
     assert!(drive.is_ok(), "{drive:?} of\n{text}");

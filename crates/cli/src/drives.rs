@@ -9,8 +9,8 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::{
-    drive::{Drive, Logs},
-    inspect::Inspection,
+    drive::Drive,
+    inspect::{Inspection, drive_file},
 };
 use undrift_report::inspect as report;
 
@@ -119,14 +119,8 @@ impl Source {
         let file = kept.file().unwrap_or(Path::new(UNSAVED));
         let folder = file.parent().unwrap_or(Path::new(""));
         let model = undrift::inspect::model(&inspections);
-        let text = report::drive_file(&model, &inspections, folder, None, motion);
-        let held = inspections.iter();
-        let held = held.filter_map(|log| Some((log.file.clone(), log.held.clone()?)));
-        let logs = Logs {
-            memory: held.collect(),
-            folder: folder.to_path_buf(),
-            ..Logs::default()
-        };
+        let text = drive_file(&model, &inspections, folder, None, motion, &report::comment);
+        let logs = undrift::inspect::logs(&inspections, folder);
         let drive = Drive::with_logs(&text, &file.display().to_string(), folder, logs)?;
         let keep = match kept.file() {
             Some(file) => format!("drive file: {}", shown(file)),

@@ -115,8 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let done = stage("processing", || {
         let bar = Bar::new("processed", jobs.len() as u64, "logs");
         let lines = Lines::new(jobs.len());
-        let fill = |outcome: &mut fleet::FleetOutcome| outcome.fill(sentences::say);
-        fleet::run(&jobs, folder, options, fill, |outcome| {
+        fleet::run(&jobs, folder, options, &sentences::say, |outcome| {
             bar.add(1);
             lines.add();
             let Some(outcome) = outcome else { return };

@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let outputs = json.chain(arguments.output.as_deref());
     let files = Files::claim(arguments.files.iter().map(PathBuf::as_path), outputs)?;
     let (inspections, motion) = described(read(&arguments.files)?);
-    let json = results::text(&inspections);
+    let json = results::text(&Vec::from_iter(inspections.iter().map(report::shown)));
     let shown = arguments.json.write(&files, &json)?;
     if !shown {
         for inspection in &inspections {
@@ -62,7 +62,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(file) = &arguments.output {
         let home = file.parent().unwrap_or(Path::new(""));
         let model = inspect::model(&inspections);
-        let text = report::drive_file(&model, &inspections, home, arguments.vehicle, motion);
+        let vehicle = arguments.vehicle;
+        let text = inspect::drive_file(
+            &model,
+            &inspections,
+            home,
+            vehicle,
+            motion,
+            &report::comment,
+        );
         files.write(file, &text)?;
         terminal::say(format!("drive file: {}", output::shown(file)))?;
         complete(&inspections, Some(file))?;
@@ -89,10 +97,9 @@ pub fn read(files: &[PathBuf]) -> Result<Vec<Inspection>> {
     Ok(inspections)
 }
 
-/// What files are, in words, and what the motion shows of them together.
+/// What files are, and what the motion shows of them together.
 pub fn described(mut inspections: Vec<Inspection>) -> (Vec<Inspection>, Motion) {
     let motion = terminal::stage("aligning", || inspect::motion(&mut inspections));
-    inspections.iter_mut().for_each(report::fill);
     (inspections, motion)
 }
 

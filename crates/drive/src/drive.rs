@@ -43,7 +43,7 @@ pub use imu::{ImuLog, load_imu};
 pub use logs::Logs;
 pub use scalars::{ScalarLog, Scalars};
 pub(crate) use section::DEGREES_MINUTES;
-pub use section::Section;
+pub use section::{Section, Table, Value};
 pub(crate) use tables::AXLE_STD;
 pub use tables::{read_initial, read_switch};
 pub use text::{parse, read_text};
@@ -171,14 +171,17 @@ impl Drive {
     ///
     /// # Errors
     /// As [`Drive::from_toml`].
-    pub fn with_logs(
-        text: &str,
-        file: &str,
+    pub fn with_logs(text: &str, file: &str, home: &Path, logs: Logs) -> Result<Self, DriveError> {
+        let table = parse(text, file)?;
+        Self::of_tables(&Section::top(table.get_ref(), text, file), home, logs)
+    }
+
+    /// The same of the tables of a drive file.
+    pub(crate) fn of_tables(
+        top: &Section,
         home: &Path,
         mut logs: Logs,
     ) -> Result<Self, DriveError> {
-        let table = parse(text, file)?;
-        let top = Section::top(table.get_ref(), text, file);
         let tables = ["model", "epoch", "initial", "span", "vehicle", "states"];
         top.only(&Vec::from_iter(tables.into_iter().chain(log_tables())))?;
         logs.span = tables::read_span(&top.section("span")?)?;
@@ -197,7 +200,7 @@ impl Drive {
         let (imu, options) = imu::read_imu(&top.section("imu")?, &mut logs)?;
         let parameters =
             tables::read_states(&top.section("states")?, parameters, antenna.is_some())?;
-        let (scalars, parameters) = scalars::read(&top, &mut logs, parameters)?;
+        let (scalars, parameters) = scalars::read(top, &mut logs, parameters)?;
         let mut drive = Self {
             parameters,
             scalars,
@@ -221,7 +224,7 @@ impl Drive {
             beginning: Beginning::default(),
             logs,
         };
-        drive.date(epoch::read_epoch(&top)?);
+        drive.date(epoch::read_epoch(top)?);
         Ok(drive)
     }
 

@@ -2,6 +2,7 @@
 
 mod clocks;
 mod columns;
+mod file;
 mod found;
 mod measure;
 mod motion;
@@ -11,11 +12,12 @@ mod sensor;
 mod topics;
 mod units;
 
+pub use file::drive_file;
 pub use motion::motion;
 pub use sensor::model;
 pub use undrift_results::inspect::{
-    Content, CounterRestarts, Inspection, Known, Line, Measured, Motion, Note, Part, Start,
-    about_gravity, quoted,
+    Comment, Content, CounterRestarts, Inspection, Known, Line, Measured, Model, Motion, Note,
+    Part, Start, about_gravity,
 };
 
 pub(crate) use units::rate as unit_of_rates;
@@ -30,6 +32,13 @@ use undrift_io::{
     source::BytesRead,
     table::Preview,
 };
+
+/// Standard deviations to begin with where a log does not have any: a single-frequency receiver
+/// under an open sky.
+const POSITION_STD: &str = "3, 3, 6 m";
+const VELOCITY_STD: &str = "0.2, 0.2, 0.4 m/s";
+/// The same where the vertical velocity is not known: 20 m/s leave it open.
+const LEVEL_VELOCITY_STD: &str = "0.2, 0.2, 20 m/s";
 
 /// Identifies a log file: its format, columns and units.
 ///
@@ -61,7 +70,6 @@ fn of_log(path: &Path, held: Option<Memory>) -> Result<Inspection, ReadError> {
         streams: Vec::new(),
         parts: Vec::new(),
         found: Vec::new(),
-        notes: Vec::new(),
         held,
     };
     inspection.parts = match format {
@@ -99,6 +107,33 @@ fn of_log(path: &Path, held: Option<Memory>) -> Result<Inspection, ReadError> {
         inspection.found.push(Note::Nothing);
     }
     Ok(inspection)
+}
+
+/// The first part of the files that is such a table, and its file.
+fn first<'a>(files: &'a [Inspection], table: &str) -> Option<(&'a Inspection, &'a Part)> {
+    let mut parts = files
+        .iter()
+        .flat_map(|file| file.parts.iter().map(move |part| (file, part)));
+    parts.find(|(_, part)| part.table == table)
+}
+
+/// The table of a drive file that reads a part of a file.
+fn table(file: &Path, part: &Part) -> toml::Table {
+    let lines = part.lines.iter().map(|line| (line.key, line.value.clone()));
+    let file = ("file", (*file.to_string_lossy()).into());
+    let keys = [file].into_iter().chain(lines);
+    keys.map(|(key, value)| (key.to_owned(), value)).collect()
+}
+
+/// Where the logs are: those in memory, and files relative to `folder`.
+pub fn logs(inspections: &[Inspection], folder: &Path) -> Logs {
+    let held = inspections.iter();
+    let held = held.filter_map(|log| Some((log.file.clone(), log.held.clone()?)));
+    Logs {
+        memory: held.collect(),
+        folder: folder.to_path_buf(),
+        ..Logs::default()
+    }
 }
 
 /// What the names of columns alone show: the parts that they can serve, each with the keys that no
@@ -183,7 +218,8 @@ mod tests {
         let keys_of = |names: &[&str]| {
             let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
             let parts = by_names(&names).into_iter();
-            let lines = |part: Part| part.lines.into_iter().map(|l| (l.key, l.value)).collect();
+            let line = |line: Line| (line.key, line.value.to_string());
+            let lines = |part: Part| part.lines.into_iter().map(line).collect();
             parts.map(lines).collect::<Vec<Vec<_>>>()
         };
         let imu = |gyro: &'static str, accel: &'static str| {
@@ -275,7 +311,7 @@ mod tests {
         let parts = of_table(table);
         let value = |key: &str| {
             let line = parts[0].lines.iter().find(|line| line.key == key);
-            line.map(|line| line.value.clone()).unwrap_or_default()
+            line.map(|line| line.value.to_string()).unwrap_or_default()
         };
         assert_eq!(value("accel"), "[\"alpha_x\", \"alpha_y\", \"alpha_z\"]");
         assert_eq!(

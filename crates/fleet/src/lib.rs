@@ -31,12 +31,16 @@ use std::{
     path::{Path, PathBuf},
 };
 use undrift_drive::{
+    findings::Finding,
     identify::{Settings, Trend},
     outages::Schedule,
     record::RecordFormat,
 };
 use undrift_io::table::Column;
 use undrift_noise::BiasModel;
+
+/// What makes the sentence of a finding.
+pub type Say<'a> = &'a (dyn Fn(&Finding) -> String + Sync);
 
 /// One log and what is to be done with it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

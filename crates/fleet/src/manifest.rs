@@ -161,7 +161,7 @@ impl Manifest {
             };
             let pattern = key.map_or(Ok(""), |key| log.file(key))?.to_owned();
             log.only_known()?;
-            let line = log.get(key.unwrap_or("table")).map(|(_, line)| line);
+            let line = log.line_of(key.unwrap_or("table"));
             if let Some(key) = key.filter(|_| table.is_some() && is_pattern(&pattern)) {
                 return Err(log.error(key, "beside a table, one file is needed for all its rows"));
             }
@@ -179,9 +179,9 @@ impl Manifest {
         }
         top.only_known()?;
         if logs.is_empty() {
-            return Err(top.error(
+            return Err(top.missing(
                 "log",
-                "missing: a [[log]] table for each log or pattern of logs, with drive or record",
+                "a [[log]] table for each log or pattern of logs, with drive or record",
             ));
         }
         let file = file.to_owned();

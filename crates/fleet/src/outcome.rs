@@ -35,7 +35,7 @@ pub struct FleetOutcome {
     /// What was found out about the log.
     #[serde(default, deserialize_with = "known_findings")]
     pub findings: Vec<Finding>,
-    /// The same in sentences, and those of identified axes; who keeps outcomes fills them in.
+    /// The same in sentences, and those of identified axes.
     pub warnings: Vec<String>,
     /// Names of the numbers of each row.
     pub columns: Vec<String>,
@@ -105,15 +105,6 @@ impl FleetOutcome {
             )
         })?;
         serde_json::from_str(&text).map_err(|error| wrong(Some(error.line()), &error.to_string()))
-    }
-
-    /// Fills in the sentences of its findings, as `say` makes them.
-    pub fn fill(&mut self, say: impl Fn(&Finding) -> String) {
-        let sentences: Vec<String> = self.findings.iter().map(&say).collect();
-        self.warnings.splice(0..0, sentences);
-        for row in &mut self.rows {
-            row.note = row.finding.as_ref().map(&say).or(row.note.take());
-        }
     }
 
     /// A row's number by its column.

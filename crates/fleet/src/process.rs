@@ -1,7 +1,7 @@
 //! One log into its outcome.
 
 use super::{
-    FleetOutcome, Job, Plan, RecordSettings, Row, Task, inputs,
+    FleetOutcome, Job, Plan, RecordSettings, Row, Say, Task, inputs,
     outcome::{Field, IDENTIFY, NAVIGATE, OUTAGES, TUNE},
 };
 use std::{
@@ -32,7 +32,7 @@ use undrift_tune::{
 
 /// Works a job out. The outcome depends on the job and the files that it names alone; whatever goes
 /// wrong is in [`FleetOutcome::failed`]. On all cores of the pool that it is called in.
-pub fn process(job: &Job) -> FleetOutcome {
+pub fn process(job: &Job, say: Say) -> FleetOutcome {
     let mut outcome = FleetOutcome::of(job);
     let (home, data) = job.folders();
     let folders = [data, home, PathBuf::from(&job.folder)];
@@ -76,6 +76,11 @@ pub fn process(job: &Job) -> FleetOutcome {
         }));
     for text in texts {
         *text = without_folders(text, &folders);
+    }
+    let sentences = outcome.findings.iter().map(say);
+    outcome.warnings.splice(0..0, sentences);
+    for row in &mut outcome.rows {
+        row.note = row.finding.as_ref().map(say).or(row.note.take());
     }
     outcome
 }

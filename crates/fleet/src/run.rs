@@ -1,6 +1,6 @@
 //! Many jobs on the cores of one machine, their outcomes in a folder.
 
-use super::{FleetOutcome, Job, fingerprint, process};
+use super::{FleetOutcome, Job, Say, fingerprint, process};
 use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
 use std::{
     collections::HashSet,
@@ -94,9 +94,9 @@ pub fn shard(jobs: Vec<Job>, which: usize, of: usize) -> Vec<Job> {
 ///
 /// # Errors
 /// If there are no threads to be had.
-pub fn process_on(job: &Job, threads: usize) -> Result<FleetOutcome, FleetError> {
+pub fn process_on(job: &Job, threads: usize, say: Say) -> Result<FleetOutcome, FleetError> {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build()?;
-    Ok(pool.install(|| process(job)))
+    Ok(pool.install(|| process(job, say)))
 }
 
 /// Where the outcome of a job with this fingerprint is kept.
@@ -105,8 +105,8 @@ pub fn job_path(folder: &Path, fingerprint: &str) -> PathBuf {
 }
 
 /// Works all jobs out that are not up to date, and keeps each outcome in a file of its own under
-/// [`job_path`], which appears whole: whatever ends this, a later run goes on. `say` fills in the sentences
-/// of an outcome before it is kept, `done` is called after each job with its outcome, `None` where it was up to date.
+/// [`job_path`], which appears whole: whatever ends this, a later run goes on. `done` is called after each job with its
+/// outcome, `None` where it was up to date.
 ///
 /// # Errors
 /// If an outcome cannot be kept.
@@ -114,7 +114,7 @@ pub fn run(
     jobs: &[Job],
     folder: &Path,
     options: Options,
-    say: impl Fn(&mut FleetOutcome) + Sync,
+    say: Say,
     done: impl Fn(Option<&FleetOutcome>) + Sync,
 ) -> Result<Done, FleetError> {
     let outcomes = folder.join("jobs");
@@ -133,7 +133,7 @@ pub fn run(
             let place = next.fetch_add(1, Relaxed);
             jobs.get(place).map(|job| (place, job))
         } {
-            let step = pool.install(|| one(job, folder, options, &say, &seen));
+            let step = pool.install(|| one(job, folder, options, say, &seen));
             // The outcome goes no further: memory does not grow with the number of jobs.
             let step = step.map(|(step, outcome)| {
                 done(outcome.as_ref());
@@ -197,7 +197,7 @@ fn one(
     job: &Job,
     folder: &Path,
     options: Options,
-    say: &(impl Fn(&mut FleetOutcome) + Sync),
+    say: Say,
     seen: &Mutex<HashSet<String>>,
 ) -> Result<(JobDone, Option<FleetOutcome>), FleetError> {
     let fingerprint = fingerprint(job);
@@ -228,8 +228,7 @@ fn one(
         step.state = State::Missing;
         return Ok((step, None));
     }
-    let mut outcome = process(job);
-    say(&mut outcome);
+    let outcome = process(job, say);
     write_whole(&path, outcome.to_json()).map_err(FleetError::file(&path))?;
     step.state = State::Processed;
     Ok((step, Some(outcome)))

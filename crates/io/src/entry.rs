@@ -4,10 +4,10 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position, TruthSample};
 use undrift_nav::{Matrix3, Vector3};
 
-use crate::ReadError;
 use crate::epoch::Epoch;
 use crate::fix::{shown, three};
 use crate::skipped::{SkipKind, Unfit};
+use crate::{Key, ReadError};
 
 /// One thing in a log.
 #[derive(Clone, Debug)]
@@ -153,12 +153,10 @@ impl Wanted {
     ///
     /// # Errors
     /// If positions and velocities are asked for from different streams.
-    pub(crate) fn one_stream(
-        &self,
-    ) -> Result<(&Option<String>, StreamKind, &'static str), ReadError> {
+    pub(crate) fn one_stream(&self) -> Result<(&Option<String>, StreamKind, Key), ReadError> {
         match self {
-            Self::Imu(name) => Ok((name, StreamKind::Imu, "imu.topic")),
-            Self::Poses(name) => Ok((name, StreamKind::Poses, "truth.topic")),
+            Self::Imu(name) => Ok((name, StreamKind::Imu, Key::Topic("imu"))),
+            Self::Poses(name) => Ok((name, StreamKind::Poses, Key::Topic("truth"))),
             Self::Fixes {
                 position, velocity, ..
             } => {
@@ -166,7 +164,7 @@ impl Wanted {
                 if both.is_some() {
                     return Err(
                         ReadError::nameless("positions and velocities are in one stream")
-                            .key("gnss.velocity_topic")
+                            .key(Key::VelocityTopic)
                             .mend("omit it"),
                     );
                 }
@@ -175,7 +173,7 @@ impl Wanted {
                 } else {
                     velocity
                 };
-                Ok((name, StreamKind::Fixes, "gnss.topic"))
+                Ok((name, StreamKind::Fixes, Key::Topic("gnss")))
             }
         }
     }

@@ -13,7 +13,7 @@ pub struct ReadError {
     /// Line in the file, the first is 1.
     pub line: Option<u64>,
     /// The configuration key that asked for what is missing.
-    pub key: Option<String>,
+    pub key: Option<Key>,
     /// What was expected and found.
     pub problem: String,
     /// What to do about it, or what the file offers instead; may be empty.
@@ -55,8 +55,8 @@ impl ReadError {
     }
 
     /// Asked for by a key.
-    pub fn key(mut self, key: &str) -> Self {
-        self.key = Some(key.to_owned());
+    pub fn key(mut self, key: impl Into<Key>) -> Self {
+        self.key = Some(key.into());
         self
     }
 
@@ -69,6 +69,32 @@ impl ReadError {
     pub(crate) fn caused_by(mut self, source: io::Error) -> Self {
         self.source = Some(source);
         self
+    }
+}
+
+/// What asked for something that is missing or wrong.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Key {
+    /// The stream of a table of the drive file, by the table.
+    #[error("{0}.topic")]
+    Topic(&'static str),
+    /// The stream of the velocities.
+    #[error("gnss.velocity_topic")]
+    VelocityTopic,
+    /// The standard deviations of the positions.
+    #[error("gnss.position_std")]
+    PositionStd,
+    /// The standard deviations of the velocities.
+    #[error("gnss.velocity_std")]
+    VelocityStd,
+    /// Any other, as messages show it.
+    #[error("{0}")]
+    Other(String),
+}
+
+impl From<&str> for Key {
+    fn from(key: &str) -> Self {
+        Self::Other(key.to_owned())
     }
 }
 
@@ -90,7 +116,7 @@ fn on_line(line: &Option<u64>) -> String {
     line.map_or(String::new(), |n| format!(" line {n}"))
 }
 
-fn of_key(key: &Option<String>) -> String {
+fn of_key(key: &Option<Key>) -> String {
     key.as_ref()
         .map_or(String::new(), |k| format!(" (key {k})"))
 }

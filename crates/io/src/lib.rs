@@ -38,6 +38,6 @@ mod time;
 mod visible;
 mod zstandard;
 
-pub use error::ReadError;
+pub use error::{Key, ReadError};
 pub use opened::{Memory, Opened};
 pub use visible::{is_hidden, visible};

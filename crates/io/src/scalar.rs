@@ -129,7 +129,7 @@ impl Kind for Scalars {
         ] {
             if !(number.is_finite() && number > 0.0) {
                 let problem = format!("{number} where a positive number is required");
-                return Err(ReadError::nameless(problem).key(&key(name)));
+                return Err(ReadError::nameless(problem).key(&*key(name)));
             }
         }
         let mut wanted = TableOptions::finite(format.delimiter);

@@ -103,7 +103,7 @@ impl Table {
         let mut skipped = Skipped::default();
         if let (Some((key, _)), false) = (options.date(), matches!(source, TableSource::Text(_))) {
             let error = ReadError::new(name, "a column of dates is read from text alone");
-            return Err(error.key(key).mend("give times as numbers"));
+            return Err(error.key(key.as_str()).mend("give times as numbers"));
         }
         let rows = match source {
             TableSource::Columns(columns) => {

@@ -154,7 +154,9 @@ pub fn parts_by_names(names: Vec<String>) -> Vec<(&'static str, Vec<(&'static st
             let lines = part.lines.into_iter();
             (
                 part.table,
-                lines.map(|line| (line.key, line.value)).collect(),
+                lines
+                    .map(|line| (line.key, line.value.to_string()))
+                    .collect(),
             )
         })
         .collect()

@@ -68,10 +68,8 @@ pub fn fleet_fingerprint(py: Python<'_>, job: &str) -> PyResult<String> {
 #[pyfunction]
 pub fn fleet_process(py: Python<'_>, job: &str, threads: usize) -> PyResult<String> {
     let job = parse(job)?;
-    let outcome = py.detach(|| fleet::process_on(&job, threads));
-    let mut outcome = outcome.map_err(error)?;
-    outcome.fill(say::say);
-    Ok(outcome.to_json())
+    let outcome = py.detach(|| fleet::process_on(&job, threads, &say::say));
+    Ok(outcome.map_err(error)?.to_json())
 }
 
 /// Whether an outcome is a failure. A text that is cut short or damaged raises.

@@ -51,19 +51,13 @@ fn drive_of(
     let found = logs.into_iter().map(inspect);
     let mut found = found.collect::<Result<Vec<_>, _>>()?;
     let motion = inspection::motion(&mut found);
-    found.iter_mut().for_each(report::fill);
     complete(&found)?;
     let model = inspection::model(&found);
-    let text = report::drive_file(&model, &found, Path::new(""), vehicle, motion);
-    let held = found
-        .iter()
-        .filter_map(|log| Some((log.file.clone(), log.held.clone()?)));
-    let logs = drive::Logs {
-        memory: held.collect(),
-        ..drive::Logs::default()
-    };
+    let home = Path::new("");
+    let text = inspection::drive_file(&model, &found, home, vehicle, motion, &report::comment);
+    let logs = inspection::logs(&found, home);
     let file = PathBuf::from("<drive>");
-    let drive = drive::Drive::with_logs(&text, "<drive>", Path::new(""), logs)?;
+    let drive = drive::Drive::with_logs(&text, "<drive>", home, logs)?;
     let described: Vec<String> = found.iter().map(report::text).collect();
     Ok((Drive { drive, file }, text, described.join("\n")))
 }

@@ -1,28 +1,72 @@
-//! What files are, in words, and a starter `DRIVE.toml` for them.
+//! What files are, in words.
 
-use crate::date;
+use crate::{date, shown::Shown};
+use serde::Serialize;
 use std::path::Path;
-use undrift_engine::vehicle::Profile;
 use undrift_io::visible;
 use undrift_results::inspect::{
-    Content, CounterRestarts, Inspection, Known, Line, Measured, Motion, Note, Part, Start,
-    about_gravity, quoted,
+    Comment, Content, CounterRestarts, Inspection, Known, Measured, Model, Note, Part, Start,
+    about_gravity,
 };
 
-/// Fills in the sentences of an inspection.
-pub fn fill(inspection: &mut Inspection) {
-    inspection.notes = inspection.found.iter().map(note).collect();
-    for part in &mut inspection.parts {
-        for line in &mut part.lines {
-            line.why = known(&line.known);
+/// An inspection with its sentences, for JSON.
+pub fn shown(inspection: &Inspection) -> impl Serialize {
+    let part = |part: &Part| {
+        let lines = part.lines.iter().cloned();
+        let measured = part.measured.clone();
+        Part {
+            table: part.table,
+            lines: Vec::from_iter(lines.map(|line| Shown::new("why", known(&line.known), line))),
+            measured: measured.map(|of| Shown::new("remarks", remarks(&of), of)),
+            problem: part.problem.clone(),
+            choices: Vec::new(),
         }
-        if let Some(measured) = &mut part.measured {
-            let counter = measured.counter.iter().map(counter);
-            measured.remarks = counter
-                .chain(measured.content.iter().map(content))
-                .collect();
+    };
+    let file = Inspection {
+        file: inspection.file.clone(),
+        format: inspection.format,
+        description: inspection.description,
+        streams: inspection.streams.clone(),
+        parts: inspection.parts.iter().map(part).collect(),
+        found: inspection.found.clone(),
+        held: None,
+    };
+    Shown::new("notes", notes(inspection), file)
+}
+
+fn notes(inspection: &Inspection) -> Vec<String> {
+    inspection.found.iter().map(note).collect()
+}
+
+fn remarks(measured: &Measured) -> Vec<String> {
+    let counter = measured.counter.iter().map(counter);
+    counter
+        .chain(measured.content.iter().map(content))
+        .collect()
+}
+
+/// A comment of a drive file.
+pub fn comment(of: Comment) -> String {
+    match of {
+        Comment::Known(how) => return known(how),
+        Comment::Top => {
+            "A starter drive file. Check what is marked \"guessed\".\nAll keys: docs/drive-file.md"
+        }
+        Comment::Model => {
+            "Noise model of the IMU at rest: a preset, or better the file that `undrift identify` writes\n\
+             from a static recording of the sensor. `undrift tune` estimates the noise in the vehicle\n\
+             from this drive."
+        }
+        Comment::Missing(table) => return format!("Missing: a file with the {table} data."),
+        Comment::Heading => "from changes of velocity, which suffice in this drive",
+        Comment::Wheels => {
+            "The motion is that of a wheeled vehicle: these lines greatly reduce the drift without GNSS."
+        }
+        Comment::LeverArm => {
+            "from the IMU to the antenna: forward, right, down; measured beats estimated"
         }
     }
+    .into()
 }
 
 /// How a value is known.
@@ -236,7 +280,7 @@ fn content(content: &Content) -> String {
     }
 }
 
-/// A filled inspection for a terminal.
+/// An inspection for a terminal.
 pub fn text(inspection: &Inspection) -> String {
     let (file, what) = (inspection.file.display(), &inspection.description);
     let mut lines = vec![format!("{file}: {what}")];
@@ -252,24 +296,21 @@ pub fn text(inspection: &Inspection) -> String {
         let width = part.lines.iter().map(|line| line.key.len()).max();
         let width = width.unwrap_or(0);
         lines.extend(part.lines.iter().map(|line| {
-            let entry = format!("    {:width$} = {}   # {}", line.key, line.value, line.why);
+            let (key, value, why) = (line.key, &line.value, known(&line.known));
+            let entry = format!("    {key:width$} = {value}   # {why}");
             entry.trim_end_matches("   # ").to_owned()
         }));
-        let remarks = measured.into_iter().flat_map(|m| {
-            let remarks = m.remarks.iter().map(String::as_str);
-            remarks.chain(m.skipped.lines())
-        });
-        lines.extend(measured.map(|m| format!("    {}", start(m.start.as_ref()))));
-        lines.extend(remarks.map(|remark| format!("    {remark}")));
+        if let Some(measured) = measured {
+            let skipped = measured.skipped.lines().map(str::to_owned);
+            let start = [start(measured.start.as_ref())].into_iter();
+            let remarks = start.chain(remarks(measured)).chain(skipped);
+            lines.extend(remarks.map(|remark| format!("    {remark}")));
+        }
         let problem = part.problem.as_ref();
         lines.extend(problem.map(|problem| format!("    cannot be read: {problem}")));
     }
-    lines.extend(
-        inspection
-            .notes
-            .iter()
-            .map(|note| format!("  note: {note}")),
-    );
+    let notes = notes(inspection);
+    lines.extend(notes.iter().map(|note| format!("  note: {note}")));
     let lines = lines.iter().map(|line| visible(line));
     Vec::from_iter(lines).join("\n")
 }
@@ -303,23 +344,18 @@ fn rate_and_gaps(m: &Measured) -> String {
 }
 
 /// The key `model` that a drive file begins with, for a terminal, and what to do next; `drive` is the drive file's name.
-pub fn next(model: &Line, drive: &Path) -> String {
+pub fn next(model: &Model, drive: &Path) -> String {
     let file = drive.to_string_lossy();
     let file = visible(&file);
     format!(
-        "model = {}   # {}\nnext: undrift tune {file} -o tuned.toml   # the noise of the sensor in its vehicle",
-        model.value,
+        "model = {model}   # {}\nnext: undrift tune {file} -o tuned.toml   # the noise of the sensor in its vehicle",
         known(&model.known)
     )
 }
 
-/// What is guessed in the drive file, of its key `model` and from filled inspections, a line each.
-pub fn guesses(model: &Line, inspections: &[Inspection]) -> Vec<String> {
-    let mut lines = vec![format!(
-        "  model = {}: {}",
-        model.value,
-        known(&model.known)
-    )];
+/// What is guessed in the drive file, a line each.
+pub fn guesses(model: &Model, inspections: &[Inspection]) -> Vec<String> {
+    let mut lines = vec![format!("  model = {model}: {}", known(&model.known))];
     let mut tables = Vec::new();
     for part in inspections.iter().flat_map(|file| &file.parts) {
         if tables.contains(&part.table) {
@@ -331,151 +367,17 @@ pub fn guesses(model: &Line, inspections: &[Inspection]) -> Vec<String> {
             !certain
         });
         lines.extend(guessed.map(|line| {
-            let entry = format!(
-                "  {}.{} = {}: {}",
-                part.table, line.key, line.value, line.why
-            );
+            let (key, value, why) = (line.key, &line.value, known(&line.known));
+            let entry = format!("  {}.{key} = {value}: {why}", part.table);
             visible(&entry).into_owned()
         }));
     }
     lines
 }
 
-/// The drive file, with this key `model` and from filled inspections, that reads the first IMU, the first fixes and the first reference of the files.
-/// `home` is the folder where it will lie: files below it are named relative to it. `vehicle` is its profile where that is
-/// known; where its `motion` is that of wheels the car's is proposed.
-pub fn drive_file(
-    model: &Line,
-    inspections: &[Inspection],
-    home: &Path,
-    vehicle: Option<Profile>,
-    motion: Motion,
-) -> String {
-    let first = |table: &str| {
-        inspections.iter().find_map(|file| {
-            let part = file.parts.iter().find(|part| part.table == table)?;
-            Some((file, part))
-        })
-    };
-    let mut text = String::from(
-        "# A starter drive file. Check what is marked \"guessed\".\n\
-         # All keys: docs/drive-file.md\n\n\
-         # Noise model of the IMU at rest: a preset, or better the file that `undrift identify` writes\n\
-         # from a static recording of the sensor. `undrift tune` estimates the noise in the vehicle\n\
-         # from this drive.\n",
-    );
-    text += &format!("model = {} # {}\n", model.value, known(&model.known));
-    for (table, needed) in [("imu", true), ("gnss", true), ("truth", false)] {
-        match first(table) {
-            Some((file, part)) => write_part(&mut text, file, part, home),
-            None if needed => {
-                text += &format!(
-                    "\n# Missing: a file with the {table} data.\n# [{table}]\n# file = \"\"\n"
-                );
-            }
-            None => {}
-        }
-    }
-    if motion.heading {
-        text += "\n[initial]\nheading = \"auto\" # from changes of velocity, which suffice in this drive\n";
-    }
-    match vehicle {
-        Some(profile) => {
-            text += &format!("\n[vehicle]\nprofile = {}\n", quoted(profile.name()));
-        }
-        None if motion.wheels => {
-            text += "\n# The motion is that of a wheeled vehicle: these lines greatly reduce the drift without GNSS.\n\
-                     # [vehicle]\n# profile = \"car\"\n";
-        }
-        None => {}
-    }
-    text
-}
-
-fn write_part(text: &mut String, inspection: &Inspection, part: &Part, home: &Path) {
-    let file = quoted(&relative(&inspection.file, home));
-    *text += &format!(
-        "\n[{}]\nfile = {file} # {}\n",
-        part.table, inspection.description
-    );
-    for line in &part.lines {
-        let entry = format!("{} = {} # {}", line.key, line.value, comment(&line.why));
-        *text += entry.trim_end_matches(" # ");
-        text.push('\n');
-    }
-    if part.table == "gnss" {
-        *text += "# lever_arm = \"0, 0, 0 m\" # from the IMU to the antenna: forward, right, down; measured beats estimated\n";
-    }
-    for line in part.problem.iter().flat_map(|problem| problem.lines()) {
-        *text += &format!("# {}\n", comment(line));
-    }
-}
-
-/// A text as the comment of one line, whatever a column or stream is called.
-fn comment(text: &str) -> String {
-    visible(text).into_owned()
-}
-
-/// The file as seen from the folder: relative if it is below it, else whole.
-fn relative(file: &Path, home: &Path) -> String {
-    let home = if home.as_os_str().is_empty() {
-        Path::new(".")
-    } else {
-        home
-    };
-    let found = match (file.canonicalize(), home.canonicalize()) {
-        (Ok(file), Ok(home)) => file.strip_prefix(&home).unwrap_or(&file).to_path_buf(),
-        _ => file.to_path_buf(),
-    };
-    found.to_string_lossy().into_owned()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn names_and_problems_with_control_characters_stay_toml() {
-        let odd = "gps\u{7f}\u{1b}\r_\"0\"";
-        let topic = Line {
-            key: "topic",
-            value: quoted(odd),
-            known: Known::FirstOf(vec![odd.into()]),
-            why: String::new(),
-        };
-        let mut inspection = Inspection {
-            file: odd.into(),
-            format: "ulog",
-            description: "PX4 ULog",
-            streams: Vec::new(),
-            parts: vec![Part {
-                table: "imu",
-                lines: vec![topic],
-                measured: None,
-                problem: Some(format!("the log has: {odd}\nand {odd}")),
-                choices: Vec::new(),
-            }],
-            found: Vec::new(),
-            notes: Vec::new(),
-            held: None,
-        };
-        fill(&mut inspection);
-        let model = Line::text("model", "adis16405", Known::SensorName);
-        let text = drive_file(
-            &model,
-            &[inspection],
-            Path::new(""),
-            None,
-            Motion::default(),
-        );
-        assert!(
-            text.contains("# the first of several; the others are gps"),
-            "{text}"
-        );
-        let table: toml::Table = text.parse().unwrap();
-        let keys = |key: &str| table["imu"].get(key).and_then(|value| value.as_str());
-        assert_eq!((keys("file"), keys("topic")), (Some(odd), Some(odd)));
-    }
 
     #[test]
     fn fixes_are_counted_by_the_kinds_that_there_are() {

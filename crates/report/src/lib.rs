@@ -23,6 +23,7 @@ mod parts;
 mod plain;
 mod read;
 pub mod say;
+mod shown;
 mod tables;
 pub mod text;
 mod tune;

@@ -57,7 +57,7 @@ fn part<T: DeserializeOwned>(path: &Path, text: &str) -> Result<T, ReadError> {
         let failed = not_a_result(path, why).at(error.line() as u64);
         match key_at(text, error.line(), error.column()) {
             key if key.is_empty() => failed,
-            key => failed.key(&key),
+            key => failed.key(key.as_str()),
         }
     })
 }

@@ -1,7 +1,7 @@
-//! What an inspection finds of log files; who shows it makes the sentences.
+//! What an inspection finds of log files.
 
 mod known;
 mod parts;
 
 pub use known::{Content, Known, Note, about_gravity};
-pub use parts::{CounterRestarts, Inspection, Line, Measured, Motion, Part, Start, quoted};
+pub use parts::{Comment, CounterRestarts, Inspection, Line, Measured, Model, Motion, Part, Start};

@@ -89,7 +89,7 @@ pub(crate) fn read_gnss(
     let asked = read_use(section)?;
     if let GnssSource::Table(format) = &source {
         if format.place.is_none() {
-            return Err(section.error("position", "missing: set position (columns latitude, longitude, height), ecef or baseline; a solution needs a start position").into());
+            return Err(section.missing("position", "set position (columns latitude, longitude, height), ecef or baseline; a solution needs a start position").into());
         }
         if asked == GnssUse::Velocity && format.velocity.is_none() {
             return Err(section
@@ -210,9 +210,9 @@ fn read_stds<'a>(
         (Some(_), Some(_)) => {
             Err(section.error(columns, format!("set {constant} or {columns}, not both")))
         }
-        (None, None) => Err(section.error(
+        (None, None) => Err(section.missing(
             constant,
-            format!("missing: the file's columns ({columns}) or \"north, east, down {unit}\""),
+            format!("the file's columns ({columns}) or \"north, east, down {unit}\""),
         )),
         (_, columns) => Ok(columns),
     }
@@ -226,8 +226,8 @@ fn read_velocity(section: &Section) -> Result<(Option<[Column; 3]>, VelocityAxes
     match (velocity, polar) {
         (velocity, (None, None)) => Ok((velocity, axes.unwrap_or_default())),
         (Some(_), _) => Err(section.error("speed", "set velocity, or speed and course, not both")),
-        (None, (Some(_), None)) => Err(section.error("course", "missing: needed with speed")),
-        (None, (None, Some(_))) => Err(section.error("speed", "missing: needed with course")),
+        (None, (Some(_), None)) => Err(section.missing("course", "needed with speed")),
+        (None, (None, Some(_))) => Err(section.missing("speed", "needed with course")),
         (None, (Some(_), Some(_))) if axes.is_some() => {
             Err(section.error("velocity_axes", "speed and course have no axes: remove it"))
         }
@@ -242,7 +242,7 @@ fn read_velocity(section: &Section) -> Result<(Option<[Column; 3]>, VelocityAxes
 fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, ConfigError> {
     let time = section
         .column("time")?
-        .ok_or_else(|| section.error("time", "missing: the time column"))?;
+        .ok_or_else(|| section.missing("time", "the time column"))?;
     let (angle_scale, degrees_minutes) = section.place_unit("position_unit")?;
     let height_scale = section.unit("height_unit", Quantity::Length, 1.0)?;
     let ecef = section.columns("ecef")?;
@@ -262,9 +262,9 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
         (None, Some(ned)) => Some(PositionColumns::Baseline {
             ned,
             base: read_base(section)?.ok_or_else(|| {
-                section.error(
+                section.missing(
                     "base",
-                    "missing: the base station of the baseline, \"LAT deg, LON deg, HEIGHT m\"",
+                    "the base station of the baseline, \"LAT deg, LON deg, HEIGHT m\"",
                 )
             })?,
         }),

@@ -3,12 +3,11 @@
 use super::{
     error::{ConfigError, DriveError},
     logs::Logs,
-    section::Section,
+    section::{Section, Value},
     tables::{read_delimiter, read_span},
     text::{parse, read_text},
 };
 use std::path::{Path, PathBuf};
-use toml::de::DeValue;
 use undrift_io::{format::Format, imu::ImuFormat, layouts};
 use undrift_nav::{Matrix3, Vector3, attitude::from_rpy, covariance::AXES, units::Quantity};
 use undrift_noise::model_file;
@@ -77,18 +76,14 @@ pub(crate) fn read_imu(
         return Err(section.error("rate", "must be above 0 Hz").into());
     }
     if !format.has_times() && format.rate_hz.is_none() {
-        return Err(section
-            .error(
-                "time",
-                "missing: set the time column, or rate if there is none",
-            )
-            .into());
+        let what = "set the time column, or rate if there is none";
+        return Err(section.missing("time", what).into());
     }
     format.time_offset = section
         .quantity("time_offset", Quantity::Time)?
         .unwrap_or(0.0);
     let estimate_mounting = match section.get("mounting") {
-        Some((DeValue::String(text), _)) => text.trim() == "auto",
+        Some(Value::Text(text)) => text.trim() == "auto",
         _ => false,
     };
     let mounting = match estimate_mounting {
@@ -165,7 +160,7 @@ fn quantities(format: &ImuFormat) -> (Quantity, Quantity) {
 /// The samples in named columns of a table.
 fn read_columns(section: &Section) -> Result<ImuFormat, ConfigError> {
     let need = |key, columns: Option<_>| {
-        columns.ok_or_else(|| section.error(key, "missing: the three columns x, y, z"))
+        columns.ok_or_else(|| section.missing(key, "the three columns x, y, z"))
     };
     let gyro = need("gyro", section.columns("gyro")?)?;
     let accel = need("accel", section.columns("accel")?)?;
@@ -183,10 +178,8 @@ fn read_columns(section: &Section) -> Result<ImuFormat, ConfigError> {
             } else {
                 accel_quantity
             };
-            return Err(section.error(
-                key,
-                format!("missing: the unit of the columns, {}", quantity.examples()),
-            ));
+            let what = format!("the unit of the columns, {}", quantity.examples());
+            return Err(section.missing(key, what));
         }
     }
     let mut format = with_units(section, format)?;

@@ -143,20 +143,20 @@ fn read_odometer(
                 .into());
         }
         (None, None) => {
-            let what = "missing: the column of the wheel's speed, or ticks for a running count";
-            return Err(section.error("speed", what).into());
+            let what = "the column of the wheel's speed, or ticks for a running count";
+            return Err(section.missing("speed", what).into());
         }
         (Some(speed), None) => {
             if section.get("speed_unit").is_none() {
                 let examples = Quantity::Velocity.examples();
-                let what = format!("missing: the unit of the column, {examples}");
-                return Err(section.error("speed_unit", what).into());
+                let what = format!("the unit of the column, {examples}");
+                return Err(section.missing("speed_unit", what).into());
             }
             (("speed", speed), Reading::Scaled(unit), unit)
         }
         (None, Some(ticks)) => {
-            let per_metre = per_metre
-                .ok_or_else(|| section.error("ticks_per_metre", "missing: ticks per metre"))?;
+            let per_metre =
+                per_metre.ok_or_else(|| section.missing("ticks_per_metre", "ticks per metre"))?;
             (("ticks", ticks), Reading::Count(1.0 / per_metre), 1.0)
         }
     };
@@ -194,8 +194,8 @@ fn read_barometer(
                 .into());
         }
         (None, None) => {
-            let what = "missing: the column of the height, or pressure for air pressure";
-            return Err(section.error("height", what).into());
+            let what = "the column of the height, or pressure for air pressure";
+            return Err(section.missing("height", what).into());
         }
         (Some(height), None) => (
             ("height", height),
@@ -285,7 +285,7 @@ fn read_format(
         table,
         time: section
             .column("time")?
-            .ok_or_else(|| section.error("time", "missing: the time column"))?,
+            .ok_or_else(|| section.missing("time", "the time column"))?,
         date: section.column("date")?,
         time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
         time_offset: section

@@ -1,14 +1,14 @@
 //! Access to one table of a TOML file, with errors that name file, line, key and what was expected.
 
 mod quantities;
+mod value;
+
+pub use value::{Table, Value};
 
 use super::error::{ConfigError, DriveError};
 use super::text::line_at;
-use std::{cell::RefCell, path::Path};
-use toml::{
-    Spanned,
-    de::{DeTable, DeValue},
-};
+use std::{cell::RefCell, fmt::Display, path::Path};
+use toml::de::DeTable;
 use undrift_io::nearby;
 use undrift_noise::{ImuModel, ModelError};
 
@@ -23,7 +23,7 @@ pub(crate) const DEGREES_MINUTES: &str = "ddmm.mmmm";
 
 /// One table of a file; remembers which keys were asked for, so that the others can be refused.
 pub struct Section<'a> {
-    table: Option<&'a DeTable<'a>>,
+    table: Option<Table<'a>>,
     text: &'a str,
     file: &'a str,
     path: &'a str,
@@ -35,12 +35,31 @@ impl<'a> Section<'a> {
     /// The top of a file.
     pub fn top(table: &'a DeTable<'a>, text: &'a str, file: &'a str) -> Self {
         Self {
-            table: Some(table),
             text,
+            ..Self::values(Table::Parsed(table, 0), file)
+        }
+    }
+
+    /// The top of a table without a text.
+    pub fn values(table: Table<'a>, file: &'a str) -> Self {
+        Self {
+            table: Some(table),
+            text: "",
             file,
             path: "",
             line: None,
             asked: RefCell::default(),
+        }
+    }
+
+    /// A table below this one.
+    fn below(&self, table: Option<Table<'a>>, key: &'a str, line: Option<usize>) -> Self {
+        Self {
+            table,
+            path: key,
+            line,
+            asked: RefCell::default(),
+            ..*self
         }
     }
 
@@ -51,22 +70,11 @@ impl<'a> Section<'a> {
     pub fn section(&self, key: &'a str) -> Result<Section<'a>, ConfigError> {
         #[cfg(test)]
         self.note(key, Takes::Table);
-        let mut section = Section {
-            table: None,
-            text: self.text,
-            file: self.file,
-            path: key,
-            line: None,
-            asked: RefCell::default(),
-        };
-        if let Some((value, line)) = self.get(key) {
-            section.line = Some(line);
-            section.table = match value {
-                DeValue::Table(table) => Some(table),
-                _ => return Err(self.error(key, "must be a table")),
-            };
+        match self.get(key) {
+            None => Ok(self.below(None, key, None)),
+            Some(Value::Table(table)) => Ok(self.below(Some(table), key, self.line_of(key))),
+            Some(_) => Err(self.error(key, "must be a table")),
         }
-        Ok(section)
     }
 
     /// The tables of a list, `[[key]]`; none where it is absent.
@@ -75,24 +83,16 @@ impl<'a> Section<'a> {
     /// If the value is no list of tables.
     pub fn sections(&self, key: &'a str) -> Result<Vec<Section<'a>>, ConfigError> {
         let wrong = || self.error(key, format!("must be tables: write [[{key}]]"));
-        let Some((value, _)) = self.get(key) else {
-            return Ok(Vec::new());
+        let items = match self.get(key) {
+            None => return Ok(Vec::new()),
+            Some(Value::List(items)) => items,
+            Some(_) => return Err(wrong()),
         };
-        let DeValue::Array(items) = value else {
-            return Err(wrong());
-        };
-        let section = |item: &'a Spanned<DeValue<'a>>| match item.get_ref() {
-            DeValue::Table(table) => Ok(Section {
-                table: Some(table),
-                text: self.text,
-                file: self.file,
-                path: key,
-                line: Some(line_at(self.text, item.span().start)),
-                asked: RefCell::default(),
-            }),
+        let section = |item: Value<'a>| match item {
+            Value::Table(table) => Ok(self.below(Some(table), key, table.line(self.text))),
             _ => Err(wrong()),
         };
-        items.iter().map(section).collect()
+        items.into_iter().map(section).collect()
     }
 
     /// Whether the table is there.
@@ -102,18 +102,19 @@ impl<'a> Section<'a> {
 
     /// The keys, in the order of the alphabet.
     pub fn keys(&self) -> Vec<&'a str> {
-        let keys = self.table.into_iter().flat_map(|table| table.keys());
-        keys.map(|key| key.get_ref().as_ref()).collect()
+        self.table.map(Table::keys).unwrap_or_default()
     }
 
-    /// The value of a key and its line.
-    pub fn get(&self, key: &'a str) -> Option<(&'a DeValue<'a>, usize)> {
+    /// The value of a key.
+    pub fn get(&self, key: &'a str) -> Option<Value<'a>> {
         self.asked.borrow_mut().push(key);
-        let (name, value) = self
-            .table?
-            .iter()
-            .find(|(k, _)| k.get_ref().as_ref() == key)?;
-        Some((value.get_ref(), line_at(self.text, name.span().start)))
+        Some(self.table?.get(key)?.0)
+    }
+
+    /// The line of a key in the file's text.
+    pub fn line_of(&self, key: &str) -> Option<usize> {
+        let (_, at) = self.table?.get(key)?;
+        at.map(|at| line_at(self.text, at))
     }
 
     fn dotted(&self, key: &str) -> String {
@@ -124,31 +125,28 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// An error at a key of this table; of a key that is missing it shows one that is there and nearly so called.
+    /// An error at a key of this table.
     pub fn error(&self, key: &str, message: impl Into<String>) -> ConfigError {
-        let message = message.into();
-        if message.starts_with("missing")
-            && let Some(there) = self.nearly(key)
-        {
-            return self.error(there, format!("unknown key; did you mean {key}?"));
-        }
-        let found = self
-            .table
-            .and_then(|t| t.iter().find(|(k, _)| k.get_ref().as_ref() == key));
         ConfigError {
             file: self.file.to_owned(),
-            line: found
-                .map(|(k, _)| line_at(self.text, k.span().start))
-                .or(self.line),
+            line: self.line_of(key).or(self.line),
             key: self.dotted(key),
-            message,
+            message: message.into(),
+        }
+    }
+
+    /// The error of a key that is missing, by what it would say; or of a key that is there and has nearly that name.
+    pub fn missing(&self, key: &str, what: impl Display) -> ConfigError {
+        match self.nearly(key) {
+            Some(there) => self.error(there, format!("unknown key; did you mean {key}?")),
+            None => self.error(key, format!("missing: {what}")),
         }
     }
 
     /// A key that is there, was not asked for and is nearly so called.
     fn nearly(&self, key: &str) -> Option<&'a str> {
         let asked = self.asked.borrow();
-        let mut keys = self.table?.keys().map(|there| there.get_ref().as_ref());
+        let mut keys = self.keys().into_iter();
         keys.find(|there| !asked.contains(there) && nearby::misspelt(there, key))
     }
 
@@ -167,19 +165,17 @@ impl<'a> Section<'a> {
     /// If there is such a key; the message names those known.
     pub fn only_known(&self) -> Result<(), ConfigError> {
         let asked = self.asked.borrow();
-        let unknown = self
-            .table
-            .and_then(|t| t.keys().find(|k| !asked.contains(&k.get_ref().as_ref())));
+        let unknown = self.keys().into_iter().find(|key| !asked.contains(key));
         match unknown {
             None => Ok(()),
             Some(key) => {
                 let mut known: Vec<&str> = asked.clone();
                 known.sort_unstable();
                 known.dedup();
-                let near = nearby::known(key.get_ref(), known.iter().copied());
+                let near = nearby::known(key, known.iter().copied());
                 let near = near.map_or(String::new(), |near| near + " ");
                 Err(self.error(
-                    key.get_ref(),
+                    key,
                     format!("unknown key; {near}known here: {}", known.join(", ")),
                 ))
             }
@@ -199,7 +195,7 @@ impl<'a> Section<'a> {
     fn string(&self, key: &'a str) -> Result<Option<&'a str>, ConfigError> {
         match self.get(key) {
             None => Ok(None),
-            Some((DeValue::String(s), _)) => Ok(Some(s.as_ref())),
+            Some(Value::Text(text)) => Ok(Some(text)),
             Some(_) => Err(self.error(key, "must be a string")),
         }
     }
@@ -227,14 +223,14 @@ impl<'a> Section<'a> {
         match self.text(key)? {
             Some(name) if !name.is_empty() => Ok(name),
             Some(_) => Err(self.error(key, "the file name is empty")),
-            None if self.exists() => Err(self.error(key, "missing: the file name")),
-            None => Err(self.error(
-                key,
-                format!(
-                    "missing: add a [{}] table with file = \"NAME OF THE LOG\"",
+            None if self.exists() => Err(self.missing(key, "the file name")),
+            None => {
+                let table = format!(
+                    "add a [{}] table with file = \"NAME OF THE LOG\"",
                     self.path
-                ),
-            )),
+                );
+                Err(self.missing(key, table))
+            }
         }
     }
 
@@ -290,7 +286,7 @@ impl<'a> Section<'a> {
             key,
             Takes::ListOf(words.iter().map(|(word, _)| (*word).into()).collect()),
         );
-        let Some((value, _)) = self.get(key) else {
+        let Some(value) = self.get(key) else {
             return Ok(None);
         };
         let wrong = || {
@@ -300,14 +296,14 @@ impl<'a> Section<'a> {
                 format!("must be a list of words such as [\"{first}\"]"),
             )
         };
-        let DeValue::Array(items) = value else {
+        let Value::List(items) = value else {
             return Err(wrong());
         };
         if items.is_empty() {
             return Err(wrong());
         }
-        let one = |item: &toml::Spanned<DeValue>| match item.get_ref() {
-            DeValue::String(text) => self.one_of(key, text, words),
+        let one = |item: &Value| match item {
+            Value::Text(text) => self.one_of(key, text, words),
             _ => Err(wrong()),
         };
         items.iter().map(one).collect::<Result<_, _>>().map(Some)
@@ -322,13 +318,13 @@ impl<'a> Section<'a> {
         self.note(key, Takes::Model);
         match self.get(key) {
             None => Ok(None),
-            Some((DeValue::String(name), _)) => match ImuModel::resolve(name, home) {
+            Some(Value::Text(name)) => match ImuModel::resolve(name, home) {
                 Ok(model) => Ok(Some(model)),
                 // Not the model's fault but the name's.
                 Err(e @ ModelError::Read { .. }) => Err(self.error(key, e.to_string()).into()),
                 Err(other) => Err(other.into()),
             },
-            Some((DeValue::Table(table), _)) => {
+            Some(Value::Table(Table::Parsed(table, _))) => {
                 let path = self.dotted(key);
                 Ok(Some(ImuModel::from_spanned(
                     table, self.text, self.file, &path,
@@ -349,7 +345,7 @@ impl<'a> Section<'a> {
         self.note(key, Takes::Whole);
         let number = match self.get(key) {
             None => return Ok(None),
-            Some((DeValue::Integer(x), _)) => x.as_str().replace('_', "").parse().ok(),
+            Some(Value::Whole(x)) => x.replace('_', "").parse().ok(),
             Some(_) => None,
         };
         match number {

@@ -3,7 +3,7 @@
 use super::{
     error::{ConfigError, DriveError},
     logs::Logs,
-    section::Section,
+    section::{Section, Value},
 };
 use crate::{
     align::{AlignSettings, Heading},
@@ -88,7 +88,7 @@ pub(crate) fn read_truth(
 fn read_truth_columns(section: &Section) -> Result<TruthFormat, ConfigError> {
     let time = section
         .column("time")?
-        .ok_or_else(|| section.error("time", "missing: the time column"))?;
+        .ok_or_else(|| section.missing("time", "the time column"))?;
     let (position, ecef) = match (section.columns("position")?, section.columns("ecef")?) {
         (Some(_), Some(_)) => {
             return Err(section.error("ecef", "set position or ecef, not both"));
@@ -96,8 +96,8 @@ fn read_truth_columns(section: &Section) -> Result<TruthFormat, ConfigError> {
         (Some(position), None) => (position, false),
         (None, Some(ecef)) => (ecef, true),
         (None, None) => {
-            let what = "missing: the columns latitude, longitude, height, or ecef";
-            return Err(section.error("position", what));
+            let what = "the columns latitude, longitude, height, or ecef";
+            return Err(section.missing("position", what));
         }
     };
     let degree = 1f64.to_radians();
@@ -177,7 +177,7 @@ pub fn read_switch<'a>(section: &Section<'a>, key: &'a str) -> Result<Option<boo
     section.note(key, super::section::page::Takes::Switch);
     match section.get(key) {
         None => Ok(None),
-        Some((toml::de::DeValue::Boolean(on), _)) => Ok(Some(*on)),
+        Some(Value::Switch(on)) => Ok(Some(on)),
         Some(_) => Err(section.error(key, "must be true or false")),
     }
 }
@@ -192,8 +192,8 @@ pub(super) fn read_std<'a>(
     #[cfg(test)]
     section.note_std(key, quantity);
     let std = match section.get(key) {
-        Some((toml::de::DeValue::String(text), _)) if text == "off" => return Ok(None),
-        Some((toml::de::DeValue::String(_), _)) => section.quantity(key, quantity)?,
+        Some(Value::Text("off")) => return Ok(None),
+        Some(Value::Text(_)) => section.quantity(key, quantity)?,
         // A pure number needs no quotes.
         Some(_) if quantity == Quantity::Dimensionless => section.factor(key)?,
         _ => section.quantity(key, quantity)?,

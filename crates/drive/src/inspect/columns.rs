@@ -8,8 +8,9 @@ use super::{
 use crate::columns::{
     FIX_STEP, IMU_STEP, Meaning, RECEIVED, meanings, ordinary_step, time_unit_of,
 };
+use toml::Value;
 use undrift_io::{Opened, ReadError, table::Preview};
-use undrift_results::inspect::{Known, Line, Note, Part, quoted};
+use undrift_results::inspect::{Known, Line, Note, Part};
 
 /// By the names of several columns.
 pub(super) const NAMES: Known = Known::Name { several: true };
@@ -288,11 +289,13 @@ pub(super) struct Columns {
 
 impl Columns {
     /// A column as a drive file names it: by its name where that is its alone, else by its number.
-    pub(super) fn name(&self, place: usize) -> String {
+    pub(super) fn name(&self, place: usize) -> Value {
         let name = self.table.names.get(place).filter(|name| {
             !name.is_empty() && self.table.names.iter().filter(|n| n == name).count() == 1
         });
-        name.map_or((place + 1).to_string(), |name| quoted(name))
+        name.map_or(Value::Integer(place as i64 + 1), |name| {
+            name.as_str().into()
+        })
     }
 
     /// The columns of the position: as angles, else Earth-fixed.
@@ -301,12 +304,11 @@ impl Columns {
     }
 
     pub(super) fn three(&self, key: &'static str, places: [usize; 3]) -> Line {
-        let names = places.map(|place| self.name(place)).join(", ");
         let known = match self.found.known {
             Known::Name { .. } => NAMES,
             _ => Known::Numbers { several: true },
         };
-        Line::new(key, format!("[{names}]"), known)
+        Line::new(key, Vec::from(places.map(|place| self.name(place))), known)
     }
 
     /// The unit that the name of a column states.
@@ -349,7 +351,7 @@ impl Columns {
         let factor = undrift_nav::units::unit_factor(&unit, undrift_nav::units::Quantity::Time)
             .unwrap_or(1.0);
         if unit != "s" {
-            lines.push(Line::text("time_unit", &unit, known));
+            lines.push(Line::new("time_unit", unit, known));
         }
         let step = ordinary_step(&stamps).map(|step| step * factor);
         (lines, step)
@@ -375,7 +377,7 @@ impl Columns {
         let named = |places: [usize; 3]| self.unit(places[0]).filter(|_| !exchanged);
         let (mut lines, interval) = self.time(IMU_STEP);
         if lines.is_empty() {
-            lines.push(Line::text("rate", "100 Hz", Known::NoTimes));
+            lines.push(Line::new("rate", "100 Hz", Known::NoTimes));
         }
         let forces = three_of(&self.table.rows, accel);
         let turns = three_of(&self.table.rows, gyro);
@@ -424,14 +426,14 @@ impl Columns {
             }
         };
         if increments {
-            lines.push(Line::text("data", "increments", Known::Increments));
+            lines.push(Line::new("data", "increments", Known::Increments));
         }
         let blanks = apart(&self.table.rows, gyro, accel);
         if let (Some(time), false) = (self.found.time, blanks) {
             let share = shared_stamps(&self.table.rows, time, gyro, accel);
             if share > 0.5 {
                 let known = Known::SharedStamps { share };
-                lines.push(Line::text("shared_stamps", "spread", known));
+                lines.push(Line::new("shared_stamps", "spread", known));
             }
         }
         let columns = |key, places| {
@@ -442,11 +444,11 @@ impl Columns {
             line
         };
         lines.push(columns("gyro", gyro));
-        lines.push(Line::text("gyro_unit", &gyro_unit, gyro_why));
+        lines.push(Line::new("gyro_unit", gyro_unit, gyro_why));
         lines.push(columns("accel", accel));
-        lines.push(Line::text("accel_unit", &accel_unit, accel_why));
+        lines.push(Line::new("accel_unit", accel_unit, accel_why));
         if blanks {
-            lines.push(Line::text("blanks", "interpolate", Known::Apart));
+            lines.push(Line::new("blanks", "interpolate", Known::Apart));
         }
         lines
     }
@@ -458,12 +460,12 @@ impl Columns {
         lines.push(self.three("attitude", attitude));
         match self.unit(attitude[0]) {
             Some(unit) if unit == "deg" => {}
-            Some(unit) => lines.push(Line::text("attitude_unit", &unit, NAMES)),
+            Some(unit) => lines.push(Line::new("attitude_unit", unit, NAMES)),
             None => {
                 let angles = three_of(&self.table.rows, attitude);
                 let turn = 2.0 * std::f64::consts::PI;
                 if angles.iter().flatten().all(|angle| angle.abs() <= turn) {
-                    lines.push(Line::text("attitude_unit", "rad", Known::SmallAngles));
+                    lines.push(Line::new("attitude_unit", "rad", Known::SmallAngles));
                 }
             }
         }

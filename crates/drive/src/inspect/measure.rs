@@ -1,10 +1,10 @@
 //! Reads a part of a file with the keys found for it, as a drive would.
 
-use super::sensor::Steps;
-use crate::drive::{DriveError, Logs, Section, gnss, imu, parse, tables};
+use super::{LEVEL_VELOCITY_STD, POSITION_STD, VELOCITY_STD, sensor::Steps, table};
+use crate::drive::{DriveError, Logs, Section, Table, gnss, imu, tables};
 use std::path::Path;
 use undrift_io::{
-    ReadError,
+    Key, ReadError,
     epoch::Epoch,
     format::Format,
     gaps::{Gap, GapWatch},
@@ -15,15 +15,8 @@ use undrift_io::{
 };
 use undrift_nav::{Vector3, earth::STANDARD_GRAVITY, sample::FixQuality};
 use undrift_results::inspect::{
-    Content, CounterRestarts, Known, Line, Measured, Part, Start, about_gravity, quoted,
+    Content, CounterRestarts, Known, Line, Measured, Part, Start, about_gravity,
 };
-
-/// Standard deviations to begin with where a log does not tell any: a single-frequency receiver
-/// under an open sky.
-const POSITION_STD: &str = "3, 3, 6 m";
-const VELOCITY_STD: &str = "0.2, 0.2, 0.4 m/s";
-/// NMEA has no vertical speed: 20 m/s leave it open.
-const NMEA_VELOCITY_STD: &str = "0.2, 0.2, 20 m/s";
 
 /// Reads the part; what was found, or why not, goes into it. What has to be said is said: the stream
 /// where there are several, the uncertainty that a log does not tell.
@@ -61,12 +54,12 @@ fn unit_of_force(measured: &Measured, format: Format, part: &Part) -> Option<Lin
         .find(|(_, gravity)| about_gravity([0.0, 0.0, size / gravity * STANDARD_GRAVITY]))?;
     match format {
         _ if !format.is_log() => None,
-        Format::SensorLogger => Some(Line::text(
+        Format::SensorLogger => Some(Line::new(
             "accel_unit",
-            &format!("-{unit}"),
+            format!("-{unit}"),
             Known::Telephone(size),
         )),
-        _ => Some(Line::text("accel_unit", unit, Known::Gravity(size))),
+        _ => Some(Line::new("accel_unit", unit, Known::Gravity(size))),
     }
 }
 
@@ -77,40 +70,32 @@ fn missing(
     part: &Part,
 ) -> Option<Line> {
     let key = match result {
-        Err(DriveError::Read(error)) => error.key.as_deref()?.split('.').nth(1)?,
-        Ok((measured, _)) if measured.untold_velocities > 0 => "velocity_std",
+        Err(DriveError::Read(error)) => error.key.as_ref()?,
+        Ok((measured, _)) if measured.untold_velocities > 0 => &Key::VelocityStd,
         _ => return None,
     };
-    if part.lines.iter().any(|line| line.key == key) {
-        return None;
-    }
-    match key {
-        "position_std" => Some(Line::text("position_std", POSITION_STD, Known::NotInLog)),
-        "velocity_std" if format == Format::Nmea => Some(Line::text(
-            "velocity_std",
-            NMEA_VELOCITY_STD,
-            Known::NotInNmea,
-        )),
-        "velocity_std" => Some(Line::text("velocity_std", VELOCITY_STD, Known::NotInLog)),
-        _ => {
-            let (key, names) = part.choices.iter().find(|(choice, _)| *choice == key)?;
-            let (first, others) = names.split_first()?;
-            Some(Line::text(key, first, Known::FirstOf(others.to_vec())))
+    let of_stream = |key: &'static str| {
+        let (_, names) = part.choices.iter().find(|(choice, _)| *choice == key)?;
+        let (first, others) = names.split_first()?;
+        Some(Line::new(key, &**first, Known::FirstOf(others.to_vec())))
+    };
+    let line = match key {
+        Key::PositionStd => Line::new("position_std", POSITION_STD, Known::NotInLog),
+        Key::VelocityStd if format == Format::Nmea => {
+            Line::new("velocity_std", LEVEL_VELOCITY_STD, Known::NotInNmea)
         }
-    }
+        Key::VelocityStd => Line::new("velocity_std", VELOCITY_STD, Known::NotInLog),
+        Key::Topic(_) => of_stream("topic")?,
+        Key::VelocityTopic => of_stream("velocity_topic")?,
+        Key::Other(_) => return None,
+    };
+    let is_there = part.lines.iter().any(|there| there.key == line.key);
+    (!is_there).then_some(line)
 }
 
 fn read(path: &Path, logs: &mut Logs, part: &Part) -> Result<(Measured, Option<Line>), DriveError> {
-    let mut text = format!(
-        "[{}]\nfile = {}\n",
-        part.table,
-        quoted(&path.to_string_lossy())
-    );
-    for line in &part.lines {
-        text += &format!("{} = {}\n", line.key, line.value);
-    }
-    let parsed = parse(&text, "guessed keys")?;
-    let top = Section::top(parsed.get_ref(), &text, "guessed keys");
+    let tables = toml::Table::from_iter([(part.table.to_owned(), table(path, part).into())]);
+    let top = Section::values(Table::Values(&tables), "guessed keys");
     let section = top.section(part.table)?;
     match part.table {
         "imu" => {
@@ -156,11 +141,11 @@ fn samples(mut reader: ImuReader) -> Result<(Measured, Option<Line>), ReadError>
         // Specific force at rest points up.
         let up = force.z / force.norm();
         axes = Some(if up < -0.8 {
-            Line::text("axes", "x,y,z", Known::PointsDown)
+            Line::new("axes", "x,y,z", Known::PointsDown)
         } else if up > 0.8 {
-            Line::text("axes", "x,-y,-z", Known::PointsUp)
+            Line::new("axes", "x,-y,-z", Known::PointsUp)
         } else {
-            Line::text("mounting", "auto", Known::Tilted)
+            Line::new("mounting", "auto", Known::Tilted)
         });
     }
     let mut measured = span.measured(reader.skipped(), reader.epoch());
@@ -254,16 +239,12 @@ impl Span {
             gaps: gaps.count,
             longest_gap_s: gaps.longest.map(|gap| (gap.start, gap.length)),
             skipped: skipped.to_string(),
-            untold_velocities: 0,
-            steps_of: None,
-            size_of_force: None,
             counter: skipped.restarts().map(|restarts| CounterRestarts {
                 line: restarts.line,
                 count: restarts.count,
                 length: restarts.length,
             }),
-            content: None,
-            remarks: Vec::new(),
+            ..Measured::default()
         }
     }
 }
@@ -278,9 +259,14 @@ mod tests {
         let mut logs = Logs::default();
         let held = Memory::Bytes(text.as_bytes().into());
         logs.memory.insert("log".into(), held);
-        let line = |(key, value): &(&'static str, &str)| {
-            Line::new(key, (*value).to_owned(), Known::Certain)
-        };
+        let values: toml::Table = keys
+            .iter()
+            .map(|(k, v)| format!("{k} = {v}\n"))
+            .collect::<String>()
+            .parse()
+            .unwrap();
+        let line =
+            |(key, _): &(&'static str, &str)| Line::new(key, values[*key].clone(), Known::Certain);
         let mut part = Part::new(table, keys.iter().map(line).collect());
         measure(Path::new("log"), &mut logs, Format::Csv, &mut part);
         part
@@ -306,32 +292,25 @@ mod tests {
         let mut part = Part::new("gnss", Vec::new());
         let streams = ["/first", "/second", "/third"].map(str::to_owned);
         part.choices.push(("topic", streams.into()));
-        let asks = |key: &str, format, part: &Part| {
+        let asks = |key: Key, format, part: &Part| {
             let error = ReadError {
-                key: Some(key.to_owned()),
+                key: Some(key),
                 ..ReadError::new(Path::new("log"), "")
             };
             missing(&Err(error.into()), format, part)
         };
-        let position = Line::text("position_std", POSITION_STD, Known::NotInLog);
-        let velocity = Line::text("velocity_std", VELOCITY_STD, Known::NotInLog);
-        let of_nmea = Line::text("velocity_std", NMEA_VELOCITY_STD, Known::NotInNmea);
+        let position = Line::new("position_std", POSITION_STD, Known::NotInLog);
+        let velocity = Line::new("velocity_std", VELOCITY_STD, Known::NotInLog);
+        let of_nmea = Line::new("velocity_std", LEVEL_VELOCITY_STD, Known::NotInNmea);
         let others = ["/second", "/third"].map(str::to_owned);
-        let first = Line::text("topic", "/first", Known::FirstOf(others.into()));
+        let first = Line::new("topic", "/first", Known::FirstOf(others.into()));
         let csv = Format::Csv;
-        assert_eq!(asks("gnss.position_std", csv, &part), Some(position));
-        assert_eq!(
-            asks("gnss.velocity_std", csv, &part),
-            Some(velocity.clone())
-        );
-        assert_eq!(
-            asks("gnss.velocity_std", Format::Nmea, &part),
-            Some(of_nmea)
-        );
-        assert_eq!(asks("gnss.topic", csv, &part), Some(first));
-        for other in ["gnss.rate", "gnss", "velocity_std"] {
-            assert_eq!(asks(other, csv, &part), None);
-        }
+        assert_eq!(asks(Key::PositionStd, csv, &part), Some(position));
+        assert_eq!(asks(Key::VelocityStd, csv, &part), Some(velocity.clone()));
+        assert_eq!(asks(Key::VelocityStd, Format::Nmea, &part), Some(of_nmea));
+        assert_eq!(asks(Key::Topic("gnss"), csv, &part), Some(first));
+        assert_eq!(asks(Key::VelocityTopic, csv, &part), None);
+        assert_eq!(asks("gnss.rate".into(), csv, &part), None);
         let plain = ReadError::new(Path::new("log"), "");
         assert_eq!(missing(&Err(plain.into()), csv, &part), None);
         // Fixes are read all the same where only their velocities have no standard deviation.
@@ -344,7 +323,7 @@ mod tests {
         assert_eq!(missing(&read(0), csv, &part), None);
         part.lines.push(velocity);
         assert_eq!(missing(&read(1), csv, &part), None);
-        assert_eq!(asks("gnss.velocity_std", csv, &part), None);
+        assert_eq!(asks(Key::VelocityStd, csv, &part), None);
     }
 
     /// Specific force at rest points up: of axes that point down its z is negative.
@@ -355,9 +334,9 @@ mod tests {
             let line = part.lines.last().unwrap();
             (line.key, line.value.clone(), line.known.clone())
         };
-        let down = ("axes", quoted("x,y,z"), Known::PointsDown);
-        let up = ("axes", quoted("x,-y,-z"), Known::PointsUp);
-        let tilted = ("mounting", quoted("auto"), Known::Tilted);
+        let down = ("axes", "x,y,z".into(), Known::PointsDown);
+        let up = ("axes", "x,-y,-z".into(), Known::PointsUp);
+        let tilted = ("mounting", "auto".into(), Known::Tilted);
         // 0.8 is a lean of 37 deg.
         for z in [-1.0, -0.81] {
             assert_eq!(axes(z), down);

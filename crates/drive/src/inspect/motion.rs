@@ -1,11 +1,11 @@
 //! How the IMU sits in its vehicle, by how it moves against the fixes.
 
 use super::{
-    Content, Inspection, Known, Line, Motion, Note, Part, clocks, quoted, sensor::GUESS,
+    Content, Inspection, Known, Line, Motion, Note, Part, clocks, logs, sensor::GUESS, table,
     units::COUNTS_OF_RATE,
 };
 use crate::{
-    drive::{AXLE_STD, Drive, Logs, OTHER_CLOCK},
+    drive::{AXLE_STD, Drive, DriveError, Logs, OTHER_CLOCK, Section, Table},
     engine::derived::with_velocities,
     mounting::{
         EstimateError, FLOOR_TURNING, LONGEST_PASS, Mounting, MountingError, by_force,
@@ -39,19 +39,12 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
     let (Some(imu), Some(gnss)) = (readable("imu"), readable("gnss")) else {
         return Motion::default();
     };
-    let mut logs = Logs::default();
-    for (file, _) in [imu, gnss] {
-        let Inspection { file, held, .. } = &inspections[file];
-        logs.memory
-            .extend(held.iter().map(|held| (file.clone(), held.clone())));
-    }
+    let logs = logs(inspections, Path::new(""));
     let drive = |inspections: &[Inspection]| {
-        let section = |(file, part): (usize, usize)| {
-            let file = &inspections[file];
-            section(&file.file, &file.parts[part])
+        let of = |(file, part): (usize, usize)| {
+            (&*inspections[file].file, &inspections[file].parts[part])
         };
-        let text = format!("model = \"{GUESS}\"\n{}{}", section(imu), section(gnss));
-        Drive::with_logs(&text, "", Path::new(""), logs.clone())
+        drive_of([of(imu), of(gnss)], logs.clone())
     };
     if let Some(ratio) = removed_gravity(&inspections[imu.0].parts[imu.1]) {
         inspections[imu.0].found.push(Note::NoGravity { ratio });
@@ -154,27 +147,31 @@ fn angles(rpy: &Vector3, digits: usize) -> String {
 }
 
 /// Keys that say how the IMU sits.
-const SITS: [&str; 2] = ["axes", "mounting"];
+const SITS: [&str; 2] = ["axes", MOUNTING];
+const MOUNTING: &str = "mounting";
 
 /// Writes how the IMU sits into its part.
 fn sits(imu: &mut Part, mounting: &str, known: Known) {
     imu.lines.retain(|line| !SITS.contains(&line.key));
-    imu.lines.push(Line::text("mounting", mounting, known));
+    imu.lines.push(Line::new(MOUNTING, mounting, known));
 }
 
-/// The table of a drive file, in the sensor's own axes.
-fn section(file: &Path, part: &Part) -> String {
-    let lines = part.lines.iter().filter(|line| !SITS.contains(&line.key));
-    let lines = lines.map(|line| format!("{} = {}\n", line.key, line.value));
-    let sits = match part.table {
-        "imu" => "mounting = \"auto\"\n",
-        _ => "",
-    };
-    let file = quoted(&file.to_string_lossy());
-    format!(
-        "[{}]\nfile = {file}\n{sits}{}",
-        part.table,
-        lines.collect::<String>()
+/// The drive of an IMU and fixes, whose mounting is estimated.
+fn drive_of(parts: [(&Path, &Part); 2], logs: Logs) -> Result<Drive, DriveError> {
+    let [mut imu, gnss] = parts.map(|(file, part)| table(file, part));
+    imu.retain(|key, _| !SITS.contains(&key));
+    imu.insert(MOUNTING.into(), "auto".into());
+    let tables = [
+        ("model", GUESS.into()),
+        ("imu", imu.into()),
+        ("gnss", gnss.into()),
+    ];
+    let tables = tables.map(|(key, value): (&str, toml::Value)| (key.to_owned(), value));
+    let tables = toml::Table::from_iter(tables);
+    Drive::of_tables(
+        &Section::values(Table::Values(&tables), ""),
+        Path::new(""),
+        logs,
     )
 }
 
@@ -228,7 +225,7 @@ fn other_clock(gnss: &mut Part, drive: &Drive) -> Option<Option<Note>> {
         false => dated + offset,
     };
     gnss.lines
-        .push(Line::text("time_offset", &format!("{offset:.2} s"), known));
+        .push(Line::new("time_offset", format!("{offset:.2} s"), known));
     Some(None)
 }
 
@@ -254,11 +251,11 @@ fn other_sign(imu: &mut Part, drive: &Drive) -> bool {
     let Some((line, (samples, fixes))) = unit.zip(records(drive)) else {
         return false;
     };
-    let unit = line.value.trim_matches('"').to_owned();
+    let unit = line.value.as_str().unwrap_or_default();
     if unit.starts_with('-') || !is_force_reversed(&samples, &fixes) {
         return false;
     }
-    *line = Line::text("accel_unit", &format!("-{unit}"), Known::Reversed);
+    *line = Line::new("accel_unit", format!("-{unit}"), Known::Reversed);
     true
 }
 
@@ -335,13 +332,13 @@ fn reversed_axes(imu: &mut Part, drive: &Drive) -> Option<Mounting> {
         }
         let stated = imu.lines.iter().position(|line| line.key == key);
         let stated = stated.map(|at| imu.lines.remove(at).value);
-        let unit = stated.as_ref().map_or(si, |value| value.trim_matches('"'));
+        let unit = stated.as_ref().and_then(|unit| unit.as_str()).unwrap_or(si);
         let reversed = match unit.strip_prefix('-') {
             Some(unit) => unit.to_owned(),
             None => format!("-{unit}"),
         };
         let units = signs.map(|sign| if sign < 0.0 { &*reversed } else { unit });
-        let line = Line::text(key, &units.join(", "), Known::ReversedAxes);
+        let line = Line::new(key, units.join(", "), Known::ReversedAxes);
         imu.lines.push(line);
     }
     Some(found)
@@ -378,7 +375,7 @@ fn other_unit(imu: &mut Part, drive: &Drive) -> bool {
         let Some(unit) = nearest.filter(|unit| **unit != COUNTS_OF_RATE[0]) else {
             return false;
         };
-        *line = Line::text("gyro_unit", unit, Known::Turns(ratio));
+        *line = Line::new("gyro_unit", *unit, Known::Turns(ratio));
         return true;
     }
     // A name is taken at its word unless the other unit fits.
@@ -388,14 +385,14 @@ fn other_unit(imu: &mut Part, drive: &Drive) -> bool {
         return false;
     }
     // Nearer to the other unit than to this one.
-    let other = match line.value.as_str() {
-        "\"rad/s\"" if ratio * degree.sqrt() > 1.0 => "deg/s",
-        "\"rad\"" if ratio * degree.sqrt() > 1.0 => "deg",
-        "\"deg/s\"" if ratio < degree.sqrt() => "rad/s",
-        "\"deg\"" if ratio < degree.sqrt() => "rad",
+    let other = match line.value.as_str().unwrap_or_default() {
+        "rad/s" if ratio * degree.sqrt() > 1.0 => "deg/s",
+        "rad" if ratio * degree.sqrt() > 1.0 => "deg",
+        "deg/s" if ratio < degree.sqrt() => "rad/s",
+        "deg" if ratio < degree.sqrt() => "rad",
         _ => return false,
     };
-    *line = Line::text("gyro_unit", other, Known::Turns(ratio));
+    *line = Line::new("gyro_unit", other, Known::Turns(ratio));
     true
 }
 

@@ -1,6 +1,9 @@
 //! Which columns of a table are a receiver's position, velocity and accuracy, and in which units.
 
-use super::columns::{Columns, NAMES, all, three_of};
+use super::{
+    LEVEL_VELOCITY_STD, POSITION_STD, VELOCITY_STD,
+    columns::{Columns, NAMES, all, three_of},
+};
 use crate::columns::{FIX_STEP, ordinary_step};
 use crate::drive::DEGREES_MINUTES;
 use undrift_base::order_statistics::upper_median;
@@ -14,11 +17,6 @@ use undrift_results::inspect::{Known, Line};
 
 /// Integers of 1e-7 degrees.
 const INTEGERS: &str = "LSB/1e7 deg";
-/// Standard deviations to begin with.
-const POSITION_STD: &str = "3, 3, 6 m";
-const VELOCITY_STD: &str = "0.2, 0.2, 0.4 m/s";
-/// The same where the vertical velocity is not known.
-const LEVEL_VELOCITY_STD: &str = "0.2, 0.2, 20 m/s";
 /// Whole numbers from here on, as standard deviations of fixes, are mm or mm/s.
 const LARGE_STD: f64 = 50.0;
 /// Most that a speed in the right unit differs from that of the positions.
@@ -37,16 +35,16 @@ impl Columns {
         });
         match self.unit(place[0]) {
             Some(unit) if unit == "deg" => {}
-            Some(unit) => lines.push(Line::text("position_unit", &unit, NAMES)),
+            Some(unit) => lines.push(Line::new("position_unit", unit, NAMES)),
             None if self.are_degrees_minutes(place) => {
                 let known = Known::Numbers { several: true };
-                lines.push(Line::text("position_unit", DEGREES_MINUTES, known));
+                lines.push(Line::new("position_unit", DEGREES_MINUTES, known));
             }
             None if self.are_integers(place) => {
-                lines.push(Line::text("position_unit", INTEGERS, Known::Integers));
+                lines.push(Line::new("position_unit", INTEGERS, Known::Integers));
             }
             None if small && !angles.is_empty() => {
-                lines.push(Line::text("position_unit", "rad", Known::SmallPlaces));
+                lines.push(Line::new("position_unit", "rad", Known::SmallPlaces));
             }
             None => {}
         }
@@ -57,10 +55,10 @@ impl Columns {
     fn height_unit(&self, place: [usize; 3]) -> Option<Line> {
         match self.unit(place[2]) {
             Some(unit) if unit == "m" => None,
-            Some(unit) => Some(Line::text("height_unit", &unit, NAMES)),
+            Some(unit) => Some(Line::new("height_unit", unit, NAMES)),
             None => self
                 .are_integers(place)
-                .then(|| Line::text("height_unit", "mm", Known::Integers)),
+                .then(|| Line::new("height_unit", "mm", Known::Integers)),
         }
     }
 
@@ -101,16 +99,13 @@ impl Columns {
             let Some(velocity) = all(&self.found.ecef_velocity) else {
                 return Vec::new();
             };
-            let axes = Line::text("velocity_axes", "ecef", NAMES);
+            let axes = Line::new("velocity_axes", "ecef", NAMES);
             return vec![self.three("velocity", velocity), axes];
         };
         let mut lines = vec![self.three("velocity", velocity)];
         if self.found.up {
-            let known = match self.found.known {
-                Known::Name { .. } => NAMES,
-                _ => Known::Numbers { several: true },
-            };
-            lines.push(Line::text("velocity_axes", "north,east,up", known));
+            let known = lines[0].known.clone();
+            lines.push(Line::new("velocity_axes", "north,east,up", known));
         }
         lines
     }
@@ -131,7 +126,7 @@ impl Columns {
                 Quantity::Length,
                 self.are_integers(place),
             ),
-            None => vec![Line::text("position_std", POSITION_STD, Known::NoColumns)],
+            None => vec![Line::new("position_std", POSITION_STD, Known::NoColumns)],
         });
         let velocity = self.velocity();
         let is_level = velocity.is_empty();
@@ -148,10 +143,10 @@ impl Columns {
                 let counts = all(&self.found.velocity)
                     .filter(|velocity| unit.is_none() && self.are_thousandths(place, *velocity));
                 let unit = match (unit, counts) {
-                    (None, Some(_)) => Some(Line::text("velocity_unit", "mm/s", Known::Integers)),
+                    (None, Some(_)) => Some(Line::new("velocity_unit", "mm/s", Known::Integers)),
                     (unit, _) => unit
                         .filter(|unit| unit != "m/s")
-                        .map(|unit| Line::text("velocity_unit", &unit, NAMES)),
+                        .map(|unit| Line::new("velocity_unit", unit, NAMES)),
                 };
                 (velocity, unit)
             }
@@ -175,7 +170,7 @@ impl Columns {
                 } else {
                     VELOCITY_STD
                 };
-                vec![Line::text("velocity_std", level, Known::NoColumns)]
+                vec![Line::new("velocity_std", level, Known::NoColumns)]
             }
         });
         lines
@@ -203,13 +198,12 @@ impl Columns {
         let large = !sizes.is_empty() && upper_median(&mut sizes) >= LARGE_STD;
         match named {
             Some(1.0) => {}
-            Some(scale) => lines.push(Line::new(factor, scale.to_string(), NAMES)),
-            None if counts && whole => {
-                lines.push(Line::new(factor, "0.001".into(), Known::Integers));
+            Some(scale) if scale.fract() == 0.0 => {
+                lines.push(Line::new(factor, scale as i64, NAMES));
             }
-            None if large && whole => {
-                lines.push(Line::new(factor, "0.001".into(), Known::Thousandths));
-            }
+            Some(scale) => lines.push(Line::new(factor, scale, NAMES)),
+            None if counts && whole => lines.push(Line::new(factor, 0.001, Known::Integers)),
+            None if large && whole => lines.push(Line::new(factor, 0.001, Known::Thousandths)),
             None => {}
         }
         lines
@@ -218,7 +212,7 @@ impl Columns {
     /// The unit of a speed: by its name, else that in which it fits the positions.
     fn speed_unit(&self, place: [usize; 3], speed: usize) -> Option<Line> {
         let line =
-            |unit: &str, known| (unit != "m/s").then(|| Line::text("velocity_unit", unit, known));
+            |unit: &str, known| (unit != "m/s").then(|| Line::new("velocity_unit", unit, known));
         if let Some(unit) = self.unit(speed) {
             return line(&unit, NAMES);
         }

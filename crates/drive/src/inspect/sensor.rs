@@ -1,6 +1,6 @@
 //! Which sensor an IMU is, where its log shows that: by a name in it, or by the steps of its values.
 
-use super::{Inspection, Known, Line, quoted};
+use super::{Inspection, Known, Model, first};
 use undrift_nav::{earth::STANDARD_GRAVITY, sample::ImuSample};
 use undrift_noise::ImuModel;
 
@@ -64,31 +64,26 @@ impl Steps {
     }
 }
 
-/// The key `model` of a drive file that reads the first IMU of the files.
-pub fn model(inspections: &[Inspection]) -> Line {
-    let imu = inspections.iter().find_map(|file| {
-        let part = file.parts.iter().find(|part| part.table == "imu")?;
-        Some((file, part))
-    });
-    if let Some((file, part)) = imu {
+/// The noise model of a drive file that reads the first IMU of the files.
+pub fn model(inspections: &[Inspection]) -> Model {
+    if let Some((file, part)) = first(inspections, "imu") {
         let streams = file.streams.iter();
         let words = streams.flat_map(|(name, _, about)| [name.as_str(), about]);
-        let columns = part.lines.iter().map(|line| line.value.as_str());
+        let mut columns = part.lines.iter().map(|line| line.value.to_string());
         let path = file.file.iter().rev().take(2);
-        let path = path.filter_map(|name| name.to_str());
-        if let Some(preset) = path.chain(words).chain(columns).find_map(named) {
-            return Line::text("model", preset, Known::SensorName);
+        let mut names = path.filter_map(|name| name.to_str()).chain(words);
+        let preset = names.find_map(named);
+        if let Some(preset) = preset.or_else(|| columns.find_map(|name| named(&name))) {
+            let known = Known::SensorName;
+            return Model { preset, known };
         }
         if let Some(preset) = part.measured.as_ref().and_then(|of| of.steps_of) {
-            return Line::text("model", preset, Known::Steps);
+            let known = Known::Steps;
+            return Model { preset, known };
         }
     }
-    let value = format!(
-        "{{ preset = {}, name = {} }}",
-        quoted(GUESS),
-        quoted(&format!("{GUESS} (a guess)"))
-    );
-    Line::new("model", value, Known::NoSensor)
+    let (preset, known) = (GUESS, Known::NoSensor);
+    Model { preset, known }
 }
 
 /// The preset whose name a text holds, however that is written: `ADIS16405-run1`, `ICM-20948`, `icm42688`.

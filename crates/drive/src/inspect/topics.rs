@@ -35,11 +35,11 @@ pub(super) fn choose(path: &Path, logs: &Logs, format: Format, names: &[String])
     if let Some(name) = first(&whole) {
         let others = names.iter().filter(|other| **other != name);
         let known = Known::Measures(others.cloned().collect());
-        return Some(Line::text("topic", &name, known));
+        return Some(Line::new("topic", name, known));
     }
     let gyro = first(&|of| of.turns && of.force == 0.0)?;
     let accel = first(&|of| !of.turns && of.force > 0.0)?;
-    Some(Line::text("topic", &(gyro + AND + &accel), Known::Apart))
+    Some(Line::new("topic", gyro + AND + &accel, Known::Apart))
 }
 
 fn look(reader: ImuReader) -> Beginning {

@@ -1,7 +1,7 @@
 //! What an inspection guesses of a table's columns and units.
 
 use crate::{
-    drive::{Section, parse},
+    drive::{Section, Table},
     inspect,
 };
 use undrift_io::table::{Column, Preview};
@@ -24,12 +24,10 @@ impl Guess {
     pub(super) fn from_preview(beginning: &Preview) -> Option<Self> {
         let parts = inspect::of_table(beginning.clone());
         let imu = parts.into_iter().find(|part| part.table == "imu")?;
-        let lines = imu.lines.iter();
-        let text: String = lines
-            .map(|line| format!("{} = {}\n", line.key, line.value))
-            .collect();
-        let parsed = parse(&text, "").ok()?;
-        let keys = Section::top(parsed.get_ref(), &text, "");
+        let lines = imu.lines.into_iter();
+        let lines = lines.map(|line| (line.key.to_owned(), line.value));
+        let lines = toml::Table::from_iter(lines);
+        let keys = Section::values(Table::Values(&lines), "");
         let unit = |key| Some(keys.text(key).ok()??.to_owned());
         Some(Self {
             gyro: keys.columns("gyro").ok()??,

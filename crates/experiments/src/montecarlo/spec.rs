@@ -98,12 +98,8 @@ impl Spec {
         ])?;
         let names = BiasModel::ALL.map(|kind| (kind.name(), kind));
         let model = top.model("model", home)?.ok_or_else(|| {
-            top.error(
-                "model",
-                format!(
-                    "missing: the sensors' noise model, a preset, a file, or a table; {LISTED}"
-                ),
-            )
+            let what = "the sensors' noise model, a preset, a file, or a table";
+            top.missing("model", format_args!("{what}; {LISTED}"))
         })?;
         let bias_model = top.word("bias_model", &names)?.unwrap_or(BiasModel::Arma);
 
@@ -183,7 +179,7 @@ fn read_drive(section: &Section) -> Result<(Trajectory, f64), ConfigError> {
     let kinds: [(&str, Scenario); 2] = [("car", Trajectory::car), ("flight", Trajectory::flight)];
     let scenario = section
         .word("kind", &kinds)?
-        .ok_or_else(|| section.error("kind", "missing: \"car\" or \"flight\""))?;
+        .ok_or_else(|| section.missing("kind", "\"car\" or \"flight\""))?;
     let duration = section
         .quantity("duration", Quantity::Time)?
         .unwrap_or(600.0);

@@ -5,12 +5,12 @@ use undrift_nav::sample::{FixQuality, GnssFix, Position};
 use undrift_nav::{Matrix3, Vector3};
 
 use super::options::FixOptions;
-use crate::ReadError;
 use crate::angle::of_degrees_minutes;
 use crate::fix::{VelocityAxes, diagonal, finite, on_earth, quality_of_rtklib};
 use crate::reader::TableRow;
 use crate::skipped::{SkipKind, Skipped};
 use crate::table::{Column, TableOptions, check_time_scale, three};
+use crate::{Key, ReadError};
 
 /// Where the columns of a GNSS log are and what they mean.
 #[derive(Clone, Debug)]
@@ -97,16 +97,16 @@ impl FixColumns {
         let date = format.date.as_ref();
         wanted.want_time("gnss", &format.time, date, format.time_scale);
         let mut part = |name: &str,
+                        key: Key,
                         values: &[Column; 3],
                         std: &Option<[Column; 3]>,
                         stated: Option<[f64; 3]>| {
-            let key = format!("gnss.{name}_std");
             let values = wanted.want(&format!("gnss.{name}"), values);
             let std = match (std, stated) {
                 (_, Some(_)) => None,
-                (Some(std), None) => Some(wanted.want(&key, std)),
+                (Some(std), None) => Some(wanted.want(&key.to_string(), std)),
                 (None, None) => {
-                    return Err(ReadError::nameless("no standard deviations").key(&key));
+                    return Err(ReadError::nameless("no standard deviations").key(key));
                 }
             };
             Ok(At { values, std })
@@ -117,6 +117,7 @@ impl FixColumns {
             | PositionColumns::Ecef(columns)) = place;
             part(
                 "position",
+                Key::PositionStd,
                 columns,
                 &format.position_std,
                 fixes.position_std,
@@ -125,6 +126,7 @@ impl FixColumns {
         let velocity = format.velocity.as_ref().map(|columns| {
             part(
                 "velocity",
+                Key::VelocityStd,
                 columns,
                 &format.velocity_std,
                 fixes.velocity_std,

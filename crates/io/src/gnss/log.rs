@@ -5,11 +5,11 @@ use undrift_nav::sample::{GnssFix, Position};
 use undrift_nav::{Matrix3, Vector3};
 
 use super::options::FixOptions;
-use crate::ReadError;
 use crate::entry::Fix;
 use crate::fix::{is_covariance, on_earth, shown};
 use crate::format::Format;
 use crate::skipped::{SkipKind, Skipped};
+use crate::{Key, ReadError};
 
 /// Which fixes of a log, and how certain they are.
 #[derive(Clone, Debug)]
@@ -66,7 +66,7 @@ impl LogFixes {
                 "the log does not report the accuracy of its positions",
             )
             .at(at)
-            .key("gnss.position_std")
+            .key(Key::PositionStd)
             .mend("set position_std = \"1, 1, 2 m\"")),
             _ => Ok(()),
         }

@@ -1,4 +1,4 @@
-use crate::ReadError;
+use crate::{Key, ReadError};
 
 /// How certain the fixes of a file are, and which of them are given out.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,8 +37,8 @@ impl FixOptions {
         let positive = |value: &f64| value.is_finite() && *value > 0.0;
         let (position, velocity) = (self.position_std, self.velocity_std);
         for (key, constants, factor) in [
-            ("gnss.position_std", position, self.position_std_factor),
-            ("gnss.velocity_std", velocity, self.velocity_std_factor),
+            (Key::PositionStd, position, self.position_std_factor),
+            (Key::VelocityStd, velocity, self.velocity_std_factor),
         ] {
             let mut all = constants.into_iter().flatten().chain([factor]);
             if let Some(bad) = all.find(|value| !positive(value)) {

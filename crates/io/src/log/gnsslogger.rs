@@ -17,7 +17,6 @@ use undrift_nav::Vector3;
 
 use super::phone::{self, Join, Location};
 use super::receiver::{Ready, by_lines, check};
-use crate::ReadError;
 use crate::entry::{Entries, Stream, StreamKind, Wanted};
 use crate::epoch::ClockSource;
 use crate::number;
@@ -25,6 +24,7 @@ use crate::skipped::{SkipKind, shown};
 use crate::source::Source;
 use crate::table::lines::Lines;
 use crate::time::WeekClock;
+use crate::{Key, ReadError};
 
 /// Providers of fixes: satellites, all together, cells and Wi-Fi.
 const PROVIDERS: [&str; 3] = ["GPS", "FLP", "NLP"];
@@ -220,7 +220,7 @@ impl Reader {
             if asked.is_none() && sensor == gyro {
                 let problem = format!("two streams of inertial samples: {taken} and {gyro}");
                 return Err(ReadError::nameless(problem)
-                    .key("imu.topic")
+                    .key(Key::Topic("imu"))
                     .mend("choose one with topic"));
             }
             return Ok(());
@@ -320,7 +320,9 @@ impl Reader {
             (None, None, Some(other)) => {
                 let problem = "no fixes by satellites (provider GPS) in this log";
                 let mend = format!("topic = \"{other}\" takes those of another provider");
-                Err(ReadError::nameless(problem).key("gnss.topic").mend(mend))
+                Err(ReadError::nameless(problem)
+                    .key(Key::Topic("gnss"))
+                    .mend(mend))
             }
             _ => Ok(()),
         }

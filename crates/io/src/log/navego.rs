@@ -35,7 +35,7 @@ pub(crate) fn detect(start: &[u8]) -> bool {
 
 pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
     let (name, kind, key) = wanted.one_stream()?;
-    let error = |problem: String| ReadError::nameless(problem).key(key);
+    let error = |problem: String| ReadError::nameless(problem).key(key.clone());
     let mut variables = Variables::open(source)?;
     let mut there = Vec::new();
     let is_named = name.is_some();

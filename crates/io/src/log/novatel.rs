@@ -14,12 +14,12 @@ mod messages;
 
 use super::frames::any;
 use super::receiver::{Ready, by_messages, check};
-use crate::ReadError;
 use crate::entry::{Entries, ImuReading, Stream, Wanted, What};
 use crate::epoch::ClockSource;
 use crate::skipped::SkipKind;
 use crate::source::Source;
 use crate::time::WeekClock;
+use crate::{Key, ReadError};
 use fields::Fields;
 use fixes::Fixes;
 use frames::{Head, LAYOUT};
@@ -72,7 +72,7 @@ fn with_type(wanted: &Wanted) -> Result<(Wanted, Option<&'static Type>), ReadErr
     let Some(known) = imu::by_name(of_type) else {
         let names: Vec<&str> = imu::TYPES.iter().map(|known| known.name).collect();
         let problem = format!("no IMU type \"{of_type}\" whose scale factors are public");
-        let error = ReadError::nameless(problem).key("imu.topic");
+        let error = ReadError::nameless(problem).key(Key::Topic("imu"));
         return Err(error.mend(format!("known types: {}", names.join(", "))));
     };
     Ok((Wanted::Imu(Some(name.to_owned())), Some(known)))
@@ -92,7 +92,7 @@ fn purpose(wanted: &Wanted, of_type: Option<&'static Type>) -> Purpose {
         Wanted::Imu(name) => Purpose::Imu(Box::new(Imu {
             only: Only {
                 what: "streams of raw inertial messages",
-                key: "imu.topic",
+                table: "imu",
                 asked: name.clone(),
                 found: None,
             },
@@ -105,7 +105,7 @@ fn purpose(wanted: &Wanted, of_type: Option<&'static Type>) -> Purpose {
         Wanted::Poses(name) if name.is_none() || is_solution(name) => Purpose::Poses(
             Only {
                 what: "solutions",
-                key: "truth.topic",
+                table: "truth",
                 asked: name.clone(),
                 found: None,
             },
@@ -150,7 +150,7 @@ enum Purpose {
 /// The only stream of its kind, or the one that is asked for.
 struct Only {
     what: &'static str,
-    key: &'static str,
+    table: &'static str,
     asked: Option<String>,
     found: Option<&'static str>,
 }
@@ -167,7 +167,7 @@ impl Only {
         }
         let problem = format!("two {}: {found} and {name}", self.what);
         Err(ReadError::nameless(problem)
-            .key(self.key)
+            .key(Key::Topic(self.table))
             .mend("choose one with topic"))
     }
 }
@@ -228,7 +228,9 @@ impl Reader {
                 let problem = "no INSPVA, INSPVAS or INSPVAX in this log";
                 let mend =
                     format!("topic = \"{name}\" takes the receiver's positions, without attitude");
-                return Err(ReadError::nameless(problem).key("truth.topic").mend(mend));
+                return Err(ReadError::nameless(problem)
+                    .key(Key::Topic("truth"))
+                    .mend(mend));
             }
             Purpose::Poses(..) => {}
             Purpose::Fixes(receiver) => receiver.fixes.end(ready),
@@ -362,7 +364,7 @@ impl Imu {
                 let problem = format!("IMU of type {code}: unknown scale factors");
                 ReadError::nameless(problem)
                     .at(at)
-                    .key("imu.topic")
+                    .key(Key::Topic("imu"))
                     .mend(format!(
                         "if its counts are those of a known type, set topic = \"{}{OF_TYPE}{}\"",
                         known.name,
@@ -406,7 +408,7 @@ impl Imu {
                 "the log does not have the type of the IMU, so its scale factors are unknown",
             )
             .at(at)
-            .key("imu.topic")
+            .key(Key::Topic("imu"))
             .mend("log RAWIMUSX or INSCONFIG, or set the type: topic = \"RAWIMUS:ADIS16488\"")),
             _ => Ok(()),
         }

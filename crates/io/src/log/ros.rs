@@ -19,11 +19,11 @@ use undrift_nav::sample::{FixQuality, Position};
 
 use super::phone::Join;
 use super::receiver::{Ready, by_steps};
-use crate::ReadError;
 use crate::entry::{Entries, Fix, ImuReading, Stream, StreamKind, Wanted, What};
 use crate::epoch::ClockSource;
 use crate::skipped::{SkipKind, Unfit};
 use crate::time::WeekClock;
+use crate::{Key, ReadError};
 
 pub(super) use container::{Container, Declared, Event, Events, File, Packed, Records, Stop};
 pub(super) use message::Encoding;
@@ -70,7 +70,8 @@ pub(super) fn entries(
             let apart = topic.as_ref().and_then(|topics| topics.split_once(AND));
             let apart = apart.map(|(gyro, accel)| (gyro.to_owned(), accel.to_owned()));
             let (gyro, accel) = apart.map_or((topic.clone(), None), |(g, a)| (Some(g), Some(a)));
-            let choice = |topic: &Option<String>| Choice::new("imu.topic", StreamKind::Imu, topic);
+            let choice =
+                |topic: &Option<String>| Choice::new(Key::Topic("imu"), StreamKind::Imu, topic);
             Choices {
                 main: choice(&gyro),
                 accel: accel.map(|accel| choice(&Some(accel))),
@@ -81,9 +82,9 @@ pub(super) fn entries(
         Wanted::Fixes {
             position, velocity, ..
         } => Choices {
-            main: Choice::new("gnss.topic", StreamKind::Fixes, position),
+            main: Choice::new(Key::Topic("gnss"), StreamKind::Fixes, position),
             velocity: Some(Choice::new(
-                "gnss.velocity_topic",
+                Key::VelocityTopic,
                 StreamKind::Velocity,
                 velocity,
             )),
@@ -185,7 +186,7 @@ impl Recording {
             if self.join.as_ref().is_some_and(|join| !join.given) {
                 let problem = "gyroscopes and accelerometers at no common time";
                 return Err(ReadError::nameless(problem)
-                    .key("imu.topic")
+                    .key(Key::Topic("imu"))
                     .mend("name topics that were recorded together"));
             }
             while let Some((at, fix)) = self.waiting.next() {

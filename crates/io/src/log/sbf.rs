@@ -13,13 +13,13 @@ use undrift_nav::sample::Position;
 
 use super::frames::any;
 use super::receiver::{Ready, by_messages, check};
-use crate::ReadError;
 use crate::entry::{Entries, Fix, ImuReading, Stream, StreamKind, Wanted, What};
 use crate::epoch::ClockSource;
 use crate::fix::on_earth;
 use crate::skipped::SkipKind;
 use crate::source::Source;
 use crate::time::WeekClock;
+use crate::{Key, ReadError};
 use blocks::Pvt;
 use frames::LAYOUT;
 
@@ -271,7 +271,7 @@ impl Reader {
 
 fn without_ins() -> ReadError {
     ReadError::nameless("no INSNavGeod, the receiver's inertial solution, in this log")
-        .key("truth.topic")
+        .key(Key::Topic("truth"))
         .mend("topic = \"PVTGeodetic\" takes the receiver's positions and velocities, without attitude")
 }
 

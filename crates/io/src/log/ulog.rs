@@ -39,10 +39,10 @@ use self::messages::{MAGIC, Messages, NextMessage};
 use self::reader::Reader;
 use self::subscriptions::{appended, data, named, subscription, topic_of};
 use super::receiver::by_steps;
-use crate::ReadError;
 use crate::entry::{Entries, Stream, StreamKind, Wanted};
 use crate::error::{NAMES_SHOWN, the_file_has};
 use crate::source::{Again, Source};
+use crate::{Key, ReadError};
 
 /// Whether a file that starts so is a ULog.
 pub(crate) fn detect(start: &[u8]) -> bool {
@@ -55,7 +55,7 @@ pub(super) fn entries(source: Source, again: Again, wanted: &Wanted) -> Result<E
         Some(name) => named(name),
         None => {
             let there = streams(again()?)?;
-            choose(&there, kind).ok_or_else(|| nothing(key, &there))?
+            choose(&there, kind).ok_or_else(|| nothing(&key, &there))?
         }
     };
     let topic = topic_of(&stream);
@@ -127,14 +127,14 @@ fn choose(there: &[Stream], kind: StreamKind) -> Option<String> {
         .map(|stream| stream.name.clone())
 }
 
-fn nothing(key: &str, there: &[Stream]) -> ReadError {
+fn nothing(key: &Key, there: &[Stream]) -> ReadError {
     let topics = match key {
-        "imu.topic" => "vehicle_imu or sensor_combined",
-        "gnss.topic" => "vehicle_gps_position or sensor_gps",
+        Key::Topic("imu") => "vehicle_imu or sensor_combined",
+        Key::Topic("gnss") => "vehicle_gps_position or sensor_gps",
         _ => "vehicle_global_position",
     };
     ReadError::nameless(format!("no {topics}"))
-        .key(key)
+        .key(key.clone())
         .mend(listing(there))
 }
 

@@ -315,7 +315,7 @@ pub(crate) fn places(
     let place = |(slot, (key, column)): (usize, &(String, Column))| {
         let error = |problem: String, mend: String| {
             let error = ReadError::nameless(problem);
-            Err(error.key(key).mend(mend))
+            Err(error.key(key.as_str()).mend(mend))
         };
         let index = match (column, names) {
             (Column::Number(0), _) => {

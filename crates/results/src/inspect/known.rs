@@ -1,4 +1,4 @@
-//! How an inspection knows what it says, and what it noticed; the sentences are made where it is shown.
+//! How an inspection knows what it says, and what it noticed.
 
 use serde::Serialize;
 use undrift_nav::{Vector3, earth::STANDARD_GRAVITY};

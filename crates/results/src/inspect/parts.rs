@@ -2,13 +2,18 @@
 
 use super::known::{Content, Known, Note};
 use serde::{Serialize, Serializer};
-use std::path::{Path, PathBuf};
+use std::{
+    fmt,
+    path::{Path, PathBuf},
+};
+use toml::Value;
 use undrift_io::Memory;
 
 /// What a file is.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Inspection {
+#[cfg_attr(feature = "schema", schemars(rename = "Inspection"))]
+pub struct Inspection<P = Part> {
     /// The file, as it was given.
     #[serde(serialize_with = "shown")]
     pub file: PathBuf,
@@ -19,11 +24,9 @@ pub struct Inspection {
     /// The streams of a log: name, messages, and what they are.
     pub streams: Vec<(String, u64, String)>,
     /// What of it can be read.
-    pub parts: Vec<Part>,
+    pub parts: Vec<P>,
     /// What is worth knowing.
     pub found: Vec<Note>,
-    /// The same in sentences; who shows it fills them in.
-    pub notes: Vec<String>,
     /// What a pipe had, which cannot be read again.
     #[serde(skip)]
     pub held: Option<Memory>,
@@ -33,13 +36,13 @@ pub struct Inspection {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "schema", schemars(rename = "InspectedPart"))]
-pub struct Part {
+pub struct Part<L = Line, M = Measured> {
     /// `imu`, `gnss` or `truth`.
     pub table: &'static str,
     /// Its keys beside `file`.
-    pub lines: Vec<Line>,
+    pub lines: Vec<L>,
     /// What was read with them.
-    pub measured: Option<Measured>,
+    pub measured: Option<M>,
     /// Why nothing was.
     pub problem: Option<String>,
     /// The streams that a key may name, the first of each the likeliest.
@@ -55,15 +58,15 @@ pub struct Line {
     /// The key.
     pub key: &'static str,
     /// Its value, as TOML writes it.
-    pub value: String,
+    #[serde(serialize_with = "written")]
+    #[cfg_attr(feature = "schema", schemars(with = "String"))]
+    pub value: Value,
     /// How it is known.
     pub known: Known,
-    /// The same in words, empty where it is certain; who shows it fills them in.
-    pub why: String,
 }
 
 /// What a part holds.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Measured {
     /// Samples, fixes or reference solutions.
@@ -93,8 +96,6 @@ pub struct Measured {
     pub counter: Option<CounterRestarts>,
     /// What else it holds.
     pub content: Option<Content>,
-    /// The same in sentences; who shows it fills them in.
-    pub remarks: Vec<String>,
 }
 
 /// A counter of limited bits in a column of times that started again.
@@ -123,6 +124,48 @@ pub struct Start {
     pub clock: &'static str,
 }
 
+/// The noise model of a drive file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// The preset.
+    pub preset: &'static str,
+    /// How it is known.
+    pub known: Known,
+}
+
+/// As TOML writes it; a guess has a name that says so.
+impl fmt::Display for Model {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let preset = self.preset;
+        match self.known {
+            Known::NoSensor => write!(
+                f,
+                "{{ preset = \"{preset}\", name = \"{preset} (a guess)\" }}"
+            ),
+            _ => write!(f, "\"{preset}\""),
+        }
+    }
+}
+
+/// What a drive file that is written has a comment on.
+#[derive(Clone, Copy, Debug)]
+pub enum Comment<'a> {
+    /// How the value of a key is known.
+    Known(&'a Known),
+    /// The file.
+    Top,
+    /// The noise model.
+    Model,
+    /// A table for which there is no file.
+    Missing(&'a str),
+    /// The heading, where changes of velocity give it.
+    Heading,
+    /// The profile of a wheeled vehicle.
+    Wheels,
+    /// The lever arm.
+    LeverArm,
+}
+
 /// What the motion shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Motion {
@@ -133,19 +176,10 @@ pub struct Motion {
 }
 
 impl Line {
-    /// A key and its value as TOML writes it.
-    pub fn new(key: &'static str, value: String, known: Known) -> Self {
-        Self {
-            key,
-            value,
-            known,
-            why: String::new(),
-        }
-    }
-
-    /// A text value.
-    pub fn text(key: &'static str, value: &str, known: Known) -> Self {
-        Self::new(key, quoted(value), known)
+    /// A key and its value.
+    pub fn new(key: &'static str, value: impl Into<Value>, known: Known) -> Self {
+        let value = value.into();
+        Self { key, value, known }
     }
 }
 
@@ -154,9 +188,9 @@ fn shown<S: Serializer>(path: &Path, to: S) -> Result<S::Ok, S::Error> {
     to.collect_str(&path.display())
 }
 
-/// A text as TOML writes it.
-pub fn quoted(text: &str) -> String {
-    toml::Value::String(text.to_owned()).to_string()
+/// A value as TOML writes it.
+fn written<S: Serializer>(value: &Value, to: S) -> Result<S::Ok, S::Error> {
+    to.collect_str(value)
 }
 
 impl Part {

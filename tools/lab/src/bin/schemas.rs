@@ -17,6 +17,7 @@ fn schemas() -> Vec<(PathBuf, String)> {
     ];
     let mut results: Schema = generator.into_root_schema_for::<Results>();
     add_kinds(&mut results);
+    add_sentences(&mut results);
     if let Some(all) = results
         .pointer_mut("/anyOf")
         .and_then(|all| all.as_array_mut())
@@ -49,6 +50,28 @@ fn add_kinds(results: &mut Schema) {
         schema["properties"]["kind"] = serde_json::json!({ "type": "string", "const": name });
         if let Some(required) = schema["required"].as_array_mut() {
             required.push("kind".into());
+        }
+    }
+}
+
+/// Sentences that the report writes beside the values that an inspection has.
+fn add_sentences(results: &mut Schema) {
+    let one = serde_json::json!({ "type": "string" });
+    let several = serde_json::json!({ "type": "array", "items": one });
+    let sentences = "The same in sentences; who shows it fills them in.";
+    let words = "The same in words, empty where it is certain; who shows it fills them in.";
+    for (property, what, mut schema) in [
+        ("Inspection/notes", sentences, several.clone()),
+        ("Measured/remarks", sentences, several),
+        ("InspectedLine/why", words, one),
+    ] {
+        schema["description"] = what.into();
+        let (name, key) = property.split_once('/').unwrap_or_default();
+        if let Some(of) = results.pointer_mut(&format!("/$defs/{name}")) {
+            of["properties"][key] = schema;
+            if let Some(required) = of["required"].as_array_mut() {
+                required.push(key.into());
+            }
         }
     }
 }

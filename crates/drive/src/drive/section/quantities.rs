@@ -2,9 +2,8 @@
 
 #[cfg(test)]
 use super::Takes;
-use super::{DEGREES_MINUTES, Section};
+use super::{DEGREES_MINUTES, Section, Value};
 use crate::drive::error::ConfigError;
-use toml::de::DeValue;
 use undrift_io::table::Column;
 use undrift_nav::{
     Vector3,
@@ -27,8 +26,7 @@ impl<'a> Section<'a> {
         self.note(key, Takes::Positive);
         let number = match self.get(key) {
             None => return Ok(None),
-            Some((DeValue::Float(x), _)) => x.as_str().replace('_', "").parse().ok(),
-            Some((DeValue::Integer(x), _)) => x.as_str().replace('_', "").parse().ok(),
+            Some(Value::Whole(x) | Value::Decimal(x)) => x.replace('_', "").parse().ok(),
             Some(_) => None,
         };
         match number.filter(|x: &f64| x.is_finite() && *x > 0.0) {
@@ -45,14 +43,14 @@ impl<'a> Section<'a> {
         #[cfg(test)]
         self.note(key, Takes::Column);
         self.get(key)
-            .map(|(value, _)| self.column_of(key, value))
+            .map(|value| self.column_of(key, &value))
             .transpose()
     }
 
-    fn column_of(&self, key: &str, value: &DeValue) -> Result<Column, ConfigError> {
+    fn column_of(&self, key: &str, value: &Value) -> Result<Column, ConfigError> {
         match value {
-            DeValue::String(name) => Ok(Column::Name(name.to_string())),
-            DeValue::Integer(number) => match number.as_str().parse::<usize>() {
+            Value::Text(name) => Ok(Column::Name((*name).to_owned())),
+            Value::Whole(number) => match number.parse::<usize>() {
                 Ok(n) if n > 0 => Ok(Column::Number(n)),
                 _ => Err(self.error(key, "columns are numbered from 1")),
             },
@@ -67,7 +65,7 @@ impl<'a> Section<'a> {
     pub fn columns(&self, key: &'a str) -> Result<Option<[Column; 3]>, ConfigError> {
         #[cfg(test)]
         self.note(key, Takes::ThreeColumns);
-        let Some((value, _)) = self.get(key) else {
+        let Some(value) = self.get(key) else {
             return Ok(None);
         };
         let wrong = || {
@@ -76,12 +74,12 @@ impl<'a> Section<'a> {
                 "must be a list of three columns such as [\"x\", \"y\", \"z\"] or [2, 3, 4]",
             )
         };
-        let DeValue::Array(items) = value else {
+        let Value::List(items) = value else {
             return Err(wrong());
         };
         let columns = items
             .iter()
-            .map(|item| self.column_of(key, item.get_ref()))
+            .map(|item| self.column_of(key, item))
             .collect::<Result<Vec<_>, _>>()?;
         columns.try_into().map(Some).map_err(|_| wrong())
     }
@@ -95,10 +93,10 @@ impl<'a> Section<'a> {
         self.note(key, Takes::Quantity(quantity));
         match self.get(key) {
             None => Ok(None),
-            Some((DeValue::String(text), _)) => units::parse(text, quantity)
+            Some(Value::Text(text)) => units::parse(text, quantity)
                 .map(Some)
                 .map_err(|e| self.error(key, format!("\"{text}\": {e}"))),
-            Some((value, _)) => Err(self.error(key, needs_unit(value, quantity))),
+            Some(value) => Err(self.error(key, needs_unit(&value, quantity))),
         }
     }
 
@@ -181,9 +179,9 @@ impl<'a> Section<'a> {
         self.note(key, Takes::Vector(quantity));
         let text = match self.get(key) {
             None => return Ok(None),
-            Some((DeValue::String(text), _)) => text,
-            Some((value, _)) => {
-                return Err(self.error(key, needs_unit(value, quantity)));
+            Some(Value::Text(text)) => text,
+            Some(value) => {
+                return Err(self.error(key, needs_unit(&value, quantity)));
             }
         };
         let wrong = |e: &dyn std::fmt::Display| self.error(key, format!("\"{text}\": {e}"));
@@ -220,10 +218,9 @@ impl<'a> Section<'a> {
     }
 }
 
-fn needs_unit(value: &DeValue, quantity: Quantity) -> String {
+fn needs_unit(value: &Value, quantity: Quantity) -> String {
     let number = match value {
-        DeValue::Float(number) => number.as_str(),
-        DeValue::Integer(number) => number.as_str(),
+        Value::Whole(number) | Value::Decimal(number) => number,
         _ => "1",
     };
     let examples = quantity.examples();

@@ -16,7 +16,7 @@ fn lines(names: &[&str], rows: Vec<Vec<f64>>) -> (&'static str, Vec<(&'static st
     let parts = parts_of(preview(names, rows), &mut Vec::new());
     assert_eq!(parts.len(), 1, "{names:?}");
     let lines = parts[0].lines.iter();
-    let lines = lines.map(|line| (line.key, line.value.replace('"', "")));
+    let lines = lines.map(|line| (line.key, line.value.to_string().replace('"', "")));
     (parts[0].table, lines.collect())
 }
 

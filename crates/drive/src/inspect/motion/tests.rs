@@ -54,7 +54,9 @@ fn inspected(
     motion(&mut of);
     let [imu, _] = of;
     let lines = imu.parts[0].lines.iter();
-    let lines = lines.map(|line| (line.key, line.value.clone())).collect();
+    let lines = lines
+        .map(|line| (line.key, line.value.to_string()))
+        .collect();
     (lines, imu.found)
 }
 
@@ -108,17 +110,8 @@ fn forces_without_gravity_show_no_mounting() {
 fn a_drive_fits_whose_velocities_differ_by_no_more_than_is_stated() {
     let of = |off: f64| {
         let files = files(|_, _| (), off);
-        let mut logs = Logs::default();
-        let mut text = format!("model = \"{GUESS}\"\n");
-        for Inspection {
-            file, held, parts, ..
-        } in &files
-        {
-            text += &section(file, &parts[0]);
-            let held = held.iter().map(|held| (file.clone(), held.clone()));
-            logs.memory.extend(held);
-        }
-        let drive = Drive::with_logs(&text, "", Path::new(""), logs).unwrap();
+        let parts = files.each_ref().map(|of| (&*of.file, &of.parts[0]));
+        let drive = drive_of(parts, logs(&files, Path::new(""))).unwrap();
         let resolved = resolve_mounting(&drive).unwrap();
         // Neither implausible nor with fixes that are rejected.
         assert!(fit(resolved.clone()).is_some(), "{off}");

@@ -206,7 +206,7 @@ fn streams_are_listed_and_raw_samples_are_preferred() {
     // All gyro samples but the last two, after which comes no accelerometer sample.
     assert_eq!((usual("flight.BIN"), usual("old.BIN")), (298, 20));
     let error = of_bytes(&bytes("old.BIN"), &imu(Some("RAW0"))).unwrap_err();
-    assert_eq!(error.key.as_deref(), Some("imu.topic"));
+    assert_eq!(error.key, Some(crate::Key::Topic("imu")));
     assert!(error.mend.contains("IMU0, IMU1, GPS0"), "{error}");
     let error = of_bytes(&bytes("old.BIN"), &fixes(Some("IMU0"))).unwrap_err();
     assert!(error.problem.contains("no stream IMU0"), "{error}");

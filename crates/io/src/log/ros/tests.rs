@@ -219,13 +219,13 @@ fn named_velocities_and_what_is_missing() {
 
         let error = |wanted| read(name, &wanted).unwrap_err();
         let missing = error(Wanted::Imu(Some("/imu".to_owned())));
-        assert_eq!(missing.key.as_deref(), Some("imu.topic"));
+        assert_eq!(missing.key, Some(crate::Key::Topic("imu")));
         assert!(missing.to_string().contains("/imu/data"), "{missing}");
         let wrong = error(fixes(Some("/odom"), None));
-        assert_eq!(wrong.key.as_deref(), Some("gnss.topic"));
+        assert_eq!(wrong.key, Some(crate::Key::Topic("gnss")));
         assert!(wrong.to_string().contains("/gps/fix"), "{wrong}");
         let missing = error(fixes(None, Some("/velocity")));
-        assert_eq!(missing.key.as_deref(), Some("gnss.velocity_topic"));
+        assert_eq!(missing.key, Some(crate::Key::VelocityTopic));
         assert!(missing.mend.contains("/gps/vel, /wheel"), "{missing}");
         assert!(error(Wanted::Poses(None)).mend.contains("Odometry"));
     }
@@ -235,7 +235,7 @@ fn named_velocities_and_what_is_missing() {
 fn several_topics_have_to_be_named() {
     for name in ["rosbag/two-imus.bag", "mcap/two-imus.mcap"] {
         let error = read(name, &Wanted::Imu(None)).unwrap_err();
-        assert_eq!(error.key.as_deref(), Some("imu.topic"));
+        assert_eq!(error.key, Some(crate::Key::Topic("imu")));
         assert!(error.problem.starts_with("more than one"), "{error}");
         assert_eq!(error.mend, "the file has: /imu/a, /imu/b");
         for (topic, count) in [("/imu/a", 6), ("/imu/b", 2)] {

@@ -4,9 +4,9 @@ use std::collections::HashMap;
 
 use super::container::Declared;
 use super::message::{Encoding, Type, of_ros1};
-use crate::ReadError;
 use crate::entry::{Stream, StreamKind};
 use crate::error::the_file_has;
+use crate::{Key, ReadError};
 
 /// A topic with messages of one type.
 #[derive(Debug)]
@@ -132,7 +132,7 @@ fn stream(topic: Topic) -> Stream {
 #[derive(Debug)]
 pub(super) struct Choice {
     /// The key that names it.
-    key: &'static str,
+    key: Key,
     kind: StreamKind,
     named: Option<String>,
     taken: Option<usize>,
@@ -140,7 +140,7 @@ pub(super) struct Choice {
 }
 
 impl Choice {
-    pub(super) fn new(key: &'static str, kind: StreamKind, named: &Option<String>) -> Self {
+    pub(super) fn new(key: Key, kind: StreamKind, named: &Option<String>) -> Self {
         Self {
             key,
             kind,
@@ -193,7 +193,7 @@ impl Choice {
             _ => return Ok(()),
         };
         Err(ReadError::nameless(problem)
-            .key(self.key)
+            .key(self.key.clone())
             .mend(topics.offer(self.kind)))
     }
 }
@@ -217,7 +217,7 @@ mod tests {
                 encoding: Some(Encoding::Ros1),
             });
         }
-        let mut choice = Choice::new("imu.topic", StreamKind::Imu, &None);
+        let mut choice = Choice::new(Key::Topic("imu"), StreamKind::Imu, &None);
         for number in [4, 7] {
             let (index, topic, _) = topics.count(number).unwrap();
             assert!(choice.takes(index, topic));

@@ -8,11 +8,11 @@ use super::layout::{Formats, TopicLayout};
 use super::messages::{Messages, NextMessage};
 use super::subscriptions::{appended, data, subscription, topic_of};
 use super::topics::TopicReader;
-use crate::ReadError;
 use crate::entry::What;
 use crate::error::{NAMES_SHOWN, the_file_has};
 use crate::log::receiver::Ready;
 use crate::skipped::SkipKind;
+use crate::{Key, ReadError};
 
 /// Intervals after which it is judged whether a stream is thinned.
 const JUDGED: u32 = 100;
@@ -53,7 +53,7 @@ pub(super) struct Reader {
     /// Streams met.
     there: Vec<String>,
     wanted: String,
-    key: &'static str,
+    key: Key,
     poses: bool,
     /// Time and velocity of the last `vehicle_local_position`.
     local: Option<(f64, Vector3)>,
@@ -64,7 +64,7 @@ pub(super) struct Reader {
 
 impl Reader {
     /// `poses`: whether velocities are wanted beside positions; `key` asked for the stream.
-    pub(super) fn new(messages: Messages, wanted: String, key: &'static str, poses: bool) -> Self {
+    pub(super) fn new(messages: Messages, wanted: String, key: Key, poses: bool) -> Self {
         Self {
             messages,
             formats: Formats::default(),
@@ -134,7 +134,7 @@ impl Reader {
         let topic = topic_of(&name).to_owned();
         let local = self.poses && name == "vehicle_local_position.0";
         if name == self.wanted || local {
-            let error = |problem| ReadError::nameless(problem).key(self.key);
+            let error = |problem| ReadError::nameless(problem).key(self.key.clone());
             let layout = self
                 .formats
                 .layout(&topic)
@@ -196,7 +196,7 @@ impl Reader {
         if !self.given {
             let problem = format!("no message of {}", self.wanted);
             return Err(ReadError::nameless(problem)
-                .key(self.key)
+                .key(self.key.clone())
                 .mend(the_file_has(&self.there, NAMES_SHOWN)));
         }
         if self.spacing.thinned(JUDGED_LEAST) {
@@ -211,7 +211,7 @@ impl Reader {
             self.wanted
         );
         ReadError::nameless(problem)
-            .key(self.key)
+            .key(self.key.clone())
             .mend("take a topic that was logged in full, or set SDLOG_PROFILE to high rate")
     }
 }

@@ -1,0 +1,132 @@
+//! A starter `DRIVE.toml`.
+
+use super::{Comment, Inspection, Model, Motion, Part, first};
+use crate::vehicle::Profile;
+use std::path::Path;
+use toml::Value;
+use undrift_io::visible;
+
+/// Makes the text of a comment.
+type Say<'a> = &'a dyn Fn(Comment) -> String;
+
+/// The drive file that reads the first IMU, the first fixes and the first reference of the files.
+/// `home` is the folder where it will lie: files below it are named relative to it. `vehicle` is its profile where that is
+/// known; where its `motion` is that of wheels the car's is proposed. `say` makes the comments.
+pub fn drive_file(
+    model: &Model,
+    inspections: &[Inspection],
+    home: &Path,
+    vehicle: Option<Profile>,
+    motion: Motion,
+    say: Say,
+) -> String {
+    let above = |of| commented(&say(of));
+    let mut text = above(Comment::Top) + "\n" + &above(Comment::Model);
+    text += &format!("model = {model} # {}\n", say(Comment::Known(&model.known)));
+    for (table, needed) in [("imu", true), ("gnss", true), ("truth", false)] {
+        match first(inspections, table) {
+            Some((file, part)) => write_part(&mut text, file, part, home, say),
+            None if needed => {
+                let missing = above(Comment::Missing(table));
+                text += &format!("\n{missing}# [{table}]\n# file = \"\"\n");
+            }
+            None => {}
+        }
+    }
+    if motion.heading {
+        let why = say(Comment::Heading);
+        text += &format!("\n[initial]\nheading = \"auto\" # {why}\n");
+    }
+    match vehicle {
+        Some(profile) => {
+            text += &format!("\n[vehicle]\nprofile = {}\n", Value::from(profile.name()));
+        }
+        None if motion.wheels => {
+            let why = above(Comment::Wheels);
+            text += &format!("\n{why}# [vehicle]\n# profile = \"car\"\n");
+        }
+        None => {}
+    }
+    text
+}
+
+fn write_part(text: &mut String, inspection: &Inspection, part: &Part, home: &Path, say: Say) {
+    let file = Value::from(relative(&inspection.file, home));
+    *text += &format!(
+        "\n[{}]\nfile = {file} # {}\n",
+        part.table, inspection.description
+    );
+    for line in &part.lines {
+        // One line, whatever a column or stream is called.
+        let why = say(Comment::Known(&line.known));
+        let entry = format!("{} = {} # {}", line.key, line.value, visible(&why));
+        *text += entry.trim_end_matches(" # ");
+        text.push('\n');
+    }
+    if part.table == "gnss" {
+        let why = say(Comment::LeverArm);
+        *text += &format!("# lever_arm = \"0, 0, 0 m\" # {why}\n");
+    }
+    *text += &commented(part.problem.as_deref().unwrap_or_default());
+}
+
+/// Lines of comments.
+fn commented(text: &str) -> String {
+    let lines = text.lines();
+    lines.map(|line| format!("# {}\n", visible(line))).collect()
+}
+
+/// The file as seen from the folder: relative if it is below it, else whole.
+fn relative(file: &Path, home: &Path) -> String {
+    let found = match (
+        file.canonicalize(),
+        Path::new(".").join(home).canonicalize(),
+    ) {
+        (Ok(file), Ok(home)) => file.strip_prefix(&home).unwrap_or(&file).to_path_buf(),
+        _ => file.to_path_buf(),
+    };
+    found.to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{
+        super::{Known, Line},
+        *,
+    };
+
+    #[test]
+    fn names_and_problems_with_control_characters_stay_toml() {
+        let odd = "gps\u{7f}\u{1b}\r_\"0\"";
+        let topic = Line::new("topic", odd, Known::FirstOf(vec![odd.into()]));
+        let part = Part {
+            problem: Some(format!("the log has: {odd}\nand {odd}")),
+            ..Part::new("imu", vec![topic])
+        };
+        let inspection = Inspection {
+            file: odd.into(),
+            format: "ulog",
+            description: "PX4 ULog",
+            streams: Vec::new(),
+            parts: vec![part],
+            found: Vec::new(),
+            held: None,
+        };
+        let model = Model {
+            preset: "adis16405",
+            known: Known::SensorName,
+        };
+        let say = |of: Comment| match of {
+            Comment::Known(Known::FirstOf(others)) => {
+                format!("the others are {}", others.join(", "))
+            }
+            _ => String::new(),
+        };
+        let home = Path::new("");
+        let text = drive_file(&model, &[inspection], home, None, Motion::default(), &say);
+        assert!(text.contains("# the others are gps"), "{text}");
+        let table: toml::Table = text.parse().unwrap();
+        let keys = |key: &str| table["imu"].get(key).and_then(|value| value.as_str());
+        assert_eq!((keys("file"), keys("topic")), (Some(odd), Some(odd)));
+    }
+}
