@@ -9,7 +9,7 @@ use undrift_base::order_statistics::upper_median;
 pub struct MotionRule {
     /// Samples of a window; about a second.
     pub window: usize,
-    /// A window moves where the square of the change of its mean is so many times what the white
+    /// A window moves where the square of the change of its mean is this many times what the white
     /// noise inside the windows allows.
     pub factor: f64,
     /// The record moves where more than this share of its windows does.
