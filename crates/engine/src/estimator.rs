@@ -177,7 +177,7 @@ pub trait Estimator: Send + Sync {
     fn time_offset(&self, kind: Parameter) -> Option<(f64, f64)>;
     /// How long the filter has run \[s\].
     fn since_start(&self) -> f64;
-    /// Standard deviations of position \[m\], velocity \[m/s\] and misalignment \[rad\].
+    /// Standard deviations of position \[m\], velocity \[m/s\] and misalignment \[rad\], each north, east, down.
     fn nav_std(&self) -> [f64; NAV];
     /// Estimated sensor errors \[rad/s, m/s²\].
     fn sensor_error(&self) -> [f64; AXES];
@@ -212,10 +212,10 @@ pub trait Estimator: Send + Sync {
             interval: sensors.axis(0).interval,
         })
     }
-    /// Whether the solution is still one.
+    /// Checks that the variances are finite and not negative and that the navigation state is possible.
     ///
     /// # Errors
-    /// [`FilterError::Diverged`] if it is not.
+    /// [`FilterError::Diverged`] where they are not.
     fn check(&self) -> Result<(), FilterError>;
 
     /// Where the sample taken up ends \[s\], if it is not done.

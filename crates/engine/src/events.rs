@@ -1,4 +1,4 @@
-//! What can happen in a replay that is worth telling, as values.
+//! What can happen in a run that its user should know, as values.
 
 use crate::{
     align::Alignment,
@@ -7,6 +7,38 @@ use crate::{
 };
 
 /// An event of the navigation. One that lasts is reported at its start.
+///
+/// Fixes that are suddenly 100 m off are rejected, and the solution does not follow them:
+///
+/// ```
+/// use undrift_engine::{Event, Navigator, Part, settings::Settings};
+/// use undrift_nav::sample::Position;
+/// # use undrift_nav::shaping::ShapingFilter;
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+/// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+/// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+/// let mut navigator = Navigator::new(Settings::new(sensors));
+/// for mut fix in log.gnss {
+///     if let Some((Position::Geodetic(place), _)) = &mut fix.position
+///         && (90.0..95.0).contains(&fix.time)
+///     {
+///         place.lat += 100.0 / 6.37e6; // North.
+///     }
+///     navigator.fix(fix)?;
+/// }
+/// for sample in log.imu {
+///     navigator.imu(sample)?;
+/// }
+/// let rejected = navigator.events().into_iter().find_map(|event| match event {
+///     Event::Rejected(run) if run.part == Part::Position => Some(run),
+///     _ => None,
+/// });
+/// let rejected = rejected.expect("the gate");
+/// assert_eq!((rejected.start, rejected.fixes, rejected.accepted_in_the_end), (90.0, 5, false));
+/// assert!((rejected.first - 100.0).abs() < 2.0, "its distance from the solution [m]");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum Event {

@@ -206,7 +206,7 @@ impl Vibration {
         core::array::from_fn(|i| self.white[i] + self.excess(i) / self.step)
     }
 
-    /// The factors.
+    /// The factors on the standard deviation of the noise beyond the model's, gyro and accelerometer x, y, z.
     pub fn factors(&self) -> [f64; AXES] {
         self.factors
     }
