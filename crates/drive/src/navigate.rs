@@ -39,11 +39,11 @@ use undrift_io::{
 use undrift_nav::{Matrix3, Vector3, parameters::Parameters, sample::GnssFix};
 use undrift_noise::{BiasModel, ImuModel};
 
-/// What came of it.
+/// A navigated drive: the run's summary, what reading the logs showed, and what was asked for in [`Wanted`].
 #[derive(Debug)]
 pub struct Report {
     /// By how much the stated standard deviations of position and velocity should be multiplied, as far
-    /// as the innovations tell; only where it matters.
+    /// as the innovations show; only where it matters.
     pub std_factors: [Option<f64>; 2],
     /// Counts, alignment, innovations.
     pub summary: Summary,
@@ -199,7 +199,7 @@ impl Hindsight {
     }
 }
 
-/// What is stated of the errors of a drive's fixes.
+/// What is stated of the errors of a drive's fixes: their correlation in time and the factors on their standard deviations.
 pub fn stated(drive: &Drive) -> FromFixes {
     FromFixes {
         correlation: drive.correlation,

@@ -28,7 +28,7 @@ pub type Samples<'a> = dyn Iterator<Item = Result<ImuSample, ReadError>> + 'a;
 /// Measurements in order of time.
 pub type Measurements<'a> = dyn Iterator<Item = Result<Measurement, ReadError>> + 'a;
 
-/// As [`undrift_engine::Observer`], of one that may fail: the replay ends with its error.
+/// As [`undrift_engine::Observer`], with methods that may fail: the replay ends with the first error.
 pub trait Observer {
     /// A sample was processed, and every fix up to its end; the filter is at the sample's end.
     ///

@@ -21,6 +21,17 @@ const FLOOR: f64 = 0.1;
 pub(crate) const BRAKING: f64 = 2.0;
 
 /// The antenna's place, of a baseline that of its base plus the baseline; `None` of a fix without a position.
+///
+/// ```
+/// use undrift_engine::derived::antenna;
+/// use undrift_nav::{Matrix3, Vector3, earth::Geodetic, sample::{GnssFix, Position}};
+/// let base = Geodetic::from_degrees(45.0, 7.0, 300.0);
+/// let baseline = Position::Baseline { base, ned: Vector3::new(1000.0, 0.0, 0.0) };
+/// let fix = GnssFix { position: Some((baseline, Matrix3::identity())), ..GnssFix::at(0.0, base, [1.0; 3]) };
+/// let place = antenna(&fix).expect("a position");
+/// // A kilometre north; the tangent plane leaves the ellipsoid by 8 cm.
+/// assert!((place.lat - base.lat - 1000.0 / 6.367e6).abs() < 1e-6 && (place.height - 300.08).abs() < 0.01);
+/// ```
 pub fn antenna(fix: &GnssFix) -> Option<Geodetic> {
     match &fix.position.as_ref()?.0 {
         Position::Geodetic(geodetic) => Some(*geodetic),

@@ -48,13 +48,13 @@ pub enum Event {
     SampleFault(SampleFault),
     /// Consecutive fixes were rejected; reported when the last of them has passed.
     Rejected(Contradiction),
-    /// The solution accepted fixes that contradict it, and doubts itself by so much.
+    /// The solution accepted fixes that contradict it, and its covariance was inflated by this.
     Doubted(Doubt),
     /// The course contradicts the heading.
     HeadingOff(HeadingOff),
     /// Innovations leant to one side.
     Leant(Lean),
-    /// The solution is aligned again from this time \[s\] on, and why.
+    /// The solution ended at this time \[s\] and is aligned again, and why; [`Event::Resumed`] follows.
     AlignsAgain(f64, RestartCause),
     /// From this time \[s\] on the fixes are taken to be wrong by this beyond what they state, as they have shown it.
     FixErrors(f64, FixErrors),

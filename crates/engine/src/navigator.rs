@@ -146,7 +146,8 @@ impl Navigator {
     }
 
     /// How far beyond a sample's end fixes may be stamped that hold within it \[s\]: with an estimated latency a stamp may
-    /// be late by up to this. Of a log, fixes stamped up to so much later are best pushed before the sample.
+    /// be late by up to this. From a log, push fixes that are stamped up to this much later before the sample. Ten prior
+    /// standard deviations of the time offset; 0 where none is estimated.
     pub fn ahead(&self) -> f64 {
         self.ahead
     }

@@ -46,8 +46,8 @@ impl Outage {
     }
 }
 
-/// A span over which the solution may have gone wrong, as one pass over the log has found, by so much at its
-/// end: one sigma of each axis.
+/// A span over which the solution may have gone wrong, as a pass over the log has found, with the error possible at its end, one
+/// standard deviation of each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Doubt {
@@ -104,7 +104,7 @@ pub struct Settings {
     /// What is known of the vehicle.
     pub constraints: Constraints,
     /// Whether fixes pass a gate, a diverged solution is re-initialised, and the covariance has the products of errors, which a linear
-    /// filter leaves out.
+    /// filter leaves out. `true` by default.
     pub gating: bool,
     /// Whether a solution that does not agree with the fixes is re-initialised, too.
     pub restart: bool,

@@ -150,8 +150,8 @@ pub fn score(
     }
 }
 
-/// Scores of a model on several parts of a record, or on several records, pooled horizon by horizon; the horizons grow,
-/// and a part that is too short for the long ones counts for the others.
+/// Scores of a model on several parts of a record, or on several records, pooled horizon by horizon: mean squares weighted by
+/// their origins. The horizons grow, and a part that is too short for the long ones counts for the others.
 pub fn pooled(parts: &[Vec<HorizonScore>]) -> Vec<HorizonScore> {
     let horizons = parts.iter().map(Vec::len).max().unwrap_or(0);
     let pool = |h: usize| {

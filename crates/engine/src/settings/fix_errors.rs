@@ -118,7 +118,8 @@ impl Default for FixErrors {
 }
 
 impl FixErrors {
-    /// These, with what is stated of them.
+    /// These errors with what is stated in place of what the fixes showed: the correlation where it is off or given, then the
+    /// factors.
     pub fn under(mut self, stated: &FromFixes) -> Self {
         match stated.correlation {
             Correlation::Auto => {}
@@ -179,7 +180,7 @@ impl FixErrors {
         fix
     }
 
-    /// With the two parts of the errors multiplied.
+    /// These errors with their white and correlated standard deviations multiplied by the factors.
     pub fn scaled(&self, factors: &StdFactors) -> Self {
         let mut errors = *self;
         let parts = [&mut errors.correlated, &mut errors.velocity_correlated];

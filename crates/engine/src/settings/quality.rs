@@ -8,7 +8,18 @@ const TYPICAL: [f64; 4] = [0.0, 0.3, 0.7, 2.5];
 /// Vertical ones are this many times as large.
 const VERTICAL: f64 = 1.5;
 
-/// How the standard deviation of the position depends on the kind of solution.
+/// How the standard deviation of the position depends on the kind of solution. Velocities are left as they are, and so are fixes
+/// of unknown kind.
+///
+/// ```
+/// use undrift_engine::settings::quality::QualityStd;
+/// use undrift_nav::{earth::Geodetic, sample::{FixQuality, GnssFix}};
+/// let fix = GnssFix::at(0.0, Geodetic::from_degrees(45.0, 7.0, 300.0), [0.02, 0.02, 0.04]);
+/// let single = GnssFix { quality: FixQuality::Single, ..fix };
+/// let north = |fix: GnssFix| fix.position.map_or(f64::NAN, |(_, covariance)| covariance[(0, 0)].sqrt());
+/// assert_eq!(north(QualityStd::Typical.apply(&single)), 2.5); // [m]
+/// assert_eq!(north(QualityStd::Typical.apply(&fix)), 0.02);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum QualityStd {
