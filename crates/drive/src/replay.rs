@@ -178,7 +178,8 @@ pub fn begin(
     Ok(begun.take())
 }
 
-/// Navigates a log. The size of the filter follows the models.
+/// Navigates a log: each sample is pushed after the measurements up to its end, each stream in order of time. The size of the
+/// filter follows the models. [`crate::navigate::navigate`] is this with files, findings and a smoother.
 ///
 /// # Errors
 /// A log that cannot be read, no alignment before its end, a filter that cannot be built, or what `observer`
