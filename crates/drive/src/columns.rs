@@ -299,7 +299,15 @@ fn letters(name: &str) -> String {
     letters.map(|c| c.to_ascii_lowercase()).collect()
 }
 
-/// What a column's name means, and the unit that it states in brackets or by its ending.
+/// What a column's name means, and the unit that it states in brackets or by its ending; `None` of a name that is not known.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::columns::{Meaning, meaning};
+/// assert_eq!(meaning("gx_dps"), Some((Meaning::Gyro(0), Some("deg/s".into()))));
+/// assert_eq!(meaning("AZ_g"), Some((Meaning::Accel(2), Some("g".into()))));
+/// assert_eq!(meaning("gyro_y"), Some((Meaning::Gyro(1), None)));
+/// ```
 pub fn meaning(column: &str) -> Option<(Meaning, Option<String>)> {
     let name = column.trim().to_ascii_lowercase();
     let (stem, unit) = split_unit(&name);

@@ -176,9 +176,9 @@ impl MeanNees {
 pub struct Consistency {
     /// Group by group, in the order of [`GROUP`].
     pub nees: [MeanNees; GROUPS],
-    /// Component by component, how often the error was within 1, 2 and 3 standard deviations …
+    /// Component by component, at how many instants the error was within 1, 2 and 3 standard deviations.
     pub within: [[u64; 3]; COMPONENTS],
-    /// … of so many times.
+    /// Instants at which each component was known.
     pub instants: [u64; COMPONENTS],
 }
 

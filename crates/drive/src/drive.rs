@@ -154,6 +154,34 @@ impl Drive {
     /// Reads the text of a `DRIVE.toml`; `file` is what messages call it, `home` where a model file
     /// lies, `data` where the logs lie.
     ///
+    /// ```
+    /// # use undrift_drive as undrift;
+    /// use std::path::Path;
+    /// use undrift::{Drive, Vector3};
+    /// let text = r#"
+    /// model = "adis16405"
+    /// [imu]
+    /// file = "imu.csv"
+    /// rate = "100 Hz"
+    /// gyro = ["gx", "gy", "gz"]
+    /// gyro_unit = "deg/s"
+    /// accel = ["fx", "fy", "fz"]
+    /// accel_unit = "g"
+    /// [gnss]
+    /// file = "gnss.csv"
+    /// time = "t_s"
+    /// position = ["lat_deg", "lon_deg", "height_m"]
+    /// position_std = "5, 5, 10 m"
+    /// lever_arm = "10, 0, -120 cm"
+    /// "#;
+    /// let here = Path::new(".");
+    /// let drive = Drive::from_toml(text, "drive.toml", here, here)?;
+    /// assert!((drive.lever_arm - Vector3::new(0.1, 0.0, -1.2)).norm() < 1e-12);
+    /// let wrong = Drive::from_toml(&text.replace("accel_unit", "acel_unit"), "drive.toml", here, here);
+    /// assert!(wrong.is_err_and(|error| error.to_string().contains("acel_unit")));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// [`DriveError::Config`] where the text is no TOML, or a key is missing, unknown or has a wrong value, with
     /// its line; [`DriveError::Model`] for the model; [`DriveError::Read`] where a log has to be looked into

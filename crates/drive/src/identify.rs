@@ -105,7 +105,8 @@ fn at_own_rate<'a>(
     }
 }
 
-/// Identifies every axis of a record, on all cores. `done` is called after each axis.
+/// Identifies every axis of a record, on all cores. `done` is called after each axis. An axis that makes no model has its reason in
+/// [`Identified::axes`]; the others are identified all the same.
 pub fn run(record: &Record, options: &Options<'_>, done: impl Fn() + Sync) -> Identified {
     let axes = parallel::map(record.axes.len(), |axis| {
         let (name, samples) = (record.axes[axis], &record.samples[axis]);

@@ -39,11 +39,11 @@ use undrift_io::{
 use undrift_nav::{Matrix3, Vector3, parameters::Parameters, sample::GnssFix};
 use undrift_noise::{BiasModel, ImuModel};
 
-/// What came of it.
+/// A navigated drive: the run's summary, what reading the logs showed, and what was asked for in [`Wanted`].
 #[derive(Debug)]
 pub struct Report {
     /// By how much the stated standard deviations of position and velocity should be multiplied, as far
-    /// as the innovations tell; only where it matters.
+    /// as the innovations show; only where it matters.
     pub std_factors: [Option<f64>; 2],
     /// Counts, alignment, innovations.
     pub summary: Summary,
@@ -199,7 +199,7 @@ impl Hindsight {
     }
 }
 
-/// What is stated of the errors of a drive's fixes.
+/// What is stated of the errors of a drive's fixes: their correlation in time and the factors on their standard deviations.
 pub fn stated(drive: &Drive) -> FromFixes {
     FromFixes {
         correlation: drive.correlation,
@@ -224,7 +224,8 @@ pub fn look_ahead(settings: &mut Settings, study: Option<&FixStudy>) {
 }
 
 /// The drive with its mounting estimated from its beginning, where it asks for that: from the first sample on its body axes
-/// are the vehicle's.
+/// are the vehicle's. The logs are read once for it, twice where there is a lever arm, which is known in the vehicle's axes only. A
+/// drive that does not ask for an estimate is returned as it is.
 ///
 /// # Errors
 /// As [`mounting::estimate`], or where the drive cannot be set up.
@@ -285,6 +286,24 @@ pub fn resolve_ahead(
 ///
 /// Smoothed, the solution written and compared is the smoothed one: the filter's nodes go to a
 /// temporary file, and the log is read twice.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{BiasModel, Drive, ImuModel, navigate::{Hindsight, NavigateError, Wanted}, navigate_drive};
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// # let log = simulate(&Trajectory::car(150.0, 1), 50.0, None, &GnssNoise::default(), 1)?;
+/// let drive = Drive {
+///     model: ImuModel::preset("adis16465"),
+///     ..Drive::from_samples(&log.imu, &log.gnss)
+/// };
+/// // Standard deviation of the yaw [rad] 10 s after the alignment: smoothed, it knows the turns to come.
+/// let yaw_std = |hindsight| -> Result<f64, NavigateError> {
+///     let wanted = Wanted { hindsight, rows: true, ..Wanted::default() };
+///     Ok(navigate_drive(&drive, BiasModel::Arma, wanted)?.rows[500].nav_std[8])
+/// };
+/// assert!(yaw_std(Hindsight::Smooth)? < yaw_std(Hindsight::Causal)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// As [`settings`]; a log that cannot be read or ends before the alignment; a mounting that cannot be

@@ -18,6 +18,17 @@ use undrift_results::{Numbers, by_name};
 pub const HORIZONTAL: usize = 3;
 
 /// One value per component of [`COMPONENTS`], north-east-down \[m, m/s, deg\]; NaN where the reference does not have it.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::reference::{Errors, HORIZONTAL, max, rms, where_known};
+/// let mut errors = [Errors::UNKNOWN; 3]; // The third has no reference.
+/// errors[0].0[HORIZONTAL] = 3.0;
+/// errors[1].0[HORIZONTAL] = 4.0;
+/// assert_eq!(where_known(&errors, rms).0[HORIZONTAL], 12.5_f64.sqrt());
+/// assert_eq!(where_known(&errors, max).0[HORIZONTAL], 4.0);
+/// assert!(rms(&errors).0[HORIZONTAL].is_nan());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors(pub [f64; 10]);
 
@@ -48,7 +59,8 @@ impl Errors {
         ])
     }
 
-    /// Of a navigation state against the reference at the same time.
+    /// Of a navigation state against the reference at the same time; velocity and attitude stay unknown where the reference has
+    /// none.
     pub fn against_truth(nav: &NavState, truth: &TruthSample) -> Self {
         let dr = truth.position.offset_to(&nav.position);
         let dv = truth.v_n.map(|v| nav.v_n - v);
@@ -73,7 +85,7 @@ impl Errors {
         Self::new(&dr, dv, None)
     }
 
-    /// These, and the others where they are unknown.
+    /// These, with those of `others` in place of unknown components.
     #[must_use]
     pub fn or(self, others: Self) -> Self {
         Self(std::array::from_fn(|i| match self.0[i].is_finite() {

@@ -28,7 +28,7 @@ pub type Samples<'a> = dyn Iterator<Item = Result<ImuSample, ReadError>> + 'a;
 /// Measurements in order of time.
 pub type Measurements<'a> = dyn Iterator<Item = Result<Measurement, ReadError>> + 'a;
 
-/// As [`undrift_engine::Observer`], of one that may fail: the replay ends with its error.
+/// As [`undrift_engine::Observer`], with methods that may fail: the replay ends with the first error.
 pub trait Observer {
     /// A sample was processed, and every fix up to its end; the filter is at the sample's end.
     ///
@@ -178,7 +178,8 @@ pub fn begin(
     Ok(begun.take())
 }
 
-/// Navigates a log. The size of the filter follows the models.
+/// Navigates a log: each sample is pushed after the measurements up to its end, each stream in order of time. The size of the
+/// filter follows the models. [`crate::navigate::navigate`] is this with files, findings and a smoother.
 ///
 /// # Errors
 /// A log that cannot be read, no alignment before its end, a filter that cannot be built, or what `observer`

@@ -212,7 +212,7 @@ impl History {
         self.store.append(&self.record)
     }
 
-    /// Goes back through the nodes; `None` without nodes.
+    /// Goes back through the nodes, last to first, and returns them smoothed in order of time; `None` without nodes.
     ///
     /// # Errors
     /// If the temporary file cannot be read.

@@ -25,9 +25,9 @@ pub enum Aid {
     Position,
     /// Velocities of fixes.
     Velocity,
-    /// What wheels do not do.
+    /// Non-holonomic constraint: no velocity across or through the road.
     NonHolonomic,
-    /// Rest.
+    /// Zero-velocity updates at rest, with those of the angular rate.
     ZeroVelocity,
     /// Wheel speeds.
     Odometer,
@@ -78,7 +78,7 @@ impl Aid {
     }
 }
 
-/// A value for each [`Aid`], got by `table[aid]`.
+/// A value for each [`Aid`], read and written as `table[aid]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct ByAid<T>(pub [T; Aid::COUNT]);
@@ -182,7 +182,32 @@ impl ScalarLog {
     }
 }
 
-/// One measurement.
+/// One measurement, as it is pushed into a [`Navigator`](crate::Navigator).
+///
+/// ```
+/// use undrift_engine::{Aid, Measurement, Navigator, Scalar, settings::Settings, vehicle::Profile};
+/// # use undrift_nav::shaping::ShapingFilter;
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+/// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+/// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+/// let constraints = Profile::Car.constraints();
+/// let mut navigator = Navigator::new(Settings { constraints, ..Settings::new(sensors) });
+/// let mut measurements = Measurement::of_fixes(&log.gnss);
+/// for row in log.truth.iter().step_by(25) {
+///     let speed = row.v_n.expect("simulated").norm(); // A car that drives forward.
+///     measurements.push(Measurement::Odometer(Scalar { time: row.time, value: speed, std: 0.1 }));
+/// }
+/// for measurement in measurements {
+///     navigator.measure(measurement)?; // Each waits until the samples reach its time.
+/// }
+/// for sample in log.imu {
+///     navigator.imu(sample)?;
+/// }
+/// let odometer = navigator.summary().innovations[Aid::Odometer];
+/// assert!(odometer.updates > 50 && odometer.rejected == 0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 #[expect(
@@ -253,7 +278,9 @@ impl Measurement {
     }
 }
 
-/// A measurement that a filter is updated with.
+/// A measurement that a filter is updated with: [`Estimator::innovation`](crate::estimator::Estimator::innovation) and
+/// [`Estimator::update`](crate::estimator::Estimator::update) take it with its covariance. Rows and signs of each:
+/// docs/lab/measurement-rows.md.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Aiding {
     /// GNSS position.

@@ -6,6 +6,31 @@
 //! In motion (`align/motion.rs`), without rest or for axes that are no vehicle's: all of it together from
 //! the changes of velocity that accelerometers, gyros and GNSS saw. `docs/alignment.md`. Streamed: sums
 //! and a bounded window are kept.
+//!
+//! What is configured is [`AlignSettings`]; how it ended, an [`Alignment`] or an [`AlignmentFailure`] that says what
+//! was missing:
+//!
+//! ```
+//! use undrift_engine::{Navigator, align::{AttitudeSource, HeadingSource}, settings::Settings};
+//! # use undrift_nav::shaping::ShapingFilter;
+//! # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+//! # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+//! # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+//! # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+//! let mut navigator = Navigator::new(Settings::new(sensors));
+//! for fix in log.gnss {
+//!     navigator.fix(fix)?;
+//! }
+//! for sample in log.imu {
+//!     navigator.imu(sample)?;
+//! }
+//! // A minute at rest levels the IMU, the first metres give the heading.
+//! let alignment = navigator.summary().alignment.expect("aligned");
+//! let AttitudeSource::Rest { duration, heading } = alignment.source else { panic!("{alignment:?}") };
+//! assert!(duration > 30.0 && heading == HeadingSource::Course);
+//! assert!(alignment.level_std < 0.01 && alignment.heading_std < 0.1, "[rad]");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod basis;
 mod clocks;

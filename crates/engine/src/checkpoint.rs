@@ -58,7 +58,32 @@ struct Kept {
 }
 
 impl Navigator {
-    /// The whole navigator as bytes.
+    /// The whole navigator as bytes: format number, state and a checksum. They are read by the same version of the format alone
+    /// ([`RestoreError::OtherFormat`]).
+    ///
+    /// ```
+    /// use undrift_engine::{Navigator, settings::Settings};
+    /// # use undrift_nav::shaping::ShapingFilter;
+    /// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+    /// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+    /// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+    /// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+    /// let run = |navigator: &mut Navigator, from: usize, to: usize| {
+    ///     let (first, last) = (log.imu[from].time, log.imu[to - 1].time);
+    ///     for fix in log.gnss.iter().filter(|fix| first <= fix.time && fix.time < last) {
+    ///         navigator.fix(*fix)?;
+    ///     }
+    ///     log.imu[from..to].iter().try_for_each(|sample| navigator.imu(*sample))
+    /// };
+    /// let mut navigator = Navigator::new(Settings::new(sensors));
+    /// run(&mut navigator, 0, 5000)?;
+    /// let mut again = Navigator::restore(Settings::new(sensors), &navigator.checkpoint())?;
+    /// run(&mut navigator, 5000, 6000)?;
+    /// run(&mut again, 5000, 6000)?;
+    /// let place = |navigator: &Navigator| navigator.filter().map(|filter| filter.nav().position);
+    /// assert!(place(&again).is_some() && place(&again) == place(&navigator), "to the last bit");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn checkpoint(&self) -> Vec<u8> {
         let oldest = self.past.front();
         let run = oldest.map_or(&self.run, |oldest| &oldest.run).clone();
@@ -87,7 +112,8 @@ impl Navigator {
     /// to the last bit. What is observed or recorded for a smoother restarts empty.
     ///
     /// # Errors
-    /// [`RestoreError`].
+    /// [`RestoreError`]: bytes that are damaged or of another format, settings with other parameters or sensor models of
+    /// another order.
     pub fn restore(settings: Settings, checkpoint: &[u8]) -> Result<Self, RestoreError> {
         let bad = |_| RestoreError::NoCheckpoint;
         let (format, rest) = postcard::take_from_bytes::<u32>(checkpoint).map_err(bad)?;

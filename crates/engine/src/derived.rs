@@ -20,7 +20,18 @@ const FLOOR: f64 = 0.1;
 /// By how much a vehicle may have slowed down since the time of a derived velocity \[m/s²\].
 pub(crate) const BRAKING: f64 = 2.0;
 
-/// The antenna's place.
+/// The antenna's place, of a baseline that of its base plus the baseline; `None` of a fix without a position.
+///
+/// ```
+/// use undrift_engine::derived::antenna;
+/// use undrift_nav::{Matrix3, Vector3, earth::Geodetic, sample::{GnssFix, Position}};
+/// let base = Geodetic::from_degrees(45.0, 7.0, 300.0);
+/// let baseline = Position::Baseline { base, ned: Vector3::new(1000.0, 0.0, 0.0) };
+/// let fix = GnssFix { position: Some((baseline, Matrix3::identity())), ..GnssFix::at(0.0, base, [1.0; 3]) };
+/// let place = antenna(&fix).expect("a position");
+/// // A kilometre north; the tangent plane leaves the ellipsoid by 8 cm.
+/// assert!((place.lat - base.lat - 1000.0 / 6.367e6).abs() < 1e-6 && (place.height - 300.08).abs() < 0.01);
+/// ```
 pub fn antenna(fix: &GnssFix) -> Option<Geodetic> {
     match &fix.position.as_ref()?.0 {
         Position::Geodetic(geodetic) => Some(*geodetic),
@@ -135,7 +146,8 @@ pub(crate) fn white_variance(track: &[(f64, Vector3)]) -> Option<Vector3> {
     })
 }
 
-/// Fixes of which none has a velocity, with the slope of the positions about each one: for what may look ahead. Slopes that
+/// Fixes of which none has a velocity, with the slope of the positions within a second about each one as their velocity: for what
+/// may look ahead. Fixes of which any has a velocity are returned as they are. Slopes that
 /// share their positions share their errors: the variance of each is that of one, times how many do.
 pub fn with_velocities(mut fixes: Vec<GnssFix>) -> Vec<GnssFix> {
     if fixes.iter().any(|fix| fix.velocity.is_some()) {

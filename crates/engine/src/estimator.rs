@@ -158,6 +158,10 @@ pub fn position_std_on_receiver_clock(
 }
 
 /// An error-state filter; its methods are those of [`Filter`](undrift_nav::filter::Filter) where nothing else is said.
+///
+/// The error state is position δr north-east-down \[m\], velocity δv north-east-down [m/s], misalignment ψ about north, east, down
+/// \[rad\], then the states of the sensors, gyro x, y, z and accelerometer x, y, z, then the parameters. The first nine are estimate
+/// less truth, the sensors' states truth less estimate (docs/conventions.md, Errors).
 pub trait Estimator: Send + Sync {
     /// Position, velocity and attitude of the IMU.
     fn nav(&self) -> &NavState;
@@ -177,7 +181,7 @@ pub trait Estimator: Send + Sync {
     fn time_offset(&self, kind: Parameter) -> Option<(f64, f64)>;
     /// How long the filter has run \[s\].
     fn since_start(&self) -> f64;
-    /// Standard deviations of position \[m\], velocity \[m/s\] and misalignment \[rad\].
+    /// Standard deviations of position \[m\], velocity \[m/s\] and misalignment \[rad\], each north, east, down.
     fn nav_std(&self) -> [f64; NAV];
     /// Estimated sensor errors \[rad/s, m/s²\].
     fn sensor_error(&self) -> [f64; AXES];
@@ -212,20 +216,20 @@ pub trait Estimator: Send + Sync {
             interval: sensors.axis(0).interval,
         })
     }
-    /// Whether the solution is still one.
+    /// Checks that the variances are finite and not negative and that the navigation state is possible.
     ///
     /// # Errors
-    /// [`FilterError::Diverged`] if it is not.
+    /// [`FilterError::Diverged`] where they are not.
     fn check(&self) -> Result<(), FilterError>;
 
     /// Where the sample taken up ends \[s\], if it is not done.
     fn sample_end(&self) -> Option<f64>;
     /// Where the next sample begins \[s\].
     fn reached(&self) -> f64;
-    /// Whether a sample can be the next.
+    /// Whether a sample can be the next, as [`Filter::accepts_step`](undrift_nav::filter::Filter::accepts_step).
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// [`StepError`], what is wrong with it.
     fn accepts_step(&self, sample: &ImuSample) -> Result<(), StepError>;
     /// Takes up a sample without moving yet.
     fn begin(&mut self, sample: &ImuSample);

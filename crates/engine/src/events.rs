@@ -1,4 +1,4 @@
-//! What can happen in a replay that is worth telling, as values.
+//! What can happen in a run that its user should know, as values.
 
 use crate::{
     align::Alignment,
@@ -7,6 +7,38 @@ use crate::{
 };
 
 /// An event of the navigation. One that lasts is reported at its start.
+///
+/// Fixes that are suddenly 100 m off are rejected, and the solution does not follow them:
+///
+/// ```
+/// use undrift_engine::{Event, Navigator, Part, settings::Settings};
+/// use undrift_nav::sample::Position;
+/// # use undrift_nav::shaping::ShapingFilter;
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+/// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+/// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+/// let mut navigator = Navigator::new(Settings::new(sensors));
+/// for mut fix in log.gnss {
+///     if let Some((Position::Geodetic(place), _)) = &mut fix.position
+///         && (90.0..95.0).contains(&fix.time)
+///     {
+///         place.lat += 100.0 / 6.37e6; // North.
+///     }
+///     navigator.fix(fix)?;
+/// }
+/// for sample in log.imu {
+///     navigator.imu(sample)?;
+/// }
+/// let rejected = navigator.events().into_iter().find_map(|event| match event {
+///     Event::Rejected(run) if run.part == Part::Position => Some(run),
+///     _ => None,
+/// });
+/// let rejected = rejected.expect("the gate");
+/// assert_eq!((rejected.start, rejected.fixes, rejected.accepted_in_the_end), (90.0, 5, false));
+/// assert!((rejected.first - 100.0).abs() < 2.0, "its distance from the solution [m]");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum Event {
@@ -16,13 +48,13 @@ pub enum Event {
     SampleFault(SampleFault),
     /// Consecutive fixes were rejected; reported when the last of them has passed.
     Rejected(Contradiction),
-    /// The solution accepted fixes that contradict it, and doubts itself by so much.
+    /// The solution accepted fixes that contradict it, and its covariance was inflated by this.
     Doubted(Doubt),
     /// The course contradicts the heading.
     HeadingOff(HeadingOff),
     /// Innovations leant to one side.
     Leant(Lean),
-    /// The solution is aligned again from this time \[s\] on, and why.
+    /// The solution ended at this time \[s\] and is aligned again, and why; [`Event::Resumed`] follows.
     AlignsAgain(f64, RestartCause),
     /// From this time \[s\] on the fixes are taken to be wrong by this beyond what they state, as they have shown it.
     FixErrors(f64, FixErrors),

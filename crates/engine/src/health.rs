@@ -1,4 +1,4 @@
-//! Whether the covariance of a filter is still one after a long log.
+//! Whether the covariance of a filter is still symmetric and positive definite after a long log.
 
 use crate::estimator::Estimator;
 use alloc::vec::Vec;

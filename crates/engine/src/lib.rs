@@ -2,12 +2,24 @@
 //!
 //! A sample's way: [`Navigator::imu`] keeps it until the next one shows that it can be right (`inertial`), carries the
 //! solution over it ([`estimator`]), and stops on the way at each measurement that falls due (`measurement`): a fix is
-//! judged by `receiver`, any other is used in its room of `aid`, what the vehicle cannot do when `constraints` says so. Before there
-//! is a solution both go to the alignment ([`align`]). What the watches may do to the filter (widen, doubt,
-//! restart) they do through [`estimator::Estimator`] alone; what happened is in [`Summary`].
+//! judged by `receiver`, any other is used in its module of `aid`, and what the vehicle cannot do when `constraints` says so. Before
+//! there is a solution both go to the alignment ([`align`]). The watches (for faults of sensors, fixes, heading) change the filter
+//! through [`estimator::Estimator`] alone: they inflate its covariance or re-initialise it. What happened is in [`Summary`].
 //!
 //! Measurements may come late, up to a horizon ([`Navigator::with_horizon`]): the solution is always that of the
 //! measurements in order of their own time. No file, no clock, no thread; nothing grows with the length of a drive.
+//!
+//! SI units and radians. Samples are increments in body axes `b`, forward, right, down; the solution is latitude, longitude and
+//! ellipsoidal height of the IMU on WGS-84, velocity north-east-down `v_n`, and `q_nb`, which turns body axes to north-east-down:
+//! `v_n = q_nb * v_b`. Errors are estimate less truth, innovations predicted less measured (docs/conventions.md).
+//!
+//! | wanted | where |
+//! |---|---|
+//! | what is configured, with defaults | [`settings::Settings`], [`vehicle::Profile`] |
+//! | what is pushed | [`Navigator::imu`], [`Navigator::measure`], [`Measurement`] |
+//! | the solution and its standard deviations | [`Navigator::filter`], [`estimator::Estimator`] |
+//! | what went wrong, as it happens | [`Navigator::events`], [`Event`] |
+//! | how well solution and fixes agree | [`Summary`], [`Windows`] |
 //!
 //! ```
 //! use undrift_engine::{Navigator, settings::Settings};

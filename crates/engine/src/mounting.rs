@@ -273,6 +273,23 @@ impl Blocks {
 }
 
 /// Gathers the directions of motion and of down. Streamed: kept are sums over blocks of 5 s.
+///
+/// ```
+/// use undrift_engine::mounting::MountingEstimator;
+/// use undrift_nav::{Vector3, attitude::from_rpy};
+/// // A sensor that is turned 30° to the right in a vehicle that drives north-east on the level for two minutes.
+/// let q_vb = from_rpy(&Vector3::new(0.0, 0.0, 30f64.to_radians()));
+/// let q_nv = from_rpy(&Vector3::new(0.0, 0.0, 45f64.to_radians()));
+/// let (v_n, std) = (q_nv * Vector3::new(15.0, 0.0, 0.0), Vector3::new(0.003, 0.003, 0.01));
+/// let mut estimator = MountingEstimator::default();
+/// for _ in 0..1200 {
+///     estimator.add(0.1, &(q_nv * q_vb), &v_n, &Vector3::zeros(), &std);
+/// }
+/// let mounting = estimator.estimate()?;
+/// assert!((mounting.rpy() - Vector3::new(0.0, 0.0, 30f64.to_radians())).norm() < 1e-6);
+/// assert!(mounting.straight && mounting.std.z < 0.02);
+/// # Ok::<(), undrift_engine::mounting::MountingError>(())
+/// ```
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct MountingEstimator {
@@ -327,7 +344,8 @@ impl MountingEstimator {
     /// What is known now.
     ///
     /// # Errors
-    /// With too little driving, or where it has no one direction.
+    /// [`MountingError::TooLittle`] before half a minute of driving with a known heading; [`MountingError::Wanders`] where the
+    /// motion has no one direction in sensor axes; [`MountingError::Unsure`] where pitch or yaw stay too uncertain.
     pub fn estimate(&self) -> Result<Mounting, MountingError> {
         match self.straight.estimate(true) {
             Err(MountingError::TooLittle { .. }) => self.all.estimate(false),

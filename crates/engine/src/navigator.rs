@@ -137,29 +137,33 @@ impl Navigator {
         }
     }
 
-    /// Takes measurements that come up to so much late \[s\] as if they had come in time: what was done since is done
-    /// again. Memory: a snapshot of 15 to 60 kB for each fifth of a second.
+    /// Takes measurements that come up to `horizon` \[s\] late as if they had come in time: what was done since is done
+    /// again. Memory: a snapshot of 15 to 60 kB for each fifth of a second. Time: the steps since the measurement's own time,
+    /// once more for each late one.
     pub fn with_horizon(mut self, horizon: f64) -> Self {
         self.horizon = if horizon > 0.0 { horizon } else { 0.0 };
         self
     }
 
     /// How far beyond a sample's end fixes may be stamped that hold within it \[s\]: with an estimated latency a stamp may
-    /// be late by up to this. Of a log, fixes stamped up to so much later are best pushed before the sample.
+    /// be late by up to this. From a log, push fixes that are stamped up to this much later before the sample. Ten prior
+    /// standard deviations of the time offset; 0 where none is estimated.
     pub fn ahead(&self) -> f64 {
         self.ahead
     }
 
-    /// Takes in a sample. The solution goes to the end of the one before: whether a sample can be right, the next one
-    /// shows.
+    /// Takes in a sample: increments in body axes over the `dt` up to its time, in order of time. The solution goes to the end
+    /// of the sample before this one, since only the next sample shows whether one can be right; [`Navigator::end`] takes the
+    /// last one. Gaps are bridged or widen the covariance; more than a minute without samples starts a new alignment.
     ///
     /// # Errors
-    /// [`PushError`]; nothing is taken in then.
+    /// [`PushError::NotFinite`] and [`PushError::NotInOrder`], of which nothing is taken in; [`PushError::Filter`] where the
+    /// alignment is complete and its filter cannot be built.
     pub fn imu(&mut self, sample: ImuSample) -> Result<(), PushError> {
         self.imu_watched(sample, &mut ())
     }
 
-    /// As [`Navigator::imu`], watched.
+    /// As [`Navigator::imu`], with an observer that is called at each sample and fix on the way.
     ///
     /// # Errors
     /// As [`Navigator::imu`].
@@ -189,15 +193,19 @@ impl Navigator {
         Ok(())
     }
 
-    /// Takes in a fix. Returns whether it came within the horizon; later ones are counted and rejected.
+    /// Takes in a fix of the antenna, stamped in the time base of the samples. It is used when the samples reach its time, so it
+    /// may be pushed early. Returns whether it came within the horizon; later ones are counted and rejected. Whether a fix
+    /// passes the gate shows in [`Navigator::events`] and [`Summary::innovations`], not here.
     ///
     /// # Errors
-    /// [`PushError`]; nothing is taken in then.
+    /// [`PushError::NotFinite`], of which nothing is taken in; [`PushError::Filter`] where a late fix completes the alignment and
+    /// the filter cannot be built.
     pub fn fix(&mut self, fix: GnssFix) -> Result<bool, PushError> {
         self.measure(Measurement::Gnss(fix))
     }
 
-    /// Takes in a wheel speed, forward positive \[m/s\], as [`Navigator::fix`].
+    /// Takes in a wheel speed, forward positive \[m/s\], as [`Navigator::fix`]; the wheel is at
+    /// [`Constraints::odometer_lever`](crate::vehicle::Constraints::odometer_lever).
     ///
     /// # Errors
     /// As [`Navigator::fix`].
@@ -205,7 +213,8 @@ impl Navigator {
         self.measure(Measurement::Odometer(speed))
     }
 
-    /// Takes in a barometric height \[m\], as [`Navigator::fix`].
+    /// Takes in a barometric height, up positive \[m\], as [`Navigator::fix`]. Its offset to the ellipsoid is to be estimated by
+    /// [`Parameter::BarometerBias`] among the settings' parameters.
     ///
     /// # Errors
     /// As [`Navigator::fix`].
@@ -247,7 +256,8 @@ impl Navigator {
         Ok(true)
     }
 
-    /// The filter, once there is a solution.
+    /// The filter, once there is a solution: state, standard deviations and estimated sensor errors at the end of the sample
+    /// before the last one pushed. `None` before the alignment and between a restart and the next alignment.
     pub fn filter(&self) -> Option<&dyn Estimator> {
         self.run.filter()
     }
@@ -279,11 +289,11 @@ impl Navigator {
         self.run.has_ended()
     }
 
-    /// The end: the last sample, and what came of it all. `later` are stamps \[s\] of fixes that were not pushed: they
-    /// tell why there was no alignment.
+    /// Ends the run: processes the last sample and returns the summary. `later` are stamps \[s\] of fixes that were not pushed:
+    /// where there was no alignment, they show whether the two clocks overlap at all.
     ///
     /// # Errors
-    /// [`EndError`].
+    /// [`EndError::NotAligned`] with what was missing; [`EndError::Filter`].
     pub fn end(
         mut self,
         later: impl Iterator<Item = f64>,

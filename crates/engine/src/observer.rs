@@ -1,10 +1,38 @@
-//! Who watches the navigator.
+//! What is called while the navigator runs: to write a solution, to compare it with a reference, to smooth it.
 
 use crate::estimator::{Adjoint, Estimator};
 use crate::mounting::Mounting;
 use undrift_nav::{filter::Update, sample::GnssFix};
 
-/// Called with everything that happens, in order of time; what is not implemented is not looked at.
+/// Called with everything that happens, in order of time; methods that are not implemented do nothing. With a horizon
+/// ([`Navigator::with_horizon`](crate::Navigator::with_horizon)), what is done again for a late measurement is not observed again.
+///
+/// ```
+/// use undrift_engine::{Navigator, Observer, estimator::Estimator, settings::Settings};
+/// /// Time [s] and horizontal standard deviation [m] at each sample.
+/// struct Accuracy(Vec<(f64, f64)>);
+/// impl Observer for Accuracy {
+///     fn sample(&mut self, filter: &dyn Estimator) {
+///         let [north, east, ..] = filter.nav_std();
+///         self.0.push((filter.nav().time, north.hypot(east)));
+///     }
+/// }
+/// # use undrift_nav::shaping::ShapingFilter;
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+/// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+/// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+/// let mut navigator = Navigator::new(Settings::new(sensors));
+/// for fix in log.gnss {
+///     navigator.fix(fix)?;
+/// }
+/// let mut accuracy = Accuracy(Vec::new());
+/// for sample in log.imu {
+///     navigator.imu_watched(sample, &mut accuracy)?;
+/// }
+/// assert!(accuracy.0.len() > 1000 && accuracy.0.iter().all(|(_, std)| *std < 1.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub trait Observer {
     /// A sample was processed, and every fix up to its end; the filter is at the sample's end.
     fn sample(&mut self, _filter: &dyn Estimator) {}

@@ -1,6 +1,6 @@
 //! Whether samples and fixes can be of one vehicle: units, axes, signs and time bases that are wrong.
 //!
-//! A wrong unit or a swapped column lets a filter struggle on with fixes left out and weights enlarged,
+//! A wrong unit or a swapped column lets a filter run on with fixes rejected and covariances enlarged,
 //! which hides the cause. Three things are known whatever the noise model says: the specific force is
 //! gravity on the average; the course of a vehicle turns as its gyros say; positions move as velocities
 //! say. Streamed: sums and a bounded window are kept.

@@ -24,6 +24,12 @@ use undrift_nav::{
 };
 
 /// Half-open span of time without GNSS: fixes after `start` up to and including `end` are withheld.
+///
+/// ```
+/// use undrift_engine::settings::Outage;
+/// let outage = Outage { start: 100.0, end: 130.0 };
+/// assert_eq!([100.0, 100.1, 130.0, 130.1].map(|time| outage.contains(time)), [false, true, true, false]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Outage {
@@ -40,8 +46,8 @@ impl Outage {
     }
 }
 
-/// A span over which the solution may have gone wrong, as one pass over the log has found, by so much at its
-/// end: one sigma of each axis.
+/// A span over which the solution may have gone wrong, as a pass over the log has found, with the error possible at its end, one
+/// standard deviation of each axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Doubt {
@@ -57,12 +63,29 @@ pub struct Doubt {
     pub tilt: f64,
 }
 
-/// How a log is navigated.
+/// How a log is navigated. [`Settings::new`] gives the defaults; what is known beyond the sensors' noise is set on top:
+///
+/// ```
+/// use undrift_engine::{align::{AlignSettings, Heading}, settings::Settings, vehicle::Profile};
+/// use undrift_nav::{Vector3, parameters::{Parameter, Parameters, Prior}, shaping::ShapingFilter};
+/// let (gyro, accel) = (ShapingFilter::white(1e-4, 0.01)?, ShapingFilter::white(1e-3, 0.01)?);
+/// let settings = Settings {
+///     lever_arm: Vector3::new(0.3, 0.0, -1.2), // The antenna is 0.3 m ahead of the IMU and 1.2 m above it.
+///     constraints: Profile::Car.constraints(),
+///     align: AlignSettings { heading: Heading::Given(1.57, 0.05), ..AlignSettings::default() }, // East.
+///     parameters: Parameters::none().with(Parameter::TimeOffset, Prior::constant(0.1)), // Latency within 0.1 s.
+///     ..Settings::new([gyro, gyro, gyro, accel, accel, accel])
+/// };
+/// assert!(settings.gating && settings.restart && settings.constraints.non_holonomic.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Noise models of gyro x, y, z and accelerometer x, y, z at the log's sample interval.
+    /// Noise models of gyro x, y, z [rad/s] and accelerometer x, y, z [m/s²] at the log's sample interval, as
+    /// `ImuModel::shaping` of `undrift-noise` makes them. Their states are estimated.
     pub sensors: [ShapingFilter; AXES],
-    /// From the sensor's own axes to the body's: what an axis of the sensor does wrong is looked for there.
+    /// Rotation from the sensor's own axes to the body's, which the samples pushed are in already: spikes and stuck values are
+    /// looked for along the sensor's own axes.
     pub rotation: Matrix3,
     /// Whether samples come in the axes of a sensor that sits in the vehicle in an unknown way. Body axes are the
     /// sensor's then until the mounting is found, and the vehicle's from then on; what is stated here is in the
@@ -81,7 +104,7 @@ pub struct Settings {
     /// What is known of the vehicle.
     pub constraints: Constraints,
     /// Whether fixes pass a gate, a diverged solution is re-initialised, and the covariance has the products of errors, which a linear
-    /// filter leaves out.
+    /// filter leaves out. `true` by default.
     pub gating: bool,
     /// Whether a solution that does not agree with the fixes is re-initialised, too.
     pub restart: bool,
@@ -104,7 +127,7 @@ pub struct Settings {
     /// Where a pass before has found the solution to go wrong: the covariance grows over these spans, in place of
     /// at the one instant at which that was found.
     pub doubts: Vec<Doubt>,
-    /// Where the filter's updates are written down.
+    /// Receives every update of the filter, for tuning; `None`: they are not kept.
     pub log: Option<LogTo>,
 }
 

@@ -1,4 +1,4 @@
-//! What a replay was like.
+//! Counts, alignment, innovations, estimated parameters and faults of a run.
 
 use super::{
     CovarianceHealth,

@@ -1,8 +1,20 @@
 //! What is known of the vehicle: which constraints hold and how firmly.
+//!
+//! They are pseudo-measurements of the filter: no velocity along the vehicle's right and down axes while it drives, no velocity and
+//! no angular rate but the Earth's at rest, the heading along the course over ground (Groves 2013, section 15.4.1 for land vehicles). The standard deviations are larger than the
+//! scatter of the motion itself, since its errors are correlated in time and the filter takes them for white
+//! ([`NonHolonomic::CAR`]).
 
 use undrift_nav::Vector3;
 
 /// What the vehicle is, as a set of defaults.
+///
+/// ```
+/// use undrift_engine::vehicle::Profile;
+/// let car = Profile::Car.constraints();
+/// assert!(car.non_holonomic.is_some() && car.zero_velocity == Some(0.02)); // [m/s]
+/// assert!(Profile::Aircraft.constraints().non_holonomic.is_none());
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum Profile {
@@ -11,7 +23,7 @@ pub enum Profile {
     None,
     /// A wheeled vehicle on a road: no side slip, no hopping, at rest at times.
     Car,
-    /// An aircraft: no constraint but that it may stand on the ground.
+    /// An aircraft: no constraint but that it may be at rest on the ground.
     Aircraft,
     /// A person on foot carrying the sensor: at rest at times.
     Pedestrian,

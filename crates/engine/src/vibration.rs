@@ -206,7 +206,7 @@ impl Vibration {
         core::array::from_fn(|i| self.white[i] + self.excess(i) / self.step)
     }
 
-    /// The factors.
+    /// The factors on the standard deviation of the noise beyond the model's, gyro and accelerometer x, y, z.
     pub fn factors(&self) -> [f64; AXES] {
         self.factors
     }
@@ -265,6 +265,22 @@ pub(crate) fn turned_variances(c: &Matrix3, variances: &[f64; AXES]) -> [f64; AX
 
 /// Density of the white noise in the band that samples show [unit·√s], the root mean square of all blocks; `None`
 /// of a log that is too slow or too short.
+///
+/// ```
+/// use undrift_engine::{settings::Settings, vibration::densities};
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// let sensors = |factor: f64| -> Result<_, Box<dyn std::error::Error>> {
+///     let gyro = ShapingFilter::white(factor * 1e-4, 0.01)?;
+///     let accel = ShapingFilter::white(factor * 1e-3, 0.01)?;
+///     Ok([gyro, gyro, gyro, accel, accel, accel])
+/// };
+/// // The sensors are three times as noisy as their model says.
+/// let log = simulate(&Trajectory::rest(60.0), 100.0, Some(&sensors(3.0)?), &GnssNoise::default(), 1)?;
+/// let shown = densities(&log.imu, &Settings::new(sensors(1.0)?)).expect("100 Hz is enough");
+/// assert!((shown[0] / 3e-4 - 1.0).abs() < 0.1 && (shown[5] / 3e-3 - 1.0).abs() < 0.1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn densities(imu: &[ImuSample], settings: &Settings) -> Option<[f64; AXES]> {
     let mut vibration = Vibration {
         memory: f64::INFINITY,

@@ -1,5 +1,8 @@
 //! How well solution and fixes agree, window by window: a span in which they do not is a few in a thousand of the fixes of a
 //! long log, and all that matters to one who uses the solution there.
+//!
+//! A window is at least 30 s long; at more than 256 windows each becomes twice as long. Solution and fixes disagree where at least
+//! 10 innovations of a part fell into a window and less than 80 % of them are inside three standard deviations.
 
 use alloc::vec::Vec;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -51,7 +54,7 @@ impl Agreement {
         self.squares += other.squares;
     }
 
-    /// Share inside three standard deviations, of enough innovations to judge by.
+    /// Share inside three standard deviations (0.997 when the model is right), of 10 innovations or more.
     pub fn share(&self) -> Option<f64> {
         (self.innovations >= LEAST).then(|| self.inside as f64 / self.innovations as f64)
     }
@@ -149,7 +152,27 @@ pub struct Disagreement {
     pub agreement: Agreement,
 }
 
-/// The windows of a run.
+/// The windows of a run, in [`Summary::windows`](crate::Summary::windows).
+///
+/// ```
+/// use undrift_engine::{Navigator, WindowPart, settings::Settings};
+/// # use undrift_nav::shaping::ShapingFilter;
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+/// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+/// # let log = simulate(&Trajectory::car(180.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+/// let mut navigator = Navigator::new(Settings::new(sensors));
+/// for fix in log.gnss {
+///     navigator.fix(fix)?;
+/// }
+/// for sample in log.imu {
+///     navigator.imu(sample)?;
+/// }
+/// let windows = &navigator.summary().windows;
+/// assert_eq!(windows.spans().count(), 0, "solution and fixes agree throughout");
+/// assert!(windows.overall(WindowPart::Position).share().is_some_and(|share| share > 0.95));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Windows {

@@ -39,7 +39,8 @@ pub const UNIT_ROOT_TAU: f64 = 3600.0;
 /// Rates closer than this, relatively, count as one: time stamps do not give a rate better.
 const SAME_RATE: f64 = 1e-3;
 
-/// How the bias of a sensor axis is modelled.
+/// How the bias of a sensor axis is modelled. [`BiasModel::Arma`] carries all that the model file has but its spectral lines; the others leave more
+/// out, for comparison or for fewer states (docs/choose-model.md).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BiasModel {
     /// White noise alone, no bias state: the source paper's baseline.
@@ -188,7 +189,9 @@ impl Slow {
 }
 
 impl AxisModel {
-    /// The shaping filter of this axis [rad/s or m/s²] at the sample interval \[s\].
+    /// The shaping filter of this axis [rad/s or m/s²] at the sample interval \[s\]. Densities, correlation times and random walks
+    /// hold at every interval; an ARMA holds at the rate that it was identified at, and is carried over to another where such an
+    /// ARMA exists.
     ///
     /// # Errors
     /// [`ModelError::Missing`] where the axis lacks what `model` is made of, [`ModelError::Shaping`] where

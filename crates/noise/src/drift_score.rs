@@ -12,6 +12,18 @@
 //! has neither forgets towards the mean.
 //!
 //! One pass, O(N), beside the sums of the scored part up to each sample.
+//!
+//! ```
+//! use undrift_nav::shaping::ShapingFilter;
+//! use undrift_noise::{drift_score::score, synthesis::NoiseGenerator};
+//! // White noise N = 1e-3 rad/√s integrates to an angle of N √h after h seconds: 3.2e-3 rad after 10 s.
+//! let white = ShapingFilter::white(1e-3, 0.01)?;
+//! let record: Vec<f64> = NoiseGenerator::new(&white, 1).take(100_000).collect();
+//! let scores = score(&record, 50_000, &white, &[10.0])?;
+//! assert!((scores[0].predicted_rms - 1e-3 * 10f64.sqrt()).abs() < 1e-6);
+//! assert!((scores[0].rms - scores[0].predicted_rms).abs() < 4.0 * scores[0].standard_error);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod pass;
 mod recommend;
@@ -138,8 +150,8 @@ pub fn score(
     }
 }
 
-/// Scores of a model on several parts of a record, or on several records, pooled horizon by horizon; the horizons grow,
-/// and a part that is too short for the long ones counts for the others.
+/// Scores of a model on several parts of a record, or on several records, pooled horizon by horizon: mean squares weighted by
+/// their origins. The horizons grow, and a part that is too short for the long ones counts for the others.
 pub fn pooled(parts: &[Vec<HorizonScore>]) -> Vec<HorizonScore> {
     let horizons = parts.iter().map(Vec::len).max().unwrap_or(0);
     let pool = |h: usize| {

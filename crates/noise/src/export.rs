@@ -17,6 +17,8 @@
 //! let imu = ImuModel::preset("adis16465").unwrap();
 //! let yaml = imu.export(ModelFormat::Kalibr, Some(200.0))?;
 //! assert!(yaml.contains("\nupdate_rate: 200.0\n"));
+//! // The model file itself loses nothing.
+//! assert_eq!(imu.export(ModelFormat::Undrift, None)?, imu.to_toml());
 //! # Ok::<(), undrift_noise::ModelError>(())
 //! ```
 

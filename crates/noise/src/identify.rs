@@ -4,6 +4,22 @@
 //! `docs/theory.md`, sections 1 and 6: the order of the source paper's part 1, and beyond it the choice by the
 //! prediction error of the integrated signal on the half of the record that was not fitted, and by likelihood among
 //! those that the drift does not tell apart.
+//!
+//! [`identify()`] is of one record, [`identify_pool`] of several of one sensor or type, [`allan_deviation`] of the Allan deviation
+//! alone, after the same screening. What was removed, and every candidate with its score, is in the [`Axis`] that comes out.
+//!
+//! ```
+//! use undrift_noise::{composite::CompositeTerms, identify::{Options, identify}, synthesis::NoiseGenerator};
+//! // A quarter of an hour at 10 Hz: white noise of 1e-3 rad/√s over a random walk of 1e-4 rad/s/√s.
+//! let truth = CompositeTerms { white: 1e-3, random_walk: 1e-4, ..CompositeTerms::default() };
+//! let record: Vec<f64> = NoiseGenerator::new(&truth.to_shaping(0.1)?, 1).take(9000).collect();
+//! let axis = identify(&record, false, &Options::at(10.0))?;
+//! let white = axis.allan_terms.white.value;
+//! assert!((white / 1e-3 - 1.0).abs() < 0.1);
+//! let best = &axis.candidates[axis.chosen];
+//! assert!(!best.compared && best.states > 0, "{} has no state for the walk", best.name);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod axis;
 mod candidates;
@@ -110,7 +126,7 @@ pub enum IdentifyError {
     /// No candidate could be fitted.
     #[error("no model could be fitted to the recording")]
     NoCandidate,
-    /// The sample rate is not one.
+    /// The sample rate is not a positive number.
     #[error("the sample rate must be above 0 Hz")]
     Rate,
 }
@@ -237,12 +253,13 @@ fn prepare(record: &[f64], options: &Options<'_>) -> Result<Prepared, IdentifyEr
     })
 }
 
-/// Identifies one axis: `record` in SI units, evenly sampled, NaN where a sample is missing. `accelerometer` says what
-/// the mean means.
+/// Identifies one axis: `record` in SI units (rad/s or m/s²), evenly sampled, NaN where a sample is missing. `accelerometer` says
+/// what the mean means: of a gyro it is the turn-on constant, of an accelerometer the part of it beyond gravity where the axis is
+/// vertical.
 ///
 /// # Errors
-/// A record that is too short (fewer than 1000 samples), constant or infinite; one too brief for
-/// any horizon.
+/// A record that is too short ([`SHORTEST`]), constant or infinite; one too brief for any horizon; noise hidden by rounding
+/// ([`IdentifyError::Coarse`]) or by a dead band ([`IdentifyError::DeadBand`]); a sample rate that is not positive.
 pub fn identify(
     record: &[f64],
     accelerometer: bool,

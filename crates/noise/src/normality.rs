@@ -73,7 +73,8 @@ pub struct JarqueBera {
     pub kurtosis_excess: f64,
 }
 
-/// Jarque-Bera test alone; O(N) time, no memory.
+/// Jarque-Bera test alone; O(N) time, no memory. At a million samples it rejects a skewness of 0.006 or an excess
+/// kurtosis of 0.012, which no filter notices: look at these numbers before the p.
 ///
 /// # Errors
 /// Fewer than 5 samples, a sample that is not finite, a constant record.
@@ -134,7 +135,14 @@ pub fn normality(x: &[f64]) -> Result<Normality, RecordError> {
     })
 }
 
-/// The grid that the samples lie on, if they do.
+/// The grid that the samples lie on, if they do; `None` too of a record that is constant, shorter than 2 samples or not
+/// finite.
+///
+/// ```
+/// let counts: Vec<f64> = (0..300).map(|k| 0.25 * f64::from(k * 7919 % 11)).collect();
+/// let grid = undrift_noise::normality::quantisation(&counts).expect("11 levels");
+/// assert_eq!((grid.step, grid.levels), (0.25, 11));
+/// ```
 pub fn quantisation(x: &[f64]) -> Option<Quantisation> {
     let (_, squares) = check_varying(x, 2).ok()?;
     let mut sorted = x.to_vec();

@@ -192,6 +192,13 @@ pub fn f_test(smaller: &ArmaFit, larger: &ArmaFit, level: f64) -> Option<OrderTe
 }
 
 /// The value that F(`added`, `remaining`) exceeds with probability `level`, or `None` outside (0, 1).
+///
+/// ```
+/// use undrift_noise::pandit_wu::{PAPER_CRITICAL, critical_value};
+/// let long = critical_value(2, 1_000_000, 0.05).expect("a level within (0, 1)");
+/// assert!((long - PAPER_CRITICAL).abs() < 1e-4);
+/// assert!(critical_value(2, 20, 0.05) > Some(3.4), "short records need more");
+/// ```
 pub fn critical_value(added: usize, remaining: usize, level: f64) -> Option<f64> {
     if !(level > 0.0 && level < 1.0) {
         return None;

@@ -1,4 +1,15 @@
-//! Model files of well-known sensors, in `presets/*.toml` of this crate: copy one to start an own.
+//! Model files of well-known sensors, in `presets/*.toml` of this crate: copy one to start your own.
+//!
+//! Their numbers are those of data sheets and publications, named in each file, not of your unit: turn-on constants and slow
+//! parts differ between units of one type. A recording at rest of an hour or more ([`mod@crate::identify`]) is better.
+//!
+//! ```
+//! use undrift_noise::{ImuModel, presets};
+//! assert_eq!(presets::near("ADIS-16465"), ["adis16465"]);
+//! for name in presets::NAMES {
+//!     assert!(presets::text(name).is_some() && ImuModel::preset(name).is_some());
+//! }
+//! ```
 
 /// The presets from their names, which are those of their files.
 macro_rules! presets {

@@ -7,12 +7,24 @@
 //! Each test is O(N) a lag, whatever the record's length.
 //!
 //! ```
-//! use undrift_noise::stationarity::{Deterministic, Lags, adf};
-//! let walk: Vec<f64> = (0..500).scan(0.0, |s, k| { *s += f64::from(k * 7919 % 101 - 50); Some(*s) }).collect();
-//! let test = adf(&walk, Deterministic::Constant, Lags::Fixed(2))?;
-//! println!("{} against {} at 5 %", test.statistic, test.critical.five);
-//! # Ok::<(), undrift_noise::screening::RecordError>(())
+//! use undrift_nav::shaping::ShapingFilter;
+//! use undrift_noise::stationarity::{Conclusion, Deterministic, KpssLags, Lags, adf, kpss, phillips_perron, verdict};
+//! use undrift_noise::{screening::RecordError, synthesis::NoiseGenerator};
+//! let conclusion = |x: &[f64]| {
+//!     let unit_root = adf(x, Deterministic::Constant, Lags::Aic(None))?;
+//!     let level = kpss(x, Deterministic::Constant, KpssLags::Short)?;
+//!     let corrected = phillips_perron(x, Deterministic::Constant, None)?;
+//!     Ok::<_, RecordError>(verdict(&unit_root, &level, &corrected, None).conclusion)
+//! };
+//! let white: Vec<f64> = NoiseGenerator::new(&ShapingFilter::white(1e-3, 0.01)?, 1).take(2000).collect();
+//! let walk: Vec<f64> = white.iter().scan(0.0, |sum, x| { *sum += x; Some(*sum) }).collect();
+//! assert_eq!(conclusion(&white)?, Conclusion::Stationary);
+//! assert_eq!(conclusion(&walk)?, Conclusion::UnitRoot);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! White noise far above a slow bias makes ADF and Phillips-Perron reject a unit root that is there (an ARMA(1,1) with θ near
+//! 1); [`verdict()`] takes θ to say so.
 
 pub mod adf;
 pub mod kpss;

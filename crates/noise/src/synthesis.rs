@@ -1,5 +1,8 @@
 //! Random noise of any shaping filter, from a named generator: a seed means the same noise on
 //! every machine.
+//!
+//! A sample is `ε_k = H x_k + D w_k`, the state then goes on by `x_{k+1} = F x_k + G w_k`, w standard normal (docs/conventions.md,
+//! Noise). The state starts at a draw from the filter's `p0`: stationary where it is, the turn-on constant included.
 
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -14,6 +17,9 @@ use undrift_nav::shaping::{MAX_ORDER, ShapingFilter};
 /// let filter = ShapingFilter::arma(&[0.9], &[0.5], 0.01, 0.005)?;
 /// let mut record = vec![0.0; 1000];
 /// NoiseGenerator::new(&filter, 1).fill(&mut record);
+/// // A seed means the same noise, whether filled or iterated.
+/// assert!(record.iter().copied().eq(NoiseGenerator::new(&filter, 1).take(1000)));
+/// assert_ne!(record[0], NoiseGenerator::new(&filter, 2).sample());
 /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
 /// ```
 #[derive(Clone, Debug)]

@@ -7,6 +7,19 @@
 //! white noise with a random walk, a Gauss-Markov process or flicker noise, whose parameters are fitted with the slope by
 //! restricted likelihood. Of the models that the likelihood does not tell apart the one with the largest standard error counts. What
 //! is not [`SIGNIFICANT`] is not determined, and nothing is taken out.
+//!
+//! ```
+//! use undrift_nav::shaping::ShapingFilter;
+//! use undrift_noise::{synthesis::NoiseGenerator, temperature::Regressors};
+//! // Half an hour at 10 Hz of a gyro that warms from 25 to 40 °C and reads 2e-5 rad/s more for every kelvin.
+//! let celsius: Vec<f64> = (0..18_000).map(|k| 40.0 - 15.0 * (-f64::from(k) / 6000.0).exp()).collect();
+//! let noise = NoiseGenerator::new(&ShapingFilter::white(1e-4, 0.1)?, 1);
+//! let record: Vec<f64> = celsius.iter().zip(noise).map(|(t, noise)| 2e-5 * t + noise).collect();
+//! let found = Regressors::new(&record, &celsius, 0.1)?.estimate()?;
+//! assert!(found.determined && (found.effect.slope - 2e-5).abs() < 4.0 * found.effect.slope_sigma);
+//! assert_eq!(found.effect.bias(found.effect.reference_c), 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod regression;
 
@@ -32,7 +45,14 @@ const ALIKE: f64 = 6.0;
 /// Zero of the Celsius scale \[K\].
 pub const ZERO_CELSIUS: f64 = 273.15;
 
-/// A temperature with its unit [°C], such as "25 degC" or "298 K".
+/// A temperature with its unit [°C], such as "25 degC" or "298 K". `None` without a unit, and below absolute zero.
+///
+/// ```
+/// use undrift_noise::temperature::celsius;
+/// assert_eq!(celsius("25 degC"), Some(25.0));
+/// assert_eq!(celsius("298.15 K"), Some(25.0));
+/// assert_eq!(celsius("25"), None);
+/// ```
 pub fn celsius(text: &str) -> Option<f64> {
     let text = text.trim().replace('\u{2212}', "-");
     let (number, offset) = ["degC", "°C", "celsius", "C"]
@@ -165,7 +185,7 @@ pub fn held(temperature_c: &[f64]) -> Result<Vec<f64>, TemperatureError> {
     Ok(held.collect())
 }
 
-/// A record and its temperature in blocks.
+/// A record and its temperature in averages over at most 1000 blocks: [`Regressors::new`], then [`Regressors::estimate`].
 pub struct Regressors {
     averages: Averages,
     reference_c: f64,
@@ -224,10 +244,11 @@ impl Regressors {
         Some(self.effect(&self.averages.plain(2)?))
     }
 
-    /// The estimate.
+    /// The estimate. The quadratic is kept where the AIC falls by more than [`SIGNIFICANT`]² for it; the effect is determined
+    /// where it makes the AIC fall by as much and its last coefficient is more than [`SIGNIFICANT`] standard errors from 0.
     ///
     /// # Errors
-    /// [`TemperatureError::NoFit`].
+    /// [`TemperatureError::NoFit`], where no model of the noise can be fitted.
     pub fn estimate(&self) -> Result<Estimate, TemperatureError> {
         let none = self.likeliest(0)?;
         let slope = self.likeliest(1)?;

@@ -10,11 +10,14 @@
 //! starts of [`crate::composite::fit`], and is an estimator of its own, O(N) with one pass.
 //!
 //! ```
-//! use undrift_noise::wavelet;
+//! use undrift_noise::{allan, wavelet};
 //! let record: Vec<f64> = (0..4096u32).map(|k| f64::from(k * 7919 % 101)).collect();
 //! let curve = wavelet::wavelet_variance(&record, 0.01)?;
-//! assert_eq!(curve.points[3].m, 8);
-//! # Ok::<(), undrift_noise::composite::CompositeError>(())
+//! let allan = allan::deviations(&record, 100.0, allan::DeviationKind::Overlapping, allan::Grid::Octave)?;
+//! assert_eq!((curve.points[3].m, allan.points[3].m), (8, 8));
+//! let half = 0.5 * allan.points[3].deviation.powi(2);
+//! assert!((curve.points[3].variance / half - 1.0).abs() < 1e-9);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod moments;

@@ -4,10 +4,13 @@
 //! no number of lags sees it (docs/theory.md, section 1).
 //!
 //! ```
-//! let x: Vec<f64> = (0..300).map(|k| f64::from(k * 7919 % 101)).collect();
-//! let tests = undrift_noise::whiteness::portmanteau(&x, &[5, 10], 0)?;
-//! assert!(tests[1].ljung_box > tests[0].ljung_box);
-//! # Ok::<(), undrift_noise::screening::RecordError>(())
+//! use undrift_nav::shaping::ShapingFilter;
+//! use undrift_noise::{synthesis::NoiseGenerator, whiteness::portmanteau};
+//! let white: Vec<f64> = NoiseGenerator::new(&ShapingFilter::white(1e-3, 0.01)?, 1).take(2000).collect();
+//! let averaged: Vec<f64> = white.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+//! assert!(portmanteau(&white, &[20], 0)?[0].ljung_box_p > 0.05);
+//! assert!(portmanteau(&averaged, &[20], 0)?[0].ljung_box_p < 1e-6);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 use crate::correlation::autocorrelation;

@@ -198,13 +198,21 @@ pub struct Identification {
 /// Identifies the noise of a sensor from a recording at rest: rows of gyro x, y, z [rad/s] and accelerometer x, y, z [m/s²]
 /// at a rate \[Hz\], NaN where a value is missing; an axis of NaN alone is left out. Some minutes to hours; it takes seconds.
 ///
-/// ```no_run
-/// # let rows: Vec<[f64; 6]> = Vec::new();
-/// let found = undrift::identify(&rows, 100.0)?;
+/// ```
+/// # use undrift::{BiasModel, ImuModel, noise::synthesis::NoiseGenerator};
+/// # let preset = ImuModel::preset("adis16465").ok_or("no such preset")?;
+/// # let sensors = preset.shaping(BiasModel::White, 0.1)?;
+/// # let mut noise: Vec<_> = (0..6).map(|axis| NoiseGenerator::new(&sensors[axis], axis as u64)).collect();
+/// # let mut rows: Vec<[f64; 6]> = (0..4000).map(|_| std::array::from_fn(|axis| noise[axis].sample())).collect();
+/// # rows.iter_mut().for_each(|row| row[5] -= 9.81);
+/// // `rows`: a recording at 10 Hz of a sensor that lies level and still, here simulated from a preset.
+/// let found = undrift::identify(&rows, 10.0)?;
 /// println!("{}: {:?}", found.verdict, found.doubts);
-/// let gyro_x = &found.model.gyro[0];
-/// println!("angle random walk {:.3} deg/√h", gyro_x.white.unwrap_or(0.0).to_degrees() * 60.0);
-/// std::fs::write("imu.toml", found.model.to_toml())?;
+/// let density = found.model.gyro[0].white_density(); // Angle random walk of gyro x [rad/√s].
+/// println!("{:.3} deg/√h", density.to_degrees() * 60.0);
+/// assert!((density / preset.gyro[0].white_density() - 1.0).abs() < 0.1);
+/// let file = found.model.to_toml(); // The model file, for `ImuModel::load`.
+/// # assert!(file.contains("[gyro"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///

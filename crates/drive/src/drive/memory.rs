@@ -71,7 +71,7 @@ impl Drive {
         drive
     }
 
-    /// The drive of a vehicle: what it cannot do, and the constants that this asks for.
+    /// The drive of a vehicle: its constraints, and the constants that are estimated for them.
     pub fn with_vehicle(mut self, profile: Profile) -> Self {
         (self.constraints, self.parameters) = tables::vehicle_by_default(profile, self.parameters);
         self

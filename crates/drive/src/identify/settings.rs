@@ -107,7 +107,9 @@ pub struct Prepared {
 /// Makes a record ready to be identified: its rate, repeated samples, its gaps, whether it is static, and the part in which it lies still.
 ///
 /// # Errors
-/// When nothing gives the rate, the one stated is off the time stamps by more than 1 %, or the part to use is empty.
+/// [`RecordingError::NoRate`] when neither settings nor time stamps give the rate, [`RecordingError::WrongRate`] when the one stated
+/// is off the time stamps by more than 1 %, [`RecordingError::Span`] when the part to use is empty. A record that is not static is
+/// no error here: see [`Prepared::not_static`].
 pub fn prepare(record: Record, settings: &Settings) -> Result<Prepared, RecordingError> {
     let stamps = record.timing.as_ref().map(|timing| timing.rate_hz);
     let rate_hz = match (settings.rate_hz, stamps) {

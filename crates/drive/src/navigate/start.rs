@@ -1,4 +1,4 @@
-//! Where the navigation of a drive begins, for who goes on step by step.
+//! Where the navigation of a drive begins, for callers that then run the filter step by step.
 
 use super::{NavigateError, look_ahead, resolve_mounting, settings, study};
 use crate::{

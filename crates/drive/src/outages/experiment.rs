@@ -58,7 +58,7 @@ impl Experiment {
 pub const UNCUT: BiasModel = BiasModel::Arma;
 
 impl Logs {
-    /// Samples that a run of so many models takes, for progress.
+    /// Samples that a run of this many models takes in all, for progress.
     pub fn samples(&self, models: usize) -> u64 {
         (self.imu.len() * (models + 1)) as u64
     }

@@ -39,7 +39,8 @@ pub struct Logs {
 }
 
 impl Logs {
-    /// Reads the logs of a drive, for runs that know so much of them.
+    /// Reads the logs of a drive into memory, for runs with this hindsight; with [`Hindsight::LookAhead`] or
+    /// [`Hindsight::Smooth`] a mounting to be estimated is found first.
     ///
     /// # Errors
     /// A log that cannot be read; a mounting that cannot be estimated.
@@ -128,7 +129,7 @@ impl Logs {
         }
     }
 
-    /// The way driven.
+    /// The ground track: the reference, or the fixes without one.
     pub fn track(&self) -> Vec<TruthSample> {
         track(&self.truth, &self.gnss)
     }

@@ -19,7 +19,7 @@ pub enum Schedule {
         start: f64,
         /// From start to start \[s\].
         every: f64,
-        /// At most so many, as many as fit if `None`.
+        /// At most this many, as many as fit if `None`.
         count: Option<usize>,
     },
     /// At these times in the log's own time base \[s\].
@@ -161,7 +161,20 @@ pub enum ScheduleError {
     },
 }
 
-/// The outages of `length` \[s\] a schedule asks for, given the first and last fix \[s\].
+/// The outages of `length` \[s\] a schedule asks for, given the first and last fix \[s\], in order of time. Each lies within the
+/// fixes, so that there is a reference at its end.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::outages::{Schedule, schedule};
+/// // Fixes from 10 s to 400 s; the first outage begins 60 s after the first fix, then one every 90 s.
+/// let every = Schedule::Every { start: 60.0, every: 90.0, count: None };
+/// let outages = schedule(&every, 30.0, 10.0, 400.0)?;
+/// let starts: Vec<f64> = outages.iter().map(|outage| outage.start).collect();
+/// assert_eq!(starts, [70.0, 160.0, 250.0, 340.0]);
+/// assert!(schedule(&Schedule::At(vec![390.0]), 30.0, 10.0, 400.0).is_err(), "ends after the last fix");
+/// # Ok::<(), undrift::outages::ScheduleError>(())
+/// ```
 ///
 /// # Errors
 /// When they do not fit, overlap or are not positive.

@@ -47,8 +47,8 @@ impl Record {
         cut(&mut self.stamps);
     }
 
-    /// The record with NaN in the gaps between its stamps, so that its samples are evenly spaced, and without the stamps; as
-    /// it is where these jitter or go back, or more is missing than present.
+    /// The record with NaN in the gaps between its stamps, so that its samples are evenly spaced, and without the stamps; unchanged
+    /// where these jitter or go back, or more is missing than present.
     pub fn with_gaps(mut self) -> Self {
         let length = self.stamps.len();
         let regular = |timing: &&Timing| {

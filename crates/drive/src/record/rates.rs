@@ -12,7 +12,7 @@ const REGULAR: f64 = 0.9;
 /// Rows between values of a slower sensor, at least.
 const SLOWER: f64 = 1.5;
 
-/// The values of an axis that has one in every so many samples of its record, where they are in it, and how many those are;
+/// The values of an axis that has one every few samples of its record, their positions in it, and the number of samples to a value;
 /// `None` of an axis with about one in each, or with values here and there.
 pub fn own_values(samples: &[f64]) -> Option<(Vec<f64>, Vec<usize>, f64)> {
     let finite = samples.iter().enumerate().filter(|(_, x)| x.is_finite());

@@ -24,7 +24,7 @@ pub enum ClockFault {
     Unit(Log, &'static str),
     /// A log has Unix time, the other has not.
     Unix(Log),
-    /// GNSS is so many whole hours ahead of the inertial log.
+    /// GNSS is this many whole hours ahead of the inertial log, as of a time zone.
     Hours(f64),
     /// Something else.
     Apart,

@@ -15,7 +15,10 @@ pub enum Heading {
     Auto,
 }
 
-/// What is known of the start.
+/// What is known of the start. The default knows nothing: attitude from rest or motion, the heading from the GNSS course above
+/// 3 m/s.
+///
+/// Roll, pitch, yaw are those of the body axes against north-east-down: yaw 0 is north and grows eastwards.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct AlignSettings {

@@ -1,4 +1,5 @@
-//! What fixes are wrong by, beyond what they state.
+//! Errors of fixes beyond their stated standard deviations: too small a deviation, correlation in time, positions in steps, jitter of the
+//! stamps, a bias of the velocity.
 
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
@@ -96,9 +97,9 @@ pub struct FixErrors {
     pub step: Vector3,
     /// Standard deviation of the stamps \[s\].
     pub jitter: f64,
-    /// What the velocity reads too much, north, east, down [m/s].
+    /// Bias of the velocity, measured less true, north, east, down [m/s]: it widens the covariance and is not taken out.
     pub velocity_bias: Vector3,
-    /// Whether the fixes have shown that, and the covariances are right with it.
+    /// Whether the fixes have shown these errors themselves; the covariances are then taken to be right with them.
     pub known: bool,
 }
 
@@ -118,7 +119,8 @@ impl Default for FixErrors {
 }
 
 impl FixErrors {
-    /// These, with what is stated of them.
+    /// These errors with what is stated in place of what the fixes showed: the correlation where it is off or given, then the
+    /// factors.
     pub fn under(mut self, stated: &FromFixes) -> Self {
         match stated.correlation {
             Correlation::Auto => {}
@@ -159,7 +161,20 @@ impl FixErrors {
         })
     }
 
-    /// The fix with covariances that cover these errors.
+    /// The fix with covariances that cover these errors: the stated ones times the factors, a step's uniform error (step²/12), the
+    /// velocity's bias as if it were random, and along the velocity what it moves within the jitter of the stamps. The
+    /// time-correlated parts are within the stated variance and change nothing here.
+    ///
+    /// ```
+    /// use undrift_engine::settings::fix_errors::FixErrors;
+    /// use undrift_nav::{Vector3, earth::Geodetic, sample::GnssFix};
+    /// let place = Geodetic::from_degrees(45.0, 7.0, 300.0);
+    /// let fix = GnssFix::at(0.0, place, [1.0; 3]).with_velocity([20.0, 0.0, 0.0], [0.1; 3]);
+    /// let errors = FixErrors { position_factor: 2.0, jitter: 0.05, ..FixErrors::default() };
+    /// let (_, covariance) = errors.apply(&fix).position.expect("as before");
+    /// assert!((covariance[(0, 0)] - (4.0 + 1.0)).abs() < 1e-12, "north: 2 m, and 20 m/s for 0.05 s");
+    /// assert!((covariance[(1, 1)] - 4.0).abs() < 1e-12, "east");
+    /// ```
     pub fn apply(&self, fix: &GnssFix) -> GnssFix {
         let mut fix = *fix;
         let velocity = fix.velocity.map(|(v, _)| v);
@@ -179,7 +194,7 @@ impl FixErrors {
         fix
     }
 
-    /// With the two parts of the errors multiplied.
+    /// These errors with their white and correlated standard deviations multiplied by the factors.
     pub fn scaled(&self, factors: &StdFactors) -> Self {
         let mut errors = *self;
         let parts = [&mut errors.correlated, &mut errors.velocity_correlated];

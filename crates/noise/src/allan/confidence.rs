@@ -48,7 +48,8 @@ pub struct Interval {
 }
 
 /// Two-sided intervals of the true deviation at each point, `level` their probability (0.683 for one
-/// sigma), with the noise type found at each τ.
+/// sigma), with the noise type found at each τ. The variance is taken to be chi-squared with the equivalent degrees of
+/// freedom of [`edf`] (NIST SP 1065, section 5.3), each τ by itself: intervals of neighbouring τ share their errors.
 ///
 /// # Errors
 /// As [`noise_types`], or a level outside (0, 1).

@@ -8,7 +8,9 @@ use super::{every_factor, octaves};
 use crate::screening::record::{RecordError, check, check_rate, mean, prefix_sums};
 use undrift_base::parallel;
 
-/// Which deviation.
+/// Which deviation. The terms of IEEE Std 952 are defined by the overlapping one, and [`fit_terms`](super::fit_terms) takes
+/// no other. The others are for a look: the modified one where quantisation hides what is slower, Hadamard's where
+/// the bias drifts in a straight line, the total one for averaging times near the record's length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeviationKind {
     /// Fully overlapping Allan deviation, NIST SP 1065 section 5.2.4, equation 11.
@@ -30,7 +32,7 @@ pub enum Grid {
     Octave,
     /// m = 1, 2, 5, 10, 20, 50, … samples.
     Decade,
-    /// So many a factor of two, rounded to whole samples, without repetition.
+    /// This many averaging times to a factor of two, rounded to whole samples, each once.
     PerOctave(u32),
     /// Every m from 1 on, spread over the cores. The overlapping kind takes O(N log² N) time and some
     /// 80 bytes a sample, deviations within 5e-10 of the definition; the others O(N²).
@@ -158,6 +160,21 @@ pub fn factors_of(taus_s: &[f64], rate_hz: f64) -> Result<Vec<usize>, RecordErro
 }
 
 /// The deviation of `rates` sampled at `rate_hz` \[Hz\] at a grid of averaging times.
+///
+/// A missing sample has to be filled in by the caller: a gap that is closed up shifts noise to other averaging times.
+///
+/// ```
+/// use undrift_noise::allan::{DeviationKind, Grid, deviations};
+/// // A ramp R of 0.5 a second: its Allan deviation is R τ/√2, and Hadamard's does not see it.
+/// let ramp: Vec<f64> = (0..1000).map(|k| 0.5 * f64::from(k) / 100.0).collect();
+/// let allan = deviations(&ramp, 100.0, DeviationKind::Overlapping, Grid::Octave)?;
+/// for point in &allan.points {
+///     assert!((point.deviation - 0.5 * point.tau_s / 2f64.sqrt()).abs() < 1e-9);
+/// }
+/// let hadamard = deviations(&ramp, 100.0, DeviationKind::Hadamard, Grid::Octave)?;
+/// assert!(hadamard.points.iter().all(|point| point.deviation < 1e-9));
+/// # Ok::<(), undrift_noise::screening::RecordError>(())
+/// ```
 ///
 /// # Errors
 /// Too short for m = 1 (2 samples, 3 for Hadamard), a sample that is not finite,

@@ -136,6 +136,17 @@ const SHAPES: [(i32, Shape); 5] = [
 /// Fits the terms to an overlapping Allan deviation, from the shortest τ on from which they describe
 /// it: below, a sensor's filter or resonance may add what none of the terms is.
 ///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{allan::{DeviationKind, Grid, deviations, fit_terms}, synthesis::NoiseGenerator};
+/// let noise = ShapingFilter::white(1e-3, 0.01)?; // N of 1e-3 rad/√s at 100 Hz.
+/// let record: Vec<f64> = NoiseGenerator::new(&noise, 1).take(50_000).collect();
+/// let terms = fit_terms(&deviations(&record, 100.0, DeviationKind::Overlapping, Grid::Octave)?)?;
+/// assert!((terms.white.value / 1e-3 - 1.0).abs() < 0.02);
+/// assert!(!terms.random_walk.seen && terms.random_walk.value <= terms.random_walk.upper_95);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// A curve that is not [`DeviationKind::Overlapping`], or fewer than 3 points with a positive deviation.
 pub fn fit_terms(curve: &Curve) -> Result<Terms, RecordError> {

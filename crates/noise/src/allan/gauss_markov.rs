@@ -12,6 +12,14 @@ const SERIES: f64 = 0.5;
 /// standard deviation `sigma` \[unit\] and correlation time `tau_c_s` \[s\] whose samples are averages
 /// (IEEE Std 952-1997 equation C.13, there with q_c = σ √(2/τc)):
 /// `(2σ²/x) [1 − (3 − 4 e^{−x} + e^{−2x}) / (2x)]`, x = τ/τc; a series below x = 0.5.
+///
+/// ```
+/// use undrift_noise::allan::gauss_markov::gauss_markov_variance;
+/// // The deviation is largest near τ = 1.89 τc, where it is 0.617 σ.
+/// let deviation = |tau_s| gauss_markov_variance(tau_s, 2e-5, 100.0).sqrt();
+/// assert!((deviation(189.0) / 2e-5 - 0.617).abs() < 1e-3);
+/// assert!(deviation(150.0) < deviation(189.0) && deviation(240.0) < deviation(189.0));
+/// ```
 pub fn gauss_markov_variance(tau_s: f64, sigma: f64, tau_c_s: f64) -> f64 {
     let x = tau_s / tau_c_s;
     let unit = if x < SERIES {

@@ -15,6 +15,19 @@ const LEFT: f64 = 1e-6;
 /// Noise type at each averaging factor, from the lag-1 autocorrelation of the averages (differenced
 /// until it looks stationary). Where fewer than 30 averages are left, the last type found goes on.
 ///
+/// The type is the exponent α of the rate's spectral density, S(f) ∝ f^α: 2 quantisation, 0 white, −1 flicker, −2 random
+/// walk; −3 and −4 steeper than that.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{allan::noise_types, synthesis::NoiseGenerator};
+/// let white: Vec<f64> = NoiseGenerator::new(&ShapingFilter::white(1e-3, 0.01)?, 1).take(10_000).collect();
+/// let walk: Vec<f64> = white.iter().scan(0.0, |sum, x| { *sum += x; Some(*sum) }).collect();
+/// assert_eq!(noise_types(&white, &[1, 8, 64])?, [0, 0, 0]);
+/// assert_eq!(noise_types(&walk, &[1, 8, 64])?, [-2, -2, -2]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// Fewer than 3 samples, a sample that is not finite.
 pub fn noise_types(rates: &[f64], factors: &[usize]) -> Result<Vec<i32>, RecordError> {

@@ -78,6 +78,16 @@ pub fn burg(samples: &[f64], p: usize) -> Result<ArFit, ArmaError> {
 /// is always stationary), solved by the Levinson-Durbin recursion. Box, Jenkins & Reinsel section
 /// 3.2. Strongly biased towards zero for a slow pole: Burg or the likelihood are better there.
 ///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{arma::{burg, yule_walker}, synthesis::NoiseGenerator};
+/// let process = ShapingFilter::arma(&[0.995], &[], 1e-3, 0.01)?; // Correlation time of 2 s, in 10 s of samples.
+/// let record: Vec<f64> = NoiseGenerator::new(&process, 1).take(1000).collect();
+/// let (burg, yule_walker) = (burg(&record, 1)?, yule_walker(&record, 1)?);
+/// assert!(yule_walker.ar[0] < burg.ar[0] && burg.ar[0] < 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// A record too short, constant, infinite or with missing samples.
 pub fn yule_walker(samples: &[f64], p: usize) -> Result<ArFit, ArmaError> {

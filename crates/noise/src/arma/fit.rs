@@ -111,6 +111,9 @@ fn without_unit_root(ar: &[f64]) -> Option<Vec<f64>> {
 ///
 /// A record of 2 000 000 samples takes seconds for (1,1). NaN marks missing samples (slower).
 ///
+/// Read [`ArmaFit::warnings`] with the coefficients: where a pair of roots nearly cancels or a root is near 1, they are poorly
+/// determined and their standard errors say little ([`super::profile_interval`] is for that), while predictions may be good.
+///
 /// # Errors
 /// A record too short for the order, constant or infinite; an order above [`MAX_FIT_ORDER`]; p = 0
 /// with a unit root; an option outside its range.

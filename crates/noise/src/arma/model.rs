@@ -87,6 +87,17 @@ impl ArmaFit {
     /// Exact one-step prediction errors of `samples` under this model over their standard
     /// deviations: independent N(0, 1) when it is right; NaN where a sample is missing.
     ///
+    /// ```
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// use undrift_noise::{arma::{FitOptions, fit}, synthesis::NoiseGenerator, whiteness::portmanteau};
+    /// let process = ShapingFilter::ar(&[0.8], 1e-3, 0.01)?;
+    /// let record: Vec<f64> = NoiseGenerator::new(&process, 1).take(2000).collect();
+    /// let white = |x: &[f64], fitted| Ok::<_, Box<dyn std::error::Error>>(portmanteau(x, &[20], fitted)?[0].ljung_box_p > 0.01);
+    /// let model = fit(&record, 1, 0, &FitOptions::default())?;
+    /// assert!(!white(&record, 0)? && white(&model.residuals(&record)?, 1)?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
     /// # Errors
     /// φ not stationary to working precision.
     pub fn residuals(&self, samples: &[f64]) -> Result<Vec<f64>, ArmaError> {

@@ -54,6 +54,19 @@ const SHARE: f64 = 1e-3;
 /// fit estimated it, the mean are at their best for every value. The part around the optimum is
 /// returned, should the likelihood rise again further out. Tens of likelihood evaluations.
 ///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::arma::{FitOptions, Root, fit, profile_interval};
+/// use undrift_noise::synthesis::NoiseGenerator;
+/// // A slow error of correlation time 100 samples under white noise.
+/// let process = ShapingFilter::arma(&[0.99], &[0.9], 1e-3, 0.01)?;
+/// let record: Vec<f64> = NoiseGenerator::new(&process, 1).take(3000).collect();
+/// let fitted = fit(&record, 1, 1, &FitOptions::default())?;
+/// let interval = profile_interval(&record, &fitted, Root::Ar, 0.95)?;
+/// assert!(interval.contains(0.99) && !interval.contains(0.9));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// A fit that is not an ARMA(1,1) without unit root; a level outside (0, 1); `samples` that are not
 /// those of the fit in number, or as [`super::fit()`].

@@ -22,6 +22,16 @@ pub struct Selection {
 /// orders of least AIC, AICc and BIC. Each fit starts from its neighbours of lower order too, so
 /// the likelihood never falls with the order. Box, Jenkins & Reinsel section 6.2; Hurvich & Tsai 1989.
 ///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{arma::{FitOptions, select}, synthesis::NoiseGenerator};
+/// let process = ShapingFilter::arma(&[0.9], &[], 1e-3, 0.01)?;
+/// let record: Vec<f64> = NoiseGenerator::new(&process, 1).take(1000).collect();
+/// let orders = select(&record, 1, 1, &FitOptions::default())?;
+/// assert_eq!(orders.fits[orders.by_bic].order(), (1, 0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// As [`super::fit()`] where no order at all can be fitted.
 pub fn select(

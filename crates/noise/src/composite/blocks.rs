@@ -90,6 +90,17 @@ impl Span {
 /// gets a cross-covariance `s` on the way (its average is an ARMA(1,1)); white noise and
 /// quantisation keep N and Q.
 ///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::composite::block_average;
+/// let averages = block_average(&ShapingFilter::white(1e-3, 0.01)?, 100)?;
+/// assert_eq!(averages.interval, 1.0);
+/// let mut variance = [0.0];
+/// averages.autocovariance(&mut variance);
+/// assert!((variance[0] - 1e-6).abs() < 1e-12, "N²/T at T = 1 s");
+/// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+/// ```
+///
 /// # Errors
 /// `m` = 0, or a result that is not finite.
 pub fn block_average(filter: &ShapingFilter, m: usize) -> Result<ShapingFilter, ShapingError> {

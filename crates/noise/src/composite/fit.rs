@@ -37,7 +37,7 @@ const KNOWN: f64 = 0.1;
 /// How to fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitOptions {
-    /// A longer record is averaged in blocks until so many points or fewer are left.
+    /// A longer record is averaged in blocks until this many points or fewer are left.
     pub max_points: usize,
     /// Samples to a block, if that is known: that of the whole record, of a part of it.
     pub block: Option<usize>,

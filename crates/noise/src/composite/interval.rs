@@ -69,6 +69,19 @@ impl ParameterInterval {
 /// Intervals of all parameters of a fit to `record`, sampled every `interval` \[s\], with probability
 /// `level` (0.95, say). Hundreds of likelihood evaluations of 10 000 block averages each.
 ///
+/// ```
+/// use undrift_noise::composite::{CompositeTerms, FitOptions, TermSet, fit, intervals};
+/// use undrift_noise::synthesis::NoiseGenerator;
+/// let truth = CompositeTerms { white: 0.01, random_walk: 0.01, ..CompositeTerms::default() };
+/// let record: Vec<f64> = NoiseGenerator::new(&truth.to_shaping(0.1)?, 1).take(2000).collect();
+/// let set = TermSet { white: true, random_walk: true, ..TermSet::default() };
+/// let fitted = fit(&record, 0.1, set, &FitOptions::default())?;
+/// for interval in intervals(&record, 0.1, &fitted, 0.99)? {
+///     assert!(interval.is_determined() && interval.low < 0.01 && 0.01 < interval.high);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// A record that is not that of the fit; a likelihood that is not finite at its optimum.
 pub fn intervals(

@@ -43,6 +43,19 @@ impl RecordLikelihood {
 /// above the level, so with [`Level::Estimated`] its start is free (the profile of the diffuse
 /// likelihood). NaN is a missing sample, exactly accounted for. O(N), no memory beyond the state.
 ///
+/// ```
+/// use undrift_noise::composite::{CompositeTerms, Level, log_likelihood};
+/// use undrift_noise::synthesis::NoiseGenerator;
+/// let truth = CompositeTerms { white: 0.01, random_walk: 0.01, ..CompositeTerms::default() }.to_shaping(0.1)?;
+/// let white = CompositeTerms { white: 0.011, ..CompositeTerms::default() }.to_shaping(0.1)?;
+/// let mut record: Vec<f64> = NoiseGenerator::new(&truth, 1).take(1000).collect();
+/// record[300..400].fill(f64::NAN);
+/// let right = log_likelihood(&record, &truth, Level::Estimated)?;
+/// assert_eq!(right.observations, 900);
+/// assert!(right.log_likelihood > log_likelihood(&record, &white, Level::Estimated)?.log_likelihood + 10.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// Fewer than 3 samples present; an infinite one; a model that leaves a sample without variance.
 pub fn log_likelihood(

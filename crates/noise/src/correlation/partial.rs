@@ -17,7 +17,20 @@ pub enum Partial {
     Burg,
 }
 
-/// Partial autocorrelations at lags 1 … `lags` (element 0 is 1, as for the autocorrelation).
+/// Partial autocorrelations at lags 1 … `lags` (element 0 is 1, as for the autocorrelation). Those of an AR(p) are 0 beyond lag
+/// p, those of an ARMA fall off gradually; [`white_bound`](super::white_bound) is what 0 looks like.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::correlation::{Partial, partial_autocorrelation, white_bound};
+/// use undrift_noise::synthesis::NoiseGenerator;
+/// let process = ShapingFilter::ar(&[0.8], 1e-3, 0.01)?;
+/// let record: Vec<f64> = NoiseGenerator::new(&process, 1).take(5000).collect();
+/// let partial = partial_autocorrelation(&record, 3, Partial::Burg)?;
+/// assert!((partial[1] - 0.8).abs() < 0.03);
+/// assert!(partial[2..].iter().all(|value| value.abs() < 1.5 * white_bound(5000)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// Fewer than lags + 1 samples (2 at least), a sample that is not finite, a constant record.

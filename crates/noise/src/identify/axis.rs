@@ -60,7 +60,7 @@ pub enum Origin {
     Compared(Method),
 }
 
-/// A method that has no model of the record.
+/// A method of the literature that gave no model of the record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NotFitted {
     /// Name that its candidate would have.

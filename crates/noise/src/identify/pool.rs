@@ -85,6 +85,20 @@ pub struct Pool {
 /// longest, and what they show beyond it. `level` is the probability of taking any of them for different though
 /// all are of one process.
 ///
+/// ```
+/// use undrift_noise::{composite::CompositeTerms, identify::{Options, Sampled, identify_pool}, synthesis::NoiseGenerator};
+/// // Two recordings of ten minutes at 10 Hz of a gyro whose turn-on constant differs from one to the other.
+/// let noise = CompositeTerms { white: 1e-3, random_walk: 1e-5, ..CompositeTerms::default() }.to_shaping(0.1)?;
+/// let record = |seed, constant| -> Vec<f64> { NoiseGenerator::new(&noise, seed).take(6000).map(|x| x + constant).collect() };
+/// let records = [record(1, 0.01), record(2, -0.02)];
+/// let sampled = records.each_ref().map(|samples| Sampled { samples, options: Options::at(10.0) });
+/// let (axis, pool) = identify_pool(&sampled, false, 0.01).map_err(|error| error.error)?;
+/// assert!(pool.differing.is_empty(), "the constants are no part of the model of what happens within a record");
+/// assert!((axis.allan_terms.white.value / 1e-3 - 1.0).abs() < 0.05);
+/// assert!((pool.between.scatter - 0.03 / 2f64.sqrt()).abs() < 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// See [`super::identify`], with the record.
 pub fn identify_pool(

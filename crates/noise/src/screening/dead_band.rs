@@ -22,6 +22,17 @@ pub struct DeadBand {
 
 /// The dead band of a record without missing samples, if it has one: a value of many samples with no neighbour in reach
 /// of some steps of the others. Rounding alone leaves the next step occupied.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{screening::dead_band, synthesis::NoiseGenerator};
+/// let noise: Vec<f64> = NoiseGenerator::new(&ShapingFilter::white(0.1, 0.01)?, 1).take(10_000).collect();
+/// let cut: Vec<f64> = noise.iter().map(|x| if x.abs() < 0.5 { 0.0 } else { *x }).collect();
+/// assert_eq!(dead_band(&noise), None);
+/// let band = dead_band(&cut).expect("samples within ±0.5 read 0");
+/// assert!(band.value == 0.0 && (band.width - 0.5).abs() < 0.01 && band.share > 0.3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn dead_band(x: &[f64]) -> Option<DeadBand> {
     let sorted = |values: Vec<f64>| {
         let mut values = values;

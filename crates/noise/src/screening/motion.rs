@@ -9,7 +9,7 @@ use undrift_base::order_statistics::upper_median;
 pub struct MotionRule {
     /// Samples of a window; about a second.
     pub window: usize,
-    /// A window moves where the square of the change of its mean is so many times what the white
+    /// A window moves where the square of the change of its mean is this many times what the white
     /// noise inside the windows allows.
     pub factor: f64,
     /// The record moves where more than this share of its windows does.
@@ -47,7 +47,19 @@ pub struct Motion {
     pub moving: bool,
 }
 
-/// Holds the change of window means against the variance inside the windows, O(N).
+/// Compares the changes between the means of neighbouring windows with the variance inside the windows, O(N).
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{screening::{MotionRule, motion}, synthesis::NoiseGenerator};
+/// let mut record: Vec<f64> = NoiseGenerator::new(&ShapingFilter::white(1e-3, 0.01)?, 1).take(10_000).collect();
+/// assert!(!motion(&record, MotionRule::default())?.moving);
+/// for (k, sample) in record[4000..6000].iter_mut().enumerate() {
+///     *sample += 0.2 * (0.01 * k as f64).sin(); // The sensor is turned to and fro.
+/// }
+/// assert!(motion(&record, MotionRule::default())?.moving);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// A sample that is not finite, fewer than three windows, a window below 2 or a factor that

@@ -55,7 +55,7 @@ pub struct Outliers {
     pub threshold: f64,
 }
 
-/// Finds the outliers of a record. Each half window is held against the median and the deviation of
+/// Finds the outliers of a record. Each half window is compared with the median and the deviation of
 /// the window around it: O(N). The median deviation of quantised samples jumps by whole steps: it is
 /// not let below half of its median over all windows (below the mean absolute deviation of the record,
 /// where that is 0), nor below the root mean square of the window with squares capped at five of it, nor below the

@@ -20,8 +20,15 @@ pub struct Saturation {
 }
 
 /// The ends of the range where samples pile up: ten or more, three times as many as at the value
-/// next to it. Noise that is only quantised has ever fewer samples towards its ends. O(N); NaN is
-/// passed over.
+/// next to it. Noise that is only quantised has fewer and fewer samples towards its ends. O(N); NaN is
+/// skipped.
+///
+/// ```
+/// use undrift_noise::screening::saturation;
+/// // A sine of amplitude 1.2 in a sensor whose range ends at 1.
+/// let clipped: Vec<f64> = (0..1000).map(|k| (1.2 * (0.1 * f64::from(k)).sin()).clamp(-1.0, 1.0)).collect();
+/// assert_eq!(saturation(&clipped).iter().map(|end| end.value).collect::<Vec<_>>(), [1.0, -1.0]);
+/// ```
 pub fn saturation(x: &[f64]) -> Vec<Saturation> {
     [1.0, -1.0]
         .into_iter()

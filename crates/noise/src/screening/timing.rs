@@ -49,6 +49,16 @@ pub struct Timing {
 /// Report on the stamps of a record \[s\]. Of samples that are read and stamped in bursts, as of a sensor's buffer, the rate is
 /// that of the whole record.
 ///
+/// ```
+/// use undrift_noise::screening::timing;
+/// // 100 Hz, three samples missing after the fiftieth.
+/// let stamps: Vec<f64> = (0..100).map(|k| 0.01 * f64::from(if k < 50 { k } else { k + 3 })).collect();
+/// let report = timing(&stamps)?;
+/// assert!((report.rate_hz - 100.0).abs() < 1e-6 && !report.even);
+/// assert_eq!((report.gaps[0].index, report.gaps[0].missing), (49, 3));
+/// # Ok::<(), undrift_noise::screening::RecordError>(())
+/// ```
+///
 /// # Errors
 /// Fewer than 3 stamps, one that is not finite, or [`RecordError::Argument`] where they do not increase.
 pub fn timing(stamps_s: &[f64]) -> Result<Timing, RecordError> {

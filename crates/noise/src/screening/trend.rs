@@ -63,7 +63,16 @@ pub fn remove_constant(x: &[f64]) -> Result<Detrended, RecordError> {
     })
 }
 
-/// Takes the mean and a straight line out, by least squares.
+/// Takes the mean and a straight line out, by least squares. Of a random walk a line always explains much: what is left of it
+/// looks less like one than it is.
+///
+/// ```
+/// let warming: Vec<f64> = (0..100).map(|k| 5.0 + 0.01 * f64::from(k)).collect();
+/// let found = undrift_noise::screening::remove_linear(&warming)?;
+/// assert!((found.slope - 0.01).abs() < 1e-12 && found.explained > 0.999);
+/// assert!(found.residuals.iter().all(|left| left.abs() < 1e-12));
+/// # Ok::<(), undrift_noise::screening::RecordError>(())
+/// ```
 ///
 /// # Errors
 /// Fewer than 3 samples, a sample that is not finite.

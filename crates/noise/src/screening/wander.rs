@@ -378,7 +378,19 @@ fn averages(series: &[f64], width: usize) -> Vec<f64> {
 }
 
 /// The disturbances of a level whose means are taken at even intervals, NaN where one is missing, beside what goes with each of
-/// `known`: finite, of one value a mean. None of too few means, or where there are so many disturbances that they are noise.
+/// `known`: finite, of one value a mean. Empty for fewer than 60 means, or where there are so many disturbances that they are noise.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{screening::{Shape, disturbances}, synthesis::NoiseGenerator};
+/// let mut means: Vec<f64> = NoiseGenerator::new(&ShapingFilter::white(1.0, 1.0)?, 1).take(200).collect();
+/// assert!(disturbances(&means, &[]).is_empty());
+/// means[120..].iter_mut().for_each(|mean| *mean += 10.0);
+/// let found = disturbances(&means, &[]);
+/// let Shape::Step { from, to } = found[0].shape else { panic!("{found:?}") };
+/// assert!(from <= 120 && 120 <= to && (found[0].coefficients[0] - 10.0).abs() < 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn disturbances(means: &[f64], known: &[Vec<f64>]) -> Vec<Disturbance> {
     let width = means.len().div_ceil(MOST).max(1);
     let series = averages(means, width);

@@ -32,6 +32,18 @@ pub fn default_segment(samples: usize) -> usize {
 /// periodic Hann window, half overlapped, the mean of each segment taken out: `scipy.signal.welch`
 /// with its defaults. Samples at the end that fill no segment are left out. O(N log segment).
 ///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{spectrum::welch, synthesis::NoiseGenerator};
+/// let white = ShapingFilter::white(1e-3, 0.01)?; // N [unit·√s] at 100 Hz.
+/// let record: Vec<f64> = NoiseGenerator::new(&white, 1).take(50_000).collect();
+/// let density = welch(&record, 100.0, 1024)?;
+/// let inner = &density.density[2..500];
+/// let mean = inner.iter().sum::<f64>() / inner.len() as f64;
+/// assert!((mean / (2.0 * 1e-6) - 1.0).abs() < 0.02, "2 N², one-sided");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// Fewer than 4 samples or a segment shorter than 4, a sample that is not finite,
 /// a rate that is not positive.

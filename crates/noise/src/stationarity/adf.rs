@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 /// How many lagged differences the regression has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lags {
-    /// So many.
+    /// This many.
     Fixed(usize),
     /// The number up to `max` of least Akaike criterion, all compared on the sample that `max`
     /// leaves, then estimated on its own; without `max`, ⌈12 (n/100)^¼⌉.
@@ -45,7 +45,9 @@ pub struct Adf {
     pub criterion: Option<f64>,
 }
 
-/// The test on a record.
+/// The test on a record. The null hypothesis is a unit root: reject it at 5 % where `statistic` is below `critical.five`.
+/// The record is expected without gaps; with [`Deterministic::Trend`] a bias that drifts in a straight line counts as
+/// stationary.
 ///
 /// # Errors
 /// Fewer samples than the regression has coefficients plus one, a sample that is not finite, a constant

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Lags of the long-run variance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KpssLags {
-    /// So many.
+    /// This many.
     Fixed(usize),
     /// ⌊4 (n/100)^¼⌋: "short" in R's urca and tseries.
     Short,
@@ -38,7 +38,9 @@ pub struct Kpss {
     pub critical: Critical,
 }
 
-/// The test about a level ([`Deterministic::Constant`]) or a trend ([`Deterministic::Trend`]).
+/// The test about a level ([`Deterministic::Constant`]) or a trend ([`Deterministic::Trend`]). The null hypothesis is that the
+/// record is stationary about it: reject at 5 % where `statistic` is above `critical.five`. With few lags correlated noise is
+/// rejected too often; with many, a slow part is missed.
 ///
 /// # Errors
 /// Fewer than 4 samples, a sample that is not finite, a constant record (or an exact line), or

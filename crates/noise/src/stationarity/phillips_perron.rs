@@ -29,7 +29,8 @@ pub struct PhillipsPerron {
     pub observations: usize,
 }
 
-/// The tests on a record, with ⌈12 (n/100)^¼⌉ lags by default.
+/// The tests on a record, with ⌈12 (n/100)^¼⌉ lags by default. The null hypothesis is a unit root, as in [`super::adf()`]; serial
+/// correlation is allowed for in the statistic in place of lagged differences in the regression.
 ///
 /// # Errors
 /// Fewer than 6 samples or than lags, a sample that is not finite, a constant record or an exact line.

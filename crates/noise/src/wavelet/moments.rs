@@ -46,6 +46,18 @@ pub struct MomentFit {
 /// Fits the terms of `set`, and with `drift` a deterministic drift R, to a wavelet variance, from
 /// starts by non-negative least squares on a grid of correlation times.
 ///
+/// ```
+/// use undrift_noise::composite::{CompositeTerms, TermSet};
+/// use undrift_noise::{synthesis::NoiseGenerator, wavelet::{fit_moments, wavelet_variance}};
+/// let truth = CompositeTerms { white: 0.01, random_walk: 0.002, ..CompositeTerms::default() };
+/// let record: Vec<f64> = NoiseGenerator::new(&truth.to_shaping(0.01)?, 1).take(50_000).collect();
+/// let set = TermSet { white: true, random_walk: true, ..TermSet::default() };
+/// let found = fit_moments(&wavelet_variance(&record, 0.01)?, set, false)?;
+/// assert!((found.terms.white / 0.01 - 1.0).abs() < 0.02);
+/// assert!((found.terms.random_walk / 0.002).ln().abs() < 0.3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// An empty set or too many processes; fewer scales than parameters.
 pub fn fit_moments(
