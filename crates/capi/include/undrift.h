@@ -39,12 +39,12 @@
 /**
  * Kinds of parameters.
  */
-#define UNDRIFT_PARAMETERS 12
+#define UNDRIFT_PARAMETERS 13
 
 /**
  * Bytes of a filter beside its covariance and estimates, at most; see UNDRIFT_FILTER_BYTES.
  */
-#define UNDRIFT_FILTER_OVERHEAD 7168
+#define UNDRIFT_FILTER_OVERHEAD 7424
 
 /**
  * What a call came to: 0 is success.
@@ -215,6 +215,10 @@ enum undrift_parameter
      * By how much both time offsets grow, from the filter's start on [s/s].
      */
     UNDRIFT_PARAMETER_CLOCK_RATE = 11,
+    /**
+     * By how much the accelerometers are later than the gyros [s].
+     */
+    UNDRIFT_PARAMETER_ACCEL_DELAY = 12,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
