@@ -21,7 +21,7 @@ mod table;
 pub use fingerprint::{fingerprint, inputs};
 pub use gather::{Gathering, gather};
 pub use manifest::{Choice, Lookup, Manifest, Pattern, PatternError, Verb, drives};
-pub use outcome::{FleetOutcome, Row};
+pub use outcome::{FleetOutcome, OutcomeRow};
 pub use process::process;
 pub use run::{Done, FleetError, Options, job_path, process_on, run, shard};
 
@@ -89,7 +89,7 @@ pub enum Task {
         #[serde(with = "names")]
         bias_models: Vec<BiasModel>,
         /// Where.
-        plan: Plan,
+        plan: OutagePlan,
         /// Whether the errors are those of the smoothed solution.
         smooth: bool,
     },
@@ -117,7 +117,7 @@ const EVERY: f64 = 30.0;
 /// Outages, the same in every drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Plan {
+pub struct OutagePlan {
     /// Length of an outage \[s\].
     pub length_s: f64,
     /// From the first fix to the start of the first outage \[s\].
@@ -131,7 +131,7 @@ pub struct Plan {
     pub at_s: Option<Vec<f64>>,
 }
 
-impl Default for Plan {
+impl Default for OutagePlan {
     /// 10 s every 30 s from 60 s on.
     fn default() -> Self {
         Self {
@@ -144,7 +144,7 @@ impl Default for Plan {
     }
 }
 
-impl Plan {
+impl OutagePlan {
     /// The schedule for one drive; there is one.
     pub fn schedule(&self) -> Option<Schedule> {
         let usual = self.count.is_none().then_some(EVERY);

@@ -40,13 +40,13 @@ pub struct FleetOutcome {
     /// Names of the numbers of each row.
     pub columns: Vec<String>,
     /// The rows.
-    pub rows: Vec<Row>,
+    pub rows: Vec<OutcomeRow>,
 }
 
 /// Numbers of a bias model or an axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Row {
+pub struct OutcomeRow {
     /// The bias model or axis.
     pub part: String,
     /// Which outage, from 1.
@@ -62,7 +62,7 @@ pub struct Row {
 
 impl FleetOutcome {
     /// Of a job, before anything came of it.
-    pub(super) fn of(job: &Job) -> Self {
+    pub(super) fn new(job: &Job) -> Self {
         Self {
             log: job.log.clone(),
             unit: job.unit.clone(),
@@ -108,7 +108,7 @@ impl FleetOutcome {
     }
 
     /// A row's number by its column.
-    pub fn value(&self, row: &Row, column: &str) -> Option<f64> {
+    pub fn value(&self, row: &OutcomeRow, column: &str) -> Option<f64> {
         let place = self.columns.iter().position(|name| name == column)?;
         *row.values.get(place)?
     }

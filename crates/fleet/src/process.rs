@@ -1,7 +1,7 @@
 //! One log into its outcome.
 
 use super::{
-    FleetOutcome, Job, Plan, RecordSettings, Row, Say, Task, inputs,
+    FleetOutcome, Job, OutagePlan, OutcomeRow, RecordSettings, Say, Task, inputs,
     outcome::{Field, IDENTIFY, NAVIGATE, OUTAGES, TUNE},
 };
 use std::{
@@ -33,7 +33,7 @@ use undrift_tune::{
 /// Works a job out. The outcome depends on the job and the files that it names alone; whatever goes
 /// wrong is in [`FleetOutcome::failed`]. On all cores of the pool that it is called in.
 pub fn process(job: &Job, say: Say) -> FleetOutcome {
-    let mut outcome = FleetOutcome::of(job);
+    let mut outcome = FleetOutcome::new(job);
     let (home, data) = job.folders();
     let folders = [data, home, PathBuf::from(&job.folder)];
     let failed = isolated(|| {
@@ -182,7 +182,7 @@ fn components(errors: Option<&Numbers>) -> impl Iterator<Item = Option<f64>> {
 fn outages(
     job: &Job,
     kinds: &[BiasModel],
-    plan: &Plan,
+    plan: &OutagePlan,
     smooth: bool,
     outcome: &mut FleetOutcome,
 ) -> Result<(), Failure> {
@@ -209,18 +209,18 @@ fn outages(
 }
 
 /// A row for each outage of a model.
-fn outage_rows(name: &str, cuts: &[Outage], found: ModelErrors) -> Vec<Row> {
+fn outage_rows(name: &str, cuts: &[Outage], found: ModelErrors) -> Vec<OutcomeRow> {
     let per_outage = cuts.iter().map(Cut::from).zip(found.per_outage);
     let row = |(of, which)| {
         let mut values = values(&OUTAGES, &of);
         values.extend(components(Some(&of.1.max)));
         values.extend(components(Some(&of.1.end)));
-        Row {
+        OutcomeRow {
             part: name.to_owned(),
             outage: Some(which),
             finding: found.finding.clone(),
             values,
-            ..Row::default()
+            ..OutcomeRow::default()
         }
     };
     per_outage.zip(1..).map(row).collect()
@@ -255,11 +255,11 @@ fn navigate(
             }
         }
         let diverged = result.summary.diverged;
-        outcome.rows.push(Row {
+        outcome.rows.push(OutcomeRow {
             part: name,
             finding: diverged.map(|time| Finding::Diverged { time }),
             values,
-            ..Row::default()
+            ..OutcomeRow::default()
         });
     }
     Ok(())
@@ -272,10 +272,10 @@ fn tuned(job: &Job, outcome: &mut FleetOutcome) -> Result<(), Failure> {
     outcome
         .sensor
         .get_or_insert_with(|| tuned.start.name.clone());
-    let row = |part: String, values: [f64; TUNE.len()]| Row {
+    let row = |part: String, values: [f64; TUNE.len()]| OutcomeRow {
         part,
         values: values.map(|value| Number(value).get()).to_vec(),
-        ..Row::default()
+        ..OutcomeRow::default()
     };
     // The result has factors where the white noise follows the vibration; logs are compared by its density.
     let densities = tuned.densities();
@@ -335,11 +335,11 @@ fn identify(
         outcome
             .warnings
             .extend(warnings.map(|w| format!("{name}: {w}")));
-        outcome.rows.push(Row {
+        outcome.rows.push(OutcomeRow {
             part: (*name).to_owned(),
             note: Some(axis.chosen.name.clone()),
             values: values(&IDENTIFY, axis),
-            ..Row::default()
+            ..OutcomeRow::default()
         });
     }
     Ok(())

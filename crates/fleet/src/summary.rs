@@ -4,7 +4,7 @@
 mod measures;
 
 use super::{
-    FleetOutcome, Row,
+    FleetOutcome, OutcomeRow,
     labels::{self, Labels},
     ratios::{self, Effects, Sample},
 };
@@ -91,7 +91,7 @@ impl Tally {
         }
         let mut values = BTreeMap::new();
         let mut untrusted = Vec::new();
-        let mut rows: Vec<(&str, Vec<&Row>)> = Vec::new();
+        let mut rows: Vec<(&str, Vec<&OutcomeRow>)> = Vec::new();
         for row in &outcome.rows {
             match rows.iter_mut().find(|(part, _)| *part == row.part) {
                 Some((_, rows)) => rows.push(row),

@@ -1,6 +1,6 @@
 //! All outcomes as one table: a row for each outage, bias model or axis of each log, or for what failed.
 
-use super::{FleetOutcome, Row, outcome::columns};
+use super::{FleetOutcome, OutcomeRow, outcome::columns};
 use std::{io, path::Path};
 use undrift_drive::findings::Finding;
 use undrift_io::write::parquet_table::{ParquetTableWriter, Value};
@@ -74,7 +74,7 @@ impl Table {
         });
         let skipped = i32::try_from(skipped.sum::<u64>()).unwrap_or(i32::MAX);
         let whole = outcome.failed.as_deref().map(|why| (None, why));
-        let (failed, nothing) = (outcome.failed_parts.iter(), Row::default());
+        let (failed, nothing) = (outcome.failed_parts.iter(), OutcomeRow::default());
         // What failed as a whole says why its parts did.
         let parts = failed.map(|(part, why)| (Some(part.as_str()), why.as_str()));
         let failed = whole

@@ -117,7 +117,7 @@ fn head(demo: &Demo) -> Option<Section> {
     let about = ABOUT
         .iter()
         .filter(|(name, _)| demo.models.iter().any(|m| m.name == *name));
-    let about = Table::of(
+    let about = Table::from_rows(
         "rows",
         "The models.",
         about,
@@ -139,7 +139,7 @@ fn head(demo: &Demo) -> Option<Section> {
         text([what]),
         about.block(),
     ]);
-    Section::of("How much less drift", blocks.flatten())
+    Section::new("How much less drift", blocks.flatten())
 }
 
 /// Where GNSS was cut, and how the models drift in the longest outages.
@@ -160,7 +160,7 @@ fn drift(demo: &Demo) -> Option<Section> {
     let blocks = track.into_iter().flat_map(|section| section.blocks);
     let longest = demo.lengths.last().into_iter();
     let longest = longest.flat_map(|of| [curves(demo, of), spread(demo, of)]);
-    Section::of("Drift without GNSS", blocks.chain(longest.flatten()))
+    Section::new("Drift without GNSS", blocks.chain(longest.flatten()))
 }
 
 fn curves(demo: &Demo, of: &CutLength) -> Option<Block> {
@@ -198,7 +198,7 @@ fn curves(demo: &Demo, of: &CutLength) -> Option<Block> {
         of.cuts,
         seconds(of.length_s)
     );
-    Figure::of("drift", &caption, 1, [panel])
+    Figure::block("drift", &caption, 1, [panel])
 }
 
 /// How the largest errors of the models to choose scatter over the outages.
@@ -218,7 +218,7 @@ fn spread(demo: &Demo, of: &CutLength) -> Option<Block> {
         "Largest horizontal error of each outage of {} s: box from the first to the third quartile with the median, whiskers to the extremes.",
         seconds(of.length_s)
     );
-    Figure::of("spread", &caption, 1, [panel])
+    Figure::block("spread", &caption, 1, [panel])
 }
 
 /// The drift of each model in the outages of one length.
@@ -230,7 +230,7 @@ fn drifts(demo: &Demo, of: &CutLength) -> Table {
     let length = seconds(of.length_s);
     let is_first = demo.lengths.first().is_some_and(|first| first == of);
     let caption = if is_first { CAPTION } else { "As above." };
-    Table::of(
+    Table::from_rows(
         &format!("drift-{length}"),
         &format!("Outages of {length} s, {} in all. {caption}", of.cuts),
         known,
@@ -256,7 +256,7 @@ fn bounds(demo: &Demo) -> Table {
     let models = demo.models.iter().filter(|m| m.bound);
     let models: Vec<&DemoModel> = models.collect();
     let name: &dyn Fn(&&&DemoModel) -> Cell = &|m| (&m.name).into();
-    let mut table = Table::of("bound", BOUNDS, &models, &[("model", name)]);
+    let mut table = Table::from_rows("bound", BOUNDS, &models, &[("model", name)]);
     for of in &demo.lengths {
         let cells = models.iter().map(|m| -> Cell {
             let errors = of.models.get(&m.name);
@@ -403,7 +403,7 @@ fn rows(demo: &Demo) -> Option<Section> {
             demo.models.iter().map(|m| (m.name.as_str(), errors(m))),
         ))
     });
-    Section::of("Errors inside the outages", tables)
+    Section::new("Errors inside the outages", tables)
 }
 
 #[cfg(test)]

@@ -43,7 +43,7 @@ pub struct Section {
 
 impl Section {
     /// A section of some blocks; `None` without blocks.
-    pub(crate) fn of(title: &str, blocks: impl IntoIterator<Item = Block>) -> Option<Self> {
+    pub(crate) fn new(title: &str, blocks: impl IntoIterator<Item = Block>) -> Option<Self> {
         let blocks = Vec::from_iter(blocks);
         (!blocks.is_empty()).then(|| Self {
             title: title.into(),
@@ -101,7 +101,7 @@ pub(crate) type Column<'a, T> = (&'a str, &'a dyn Fn(&T) -> Cell);
 
 impl Table {
     /// A table with a row for each item.
-    pub(crate) fn of<T>(
+    pub(crate) fn from_rows<T>(
         name: &str,
         caption: &str,
         items: impl IntoIterator<Item = T>,
@@ -271,7 +271,7 @@ pub struct Figure {
 
 impl Figure {
     /// A figure of some panels; `None` without panels.
-    pub(crate) fn of(
+    pub(crate) fn block(
         name: &str,
         caption: &str,
         columns: usize,
@@ -371,9 +371,9 @@ mod tests {
         assert_eq!(Cell::from(&None::<String>).text, "–");
         assert_eq!(Cell::from(&Some("a".to_owned())).text, "a");
         assert!(Cell::from("a").strong().strong && !Cell::from("a").strong_if(false).strong);
-        assert!(Table::default().block().is_none() && Section::of("a", []).is_none());
-        assert!(Figure::of("a", "", 1, []).is_none());
-        let section = Section::of("a", [Block::Text("b".into())]).unwrap();
+        assert!(Table::default().block().is_none() && Section::new("a", []).is_none());
+        assert!(Figure::block("a", "", 1, []).is_none());
+        let section = Section::new("a", [Block::Text("b".into())]).unwrap();
         assert!(!section.folded && section.clone().folded().folded);
         assert_eq!(section.noted("n".into()).note, "n");
     }

@@ -22,7 +22,7 @@ pub fn svgs(document: &Document) -> impl Iterator<Item = (String, String)> {
             1 => format!("{stem}.svg"),
             _ => format!("{stem}-{nth}.svg"),
         };
-        (name, of(figure, "panel").file())
+        (name, draw(figure, "panel").file())
     })
 }
 
@@ -68,13 +68,13 @@ pub fn consistency(document: &Document) -> String {
     let nees = document.figures().find(|figure| figure.name == "nees");
     let drawing = nees.map_or_else(
         || drawing(&[], 1, (580.0, 420.0), "panel"),
-        |figure| of(figure, "panel"),
+        |figure| draw(figure, "panel"),
     );
     drawing.file()
 }
 
 /// The drawing of a figure; `id` distinguishes those of one page.
-pub(crate) fn of(figure: &Figure, id: &str) -> Drawing {
+pub(crate) fn draw(figure: &Figure, id: &str) -> Drawing {
     // Of one width on paper, however many panels stand side by side.
     let width: f64 = match figure.columns {
         0 | 1 => 840.0,
@@ -136,7 +136,7 @@ mod tests {
                 columns,
                 panels: vec![if map { panel.to_scale() } else { panel }],
             };
-            let file = of(&figure, "a").file();
+            let file = draw(&figure, "a").file();
             let (_, rest) = file.split_once("viewBox=\"0 0 ").unwrap();
             rest.split_once('"').unwrap().0.to_owned()
         };
@@ -158,11 +158,11 @@ mod tests {
             let mut panel = Panel::new(name, PlotAxis::new(""), PlotAxis::new(""));
             panel.add(Series::line("", 7, vec![(0.0, 0.0), (x, 1.0)]));
             let other = Panel::new("second", PlotAxis::new(""), PlotAxis::new(""));
-            Figure::of(name, "", 1, [panel, other]).unwrap()
+            Figure::block(name, "", 1, [panel, other]).unwrap()
         };
         let blocks = ["drift", "trajectory", "nees"].map(|name| figure(name, 1.0));
         let document = Document {
-            sections: Section::of("", blocks).into_iter().collect(),
+            sections: Section::new("", blocks).into_iter().collect(),
             ..Document::default()
         };
         let text = experiment(&document);

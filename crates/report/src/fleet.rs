@@ -24,18 +24,20 @@ const ONE_AT_A_TIME: &str = "Unit, sensor, labels and temperature are compared o
 
 /// The sections.
 pub fn sections(runs: &[Run<'_, Fleet>]) -> Vec<Section> {
-    runs.iter().flat_map(|(name, run)| of(name, run)).collect()
+    runs.iter()
+        .flat_map(|(name, run)| sections_of_run(name, run))
+        .collect()
 }
 
-fn of(name: &str, run: &Fleet) -> Vec<Section> {
+fn sections_of_run(name: &str, run: &Fleet) -> Vec<Section> {
     let measures = run.measures.iter().enumerate();
     let findings = measures.map(|(k, m)| text(measure::findings(m, k == 0)));
     // What was asked comes first.
-    let first = run.measures.first().map(answers::of).and_then(text);
+    let first = run.measures.first().map(answers::sentences).and_then(text);
     let alone = run
         .measures
         .iter()
-        .any(|measure| !answers::of(measure).is_empty());
+        .any(|measure| !answers::sentences(measure).is_empty());
     let alone = text(alone.then(|| ONE_AT_A_TIME.to_owned()));
     let blocks = [
         first,
@@ -44,7 +46,7 @@ fn of(name: &str, run: &Fleet) -> Vec<Section> {
         text([what_was_done(run)]),
     ];
     let blocks = blocks.into_iter().chain(findings).flatten();
-    let mut sections = Vec::from_iter(Section::of("The fleet", blocks));
+    let mut sections = Vec::from_iter(Section::new("The fleet", blocks));
     let measures = run.measures.iter();
     sections.extend(measures.filter_map(|measure| measure::section(run, measure)));
     sections.extend(troubles(run));
@@ -59,7 +61,7 @@ pub fn plain(run: &Fleet, mark: Mark) -> String {
     let measures = run.measures.iter().map(|measure| {
         let table = plain_table(&measure::overview(run, measure), mark);
         let outliers = measure::of_outliers(measure).map_or(String::new(), |text| text + "\n");
-        let answers = answers::of(measure).join(" ");
+        let answers = answers::sentences(measure).join(" ");
         let answers = if answers.is_empty() {
             answers
         } else {
@@ -163,7 +165,7 @@ fn causes_of(troubles: &[Trouble]) -> Vec<Cause> {
 /// What failed, what cannot be trusted, and what should be known of the logs.
 fn troubles(run: &Fleet) -> Option<Section> {
     let folded = |name, caption, causes: Vec<Cause>| {
-        Table::of(
+        Table::from_rows(
             name,
             &shortened(caption, causes.len()),
             causes.into_iter().take(ROWS),
@@ -185,7 +187,7 @@ fn troubles(run: &Fleet) -> Option<Section> {
         folded("untrusted", untrusted, causes_of(&run.untrusted)),
         folded("warned", "Warnings about logs.", causes(warned)),
     ];
-    Section::of(
+    Section::new(
         "Failures and warnings",
         tables.into_iter().filter_map(Table::block),
     )

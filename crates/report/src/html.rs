@@ -199,7 +199,7 @@ fn figure(figure: &Figure, number: usize) -> String {
         2 => "panels two",
         _ => "panels three",
     };
-    let drawing = figures::of(figure, &format!("figure-{number}"));
+    let drawing = figures::draw(figure, &format!("figure-{number}"));
     let panels = drawing
         .inline()
         .map(|panel| format!("<div class=\"panel\">{panel}</div>\n"));
@@ -333,9 +333,9 @@ mod tests {
     fn tiles_are_allowed_below_a_map_with_a_place_alone() {
         let with = |origin: Option<Geodetic>| {
             let map = Panel::new("", PlotAxis::new(""), PlotAxis::new("")).to_scale();
-            let figure = Figure::of("map", "", 1, [map.georeferenced(origin)]);
+            let figure = Figure::block("map", "", 1, [map.georeferenced(origin)]);
             render(&Document {
-                sections: Section::of("", figure).into_iter().collect(),
+                sections: Section::new("", figure).into_iter().collect(),
                 ..Document::default()
             })
         };

@@ -163,7 +163,7 @@ fn done(runs: &[Run<'_, Identify>]) -> impl Iterator<Item = Block> {
 /// Of Allan deviations alone.
 fn allan(runs: &[Run<'_, Identify>]) -> Option<Section> {
     let axes = runs.iter().flat_map(|(name, run)| identified(name, run));
-    let terms = Table::of(
+    let terms = Table::from_rows(
         "terms",
         "Terms of the Allan deviation of each axis.",
         axes,
@@ -171,7 +171,7 @@ fn allan(runs: &[Run<'_, Identify>]) -> Option<Section> {
     );
     let blocks = head(runs).chain(overview(runs)).chain(terms.block());
     let blocks = blocks.chain(done(runs));
-    Section::of("Allan deviation", blocks)
+    Section::new("Allan deviation", blocks)
 }
 
 /// The Allan deviations of all axes in one figure, those of the gyros beside those of the accelerometers.
@@ -190,7 +190,7 @@ fn overview(runs: &[Run<'_, Identify>]) -> Option<Block> {
         }
         (!panel.series.is_empty()).then_some(panel)
     });
-    Figure::of(
+    Figure::block(
         "allan",
         "Overlapping Allan deviations of all axes.",
         2,
@@ -216,7 +216,7 @@ fn summary(runs: &[Run<'_, Identify>]) -> Option<Section> {
     let blocks = head(runs).chain(overview).chain(pool::of_runs(runs));
     let blocks = blocks.chain(tables.into_iter().chain(normality).flatten());
     let blocks = blocks.chain(done(runs));
-    Section::of("Static recording", blocks)
+    Section::new("Static recording", blocks)
 }
 
 type Column<'a> = (&'static str, &'a dyn Fn(&Named<'a>) -> Cell);
@@ -242,7 +242,7 @@ fn models<'a>(axes: impl Iterator<Item = Named<'a>>) -> Table {
         ("recommended model", &|a| (&a.axis.chosen.name).into()),
         ("outliers", &|a| (a.axis.outliers.len() as u64).into()),
     ];
-    Table::of(
+    Table::from_rows(
         "models",
         "Each axis: terms of the Allan deviation, and the model recommended by its drift on halves of the recording that it was not fitted to.",
         axes,
@@ -265,7 +265,7 @@ pub(crate) fn tests<'a>(axes: impl Iterator<Item = Named<'a>>) -> Table {
         format!("{} ({})", short(statistic), short(critical)).into()
     };
     let plain = |test: &Test| with(test.statistic, test.critical_5);
-    Table::of(
+    Table::from_rows(
         "tests",
         "Tests of stationarity and normality, as in the source paper's Table 2, with their 5 % critical values in brackets. ADF rejects a unit root below its value; KPSS rejects stationarity above it; the others reject normality above theirs.",
         axes,
@@ -354,7 +354,7 @@ fn compared(name: &str, axes: &[(&str, &Axis)]) -> Option<Section> {
         }
     }
     let spectrum = (!spectrum.series.is_empty()).then_some(spectrum);
-    let rows = Table::of(
+    let rows = Table::from_rows(
         &format!("compared-{name}"),
         "Recommended models and the drift they leave after the longest horizon, on halves that they were not fitted to.",
         axes,
@@ -365,14 +365,14 @@ fn compared(name: &str, axes: &[(&str, &Axis)]) -> Option<Section> {
             ("outliers", &|(_, axis)| (axis.outliers.len() as u64).into()),
         ],
     );
-    let figure = Figure::of(
+    let figure = Figure::block(
         &format!("allan-{name}"),
         "Overlapping Allan deviations and power spectral densities.",
         2,
         [allan].into_iter().chain(spectrum),
     );
     let blocks = figure.into_iter().chain([Block::Table(rows)]);
-    Section::of(&capital(&spoken(name)), blocks)
+    Section::new(&capital(&spoken(name)), blocks)
 }
 
 /// The drift that the recommended model leaves after the longest horizon.

@@ -47,7 +47,7 @@ pub fn sections(runs: &[Run<'_, MonteCarlo>]) -> Vec<Section> {
     let sections = [
         summary(runs, &models),
         over_time(&models),
-        Section::of("Shares and innovations", shares),
+        Section::new("Shares and innovations", shares),
     ];
     sections.into_iter().flatten().collect()
 }
@@ -110,14 +110,14 @@ fn summary(runs: &[Run<'_, MonteCarlo>], models: &[Model<'_>]) -> Option<Section
     });
     let blocks = verdicts.chain([warnings(&diverged)]).chain(done);
     let blocks = blocks.chain([nees(models).block()]);
-    Section::of("Normalised estimation errors (NEES)", blocks.flatten())
+    Section::new("Normalised estimation errors (NEES)", blocks.flatten())
 }
 
 fn nees(models: &[Model<'_>]) -> Table {
     let groups = models
         .iter()
         .flat_map(|m| m.model.nees.iter().map(move |g| (m, g)));
-    Table::of(
+    Table::from_rows(
         "nees",
         "Normalised estimation error squared per degree of freedom: 1 if the filter is consistent, more if it is optimistic; and the share of epochs whose average over the runs is within its 95 % bounds.",
         groups,
@@ -175,8 +175,8 @@ fn verdict(model: &Model<'_>) -> String {
 fn over_time(models: &[Model<'_>]) -> Option<Section> {
     let panels = GROUP.iter().filter_map(|(name, ..)| group(models, name));
     let caption = "Average NEES per degree of freedom over the runs, with its 95 % bounds (dashed); settling shaded.";
-    let figure = Figure::of("nees", caption, 2, panels);
-    Section::of("Errors over time", figure)
+    let figure = Figure::block("nees", caption, 2, panels);
+    Section::new("Errors over time", figure)
 }
 
 fn group(models: &[Model<'_>], name: &str) -> Option<Panel> {
@@ -229,7 +229,7 @@ fn coverage(models: &[Model<'_>]) -> Table {
         COMPONENT_NAMES.into_iter().filter_map(of)
     });
     let share = |of: &[Number], i: usize| percent(of.get(i).copied().unwrap_or_default()).into();
-    Table::of(
+    Table::from_rows(
         "coverage",
         "Share of errors within one, two and three standard deviations reported by the filter: 68.3, 95.4 and 99.7 % if it is consistent.",
         components,
@@ -258,7 +258,7 @@ fn innovations(models: &[Model<'_>]) -> Table {
     let kinds = models
         .iter()
         .flat_map(|m| m.model.nis.iter().map(move |k| (m, k)));
-    Table::of(
+    Table::from_rows(
         "nis",
         "Innovations of all runs: NIS per degree of freedom with the 95 % bounds of its average, the share above the 95 % point, and the largest autocorrelation at lags 1 to 10.",
         kinds,

@@ -131,10 +131,10 @@ fn solution(shown: &Shown<'_>) -> Option<Section> {
     let motion = |name: &str, caption: &str, components: [Component; 3]| {
         let panels = components.iter();
         let panels = panels.filter_map(|c| component_panel(c, "", shown, |s| &s.motion, None));
-        Figure::of(name, &shown.caption(caption), 3, panels)
+        Figure::block(name, &shown.caption(caption), 3, panels)
     };
     let blocks = [
-        Figure::of(
+        Figure::block(
             "trajectory",
             &format!(
                 "Ground track from the start, to scale{gaps}; around the fixes, zoomed in, their stated standard deviations."
@@ -144,14 +144,14 @@ fn solution(shown: &Shown<'_>) -> Option<Section> {
         ),
         motion("velocity", "Velocity", VELOCITY),
         motion("attitude", "Attitude", ATTITUDE),
-        Figure::of(
+        Figure::block(
             "height",
             &shown.caption("Height above the ellipsoid"),
             1,
             [height],
         ),
     ];
-    Section::of("Solution", blocks.into_iter().flatten())
+    Section::new("Solution", blocks.into_iter().flatten())
 }
 
 /// Positions of fixes on the map.
@@ -204,8 +204,8 @@ fn deviations(shown: &Shown<'_>) -> Option<Section> {
     ];
     let caption = shown.caption("Standard deviations (1σ) reported by the filter");
     let panels = parts.into_iter().filter_map(panel);
-    let figure = Figure::of("standard-deviations", &caption, 3, panels);
-    Section::of("Standard deviations", figure)
+    let figure = Figure::block("standard-deviations", &caption, 3, panels);
+    Section::new("Standard deviations", figure)
 }
 
 /// Estimated sensor errors.
@@ -218,14 +218,14 @@ fn sensors(shown: &Shown<'_>) -> Option<Section> {
             ));
         }
         let panels = components.iter().filter_map(|c| sensor_panel(c, shown));
-        Figure::of(name, &caption, 3, panels)
+        Figure::block(name, &caption, 3, panels)
     };
     let parts = [
         ("gyro-errors", "gyro", GYRO),
         ("accelerometer-errors", "accelerometer", ACCEL),
     ];
     let blocks: Vec<Block> = parts.into_iter().filter_map(figure).collect();
-    Section::of("Estimated sensor errors", blocks)
+    Section::new("Estimated sensor errors", blocks)
 }
 
 #[cfg(test)]

@@ -120,7 +120,7 @@ fn summary(runs: &[Run<'_, Outages>], models: &[Model<'_>]) -> Option<Section> {
         .iter()
         .map(|(name, run)| Some(verdict_of(name, &run.findings)));
     let blocks = verdicts.chain([text(findings(models)), warnings(&warned)]);
-    Section::of("GNSS outages", blocks.chain(done).flatten())
+    Section::new("GNSS outages", blocks.chain(done).flatten())
 }
 
 fn what_was_done(name: &str, run: &Outages) -> String {
@@ -325,7 +325,7 @@ const COVERED: &str = "Share of errors within 1, 2 and 3 predicted standard devi
 /// How well each model's covariance covers its errors inside the outages.
 fn consistency(models: &[&Model<'_>]) -> Option<Table> {
     let models_named: &dyn Fn(&&&Model<'_>) -> Cell = &|m| (&m.name).into();
-    let mut table = Table::of("consistency", COVERED, models, &[("model", models_named)]);
+    let mut table = Table::from_rows("consistency", COVERED, models, &[("model", models_named)]);
     for group in ["position", "velocity", "attitude"] {
         let shares = |m: &&Model<'_>| m.errors.inside_sigma.get(group).copied();
         if models.iter().all(|m| shares(m).is_none()) {
@@ -369,13 +369,13 @@ fn tables(models: &[Model<'_>]) -> Option<Section> {
         .into_iter()
         .filter_map(|(name, caption, of)| table_of(name, caption, &models, of));
     let blocks = of_models.chain(consistency(&models)).map(Block::Table);
-    Section::of("Errors inside the outages", blocks)
+    Section::new("Errors inside the outages", blocks)
 }
 
 fn table_of(name: &str, caption: &str, models: &[&Model<'_>], of: Statistic) -> Option<Table> {
     let name = format!("errors-{name}");
     let models_named: &dyn Fn(&&&Model<'_>) -> Cell = &|m| (&m.name).into();
-    let mut table = Table::of(&name, caption, models, &[("model", models_named)]);
+    let mut table = Table::from_rows(&name, caption, models, &[("model", models_named)]);
     for (key, head) in COMPONENTS {
         let values: Vec<f64> = models.iter().map(|m| get(of(m.errors), key)).collect();
         if values.iter().any(|v| v.is_finite()) {

@@ -45,7 +45,7 @@ pub(crate) fn components<'a>(
 ) -> Table {
     let rows: Vec<(&str, Option<&Numbers>)> = rows.collect();
     let models = rows.iter().map(|(model, _)| *model);
-    let mut table = Table::of(
+    let mut table = Table::from_rows(
         name,
         caption,
         models,
@@ -82,7 +82,7 @@ pub(crate) fn section(demo: &Demo) -> Option<Section> {
     let words = agreement(demo, axis, paper).into_iter();
     let words = words.chain(literal(paper)).map(|part| text([part]));
     let blocks = blocks.into_iter().chain(words).flatten();
-    Section::of("The source paper beside ours", blocks)
+    Section::new("The source paper beside ours", blocks)
 }
 
 /// The same for a terminal, but for the figures.
@@ -172,7 +172,7 @@ fn table_1(demo: &Demo) -> Table {
             value("accel_z", white),
         ),
     ];
-    Table::of(
+    Table::from_rows(
         "paper-1",
         "The source paper's Table 1, data of the ADIS16405; beside it the static recording's z axes. Bias: its mean; bias instability: its least Allan deviation over 0.664; random walk: the white noise of its Allan deviation.",
         rows,
@@ -214,7 +214,7 @@ fn table_2(axis: &Axis) -> Table {
         ),
     ];
     let number = |value: f64| -> Cell { short(value).into() };
-    Table::of(
+    Table::from_rows(
         "paper-2",
         "The source paper's Table 2, z gyro, with its stationarity test. Its Kolmogorov-Smirnov value is that of unscaled samples against N(0, 1), ours of samples scaled to their mean and standard deviation, for which Lilliefors' critical value holds.",
         rows,

@@ -59,7 +59,7 @@ mod tests {
     #[test]
     fn columns_stand_in_line_and_the_least_of_each_is_marked() {
         let names = ["white, none", "our 2", "lost"];
-        let mut table = Table::of("", "", names, &[("maximum", &|name| (*name).into())]);
+        let mut table = Table::from_rows("", "", names, &[("maximum", &|name| (*name).into())]);
         table.add_ranked("N [m]".into(), &[3.1, 2e-3, f64::NAN]);
         table.add_ranked("E [m]".into(), &[0.5, 0.5, f64::NAN]);
         table.add_ranked("D [m]".into(), &[0.25, -12_345.0, 1.5]);

@@ -169,7 +169,7 @@ pub fn say(finding: &Finding) -> String {
         | F::SetBack { log, .. }
         | F::Gaps { log, .. }
         | F::Unused { log }
-        | F::Outliers { log, .. } => logs::of(*log, finding),
+        | F::Outliers { log, .. } => logs::sentence(*log, finding),
         F::Uneven {
             gaps,
             jitter_rms,

@@ -284,7 +284,7 @@ mod tests {
             title: "GNSS & more".into(),
             sections: [("Errors", vec![text, first, second]), ("Empty", vec![])]
                 .into_iter()
-                .filter_map(|(title, blocks)| Section::of(title, blocks))
+                .filter_map(|(title, blocks)| Section::new(title, blocks))
                 .collect(),
             ..Document::default()
         }

@@ -29,11 +29,11 @@ pub fn sections(runs: &[Run<'_, Tune>]) -> Vec<Section> {
         ];
         let second = [parameters(tune).block(), text([undetermined(tune)])];
         [
-            Section::of(
+            Section::new(
                 &prefixed(name, "Drift before and after"),
                 first.into_iter().flatten(),
             ),
-            Section::of(
+            Section::new(
                 &prefixed(name, "Noise in the vehicle"),
                 second.into_iter().flatten(),
             ),
@@ -118,7 +118,7 @@ fn drift(tune: &Tune) -> Table {
     let within = |drift: &[undrift_results::Number; 3]| {
         drift.map(percent).join(" / ").replace(" %", "") + " %"
     };
-    Table::of(
+    Table::from_rows(
         "drift",
         "RMS of the largest horizontal error of an outage, with the noise of the model and drive files and with the noise found; their ratio with its 95 % interval; and the share of final position errors within 1, 2 and 3σ (68, 95 and 99.7 % expected).",
         &tune.drift,
@@ -151,7 +151,7 @@ fn shown(parameter: &TunedParameter) -> (f64, &str) {
 
 fn parameters(tune: &Tune) -> Table {
     let value = |p: &TunedParameter, value: f64| short(value * shown(p).0);
-    Table::of(
+    Table::from_rows(
         "parameters",
         "Noise at rest or as specified, the 95 % interval expected in a vehicle, and the estimate from the drives with its 95 % interval.",
         &tune.parameters,
@@ -230,7 +230,7 @@ fn calibration(tune: &Tune) -> Option<Block> {
         ];
         panel
     };
-    Figure::of(
+    Figure::block(
         "calibration",
         "Share of final position errors of outages within 1, 2 and 3σ against that of a normal distribution; below the dashed line σ is too small.",
         3,

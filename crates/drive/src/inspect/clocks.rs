@@ -39,7 +39,7 @@ const MOST_HOURS: f64 = 24.0;
 /// What is to be added to the times of the fixes \[s\], where the turns show another offset than none; samples in sensor axes and
 /// fixes with velocities.
 pub(super) fn offset(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<(f64, Known)> {
-    let clocks = Clocks::of(imu, fixes)?;
+    let clocks = Clocks::new(imu, fixes)?;
     let now = clocks.correlation(0.0).unwrap_or(0.0);
     // Against each other, it is a sign that is wrong.
     if now.abs() > ALIKE[0] {
@@ -105,7 +105,7 @@ struct Clocks {
 }
 
 impl Clocks {
-    fn of(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<Self> {
+    fn new(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<Self> {
         let (first, last) = (imu.first()?, imu.last()?);
         if last.time - first.time > LONGEST {
             return None;

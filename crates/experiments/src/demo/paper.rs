@@ -115,7 +115,7 @@ pub(super) fn paper(
 }
 
 fn residuals(one_one: &[Option<ArmaFit>; 2], searched: &[f64]) -> Option<Residuals> {
-    Residuals::of(one_one[1].as_ref().or(one_one[0].as_ref())?, searched)
+    Residuals::new(one_one[1].as_ref().or(one_one[0].as_ref())?, searched)
 }
 
 /// The literal equations at several σ.

@@ -1,6 +1,6 @@
 //! What a manifest says of all logs and of each: the keys beside `drive` and `record`.
 
-use crate::{Plan, RecordSettings};
+use crate::{OutagePlan, RecordSettings};
 use std::collections::BTreeMap;
 use undrift_drive::{
     drive::{ConfigError, Section, read_switch},
@@ -29,7 +29,7 @@ pub struct Choice {
     /// Bias models for drives.
     pub bias_models: Vec<BiasModel>,
     /// Where GNSS is cut.
-    pub plan: Plan,
+    pub plan: OutagePlan,
     /// Whether solutions are smoothed.
     pub smooth: bool,
     /// How records are read.
@@ -55,7 +55,7 @@ impl Default for Choice {
         Self {
             verb: Verb::Outages,
             bias_models: BiasModel::ALL.to_vec(),
-            plan: Plan::default(),
+            plan: OutagePlan::default(),
             smooth: false,
             record: RecordSettings {
                 n_max: 2,
@@ -141,7 +141,7 @@ pub(super) fn times(text: &str) -> Result<Vec<f64>, String> {
     Ok(times)
 }
 
-fn read_plan(section: &Section, plan: &mut Plan) -> Result<(), ConfigError> {
+fn read_plan(section: &Section, plan: &mut OutagePlan) -> Result<(), ConfigError> {
     let time = |key, most: bool| match section.quantity(key, Quantity::Time)? {
         Some(time) if time < 0.0 || (most && time == 0.0) => Err(section.error(
             key,

@@ -1,6 +1,6 @@
 //! The numbers that are compared between logs.
 
-use crate::{FleetOutcome, Row};
+use crate::{FleetOutcome, OutcomeRow};
 use undrift_nav::earth::STANDARD_GRAVITY;
 
 /// What is compared between logs: a number for each bias model or axis.
@@ -17,9 +17,9 @@ pub(super) struct Measure {
 
 impl Measure {
     /// Root mean square over the rows of one part, if every row has the number.
-    pub fn value(&self, outcome: &FleetOutcome, rows: &[&Row]) -> Option<f64> {
+    pub fn value(&self, outcome: &FleetOutcome, rows: &[&OutcomeRow]) -> Option<f64> {
         let (column, factor) = self.column;
-        let square = |row: &&Row| outcome.value(row, column).map(|v| v * v);
+        let square = |row: &&OutcomeRow| outcome.value(row, column).map(|v| v * v);
         let squares: Vec<f64> = rows.iter().map(square).collect::<Option<_>>()?;
         let mean = squares.iter().sum::<f64>() / squares.len() as f64;
         (mean > 0.0).then(|| mean.sqrt() * factor)

@@ -155,7 +155,7 @@ pub fn identify_pool(
     }
     let compared = Records::new(&cleaned, block, 1.0 / rate_hz, terms);
     let found = compared.compare(&mut shares, level);
-    let between = Between::of(shares.iter().map(|s| (s.level, s.level_standard_error)));
+    let between = Between::new(shares.iter().map(|s| (s.level, s.level_standard_error)));
     let pool = Pool {
         common: turn_on_of(between.mean, accelerometer),
         between,

@@ -29,12 +29,12 @@ pub(super) fn of_models(
     let by_f = table.and_then(|table| table.fit(table.by_f));
     let other = |fit: &&ArmaFit| by_f.is_none_or(|by_f| by_f.order() != fit.order());
     let fits = by_f.into_iter().chain(recommended.filter(other));
-    fits.filter_map(|fit| Residuals::of(fit, half)).collect()
+    fits.filter_map(|fit| Residuals::new(fit, half)).collect()
 }
 
 impl Residuals {
     /// Of a fit over the start of a screened record, at most [`SEARCH_SAMPLES`] of it.
-    pub fn of(fit: &ArmaFit, half: &[f64]) -> Option<Self> {
+    pub fn new(fit: &ArmaFit, half: &[f64]) -> Option<Self> {
         let searched = half.get(..SEARCH_SAMPLES).unwrap_or(half);
         let errors = fit.residuals(searched).ok()?;
         let present: Vec<f64> = errors.into_iter().filter(|e| e.is_finite()).collect();

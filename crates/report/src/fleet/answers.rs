@@ -17,7 +17,7 @@ pub(super) fn factor(effect: &Effect) -> String {
 }
 
 /// The answers for a measure, the units first; none where nothing could be compared.
-pub(super) fn of(measure: &Measure) -> Vec<String> {
+pub(super) fn sentences(measure: &Measure) -> Vec<String> {
     let Some(effects) = &measure.effects else {
         return Vec::new();
     };
@@ -145,7 +145,7 @@ mod tests {
             ..Measure::default()
         };
         assert_eq!(
-            of(&measure),
+            sentences(&measure),
             [
                 "One stands out of 2 units in drift: SN0007 3.00 times the others (95 %: 2.00 to 4.50; p < 0.0001).",
                 "Temperature matters: drift grows with it, by 1.00 %/K (95 %: 0.800 to 1.20)."
@@ -168,7 +168,7 @@ mod tests {
             ),
         ];
         assert_eq!(
-            of(&measure)[1],
+            sentences(&measure)[1],
             "One stands out of 2 values of firmware in drift: v1 0.500 times the others (95 %: 0.333 to 0.750; p = 0.00100)."
         );
         assert_eq!(
@@ -176,9 +176,12 @@ mod tests {
             "Labels not compared: campaign (the same in all logs)."
         );
         measure.by_unit.pop();
-        assert_eq!(of(&measure)[0], "None of 1 unit stands out in drift.");
+        assert_eq!(
+            sentences(&measure)[0],
+            "None of 1 unit stands out in drift."
+        );
         measure.effects = None;
-        assert!(of(&measure).is_empty());
+        assert!(sentences(&measure).is_empty());
     }
     #[test]
     fn an_effect_of_temperature_is_one_that_is_found() {

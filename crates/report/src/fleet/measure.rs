@@ -66,7 +66,7 @@ pub(super) fn findings(measure: &Measure, first: bool) -> Vec<String> {
     if first {
         sentences.collect()
     } else {
-        let answers = answers::of(measure).into_iter();
+        let answers = answers::sentences(measure).into_iter();
         answers.chain(sentences).collect()
     }
 }
@@ -100,7 +100,7 @@ pub(super) fn section(run: &Fleet, measure: &Measure) -> Option<Section> {
         blocks.extend(groups(measure, &label.label, &label.by_value));
     }
     blocks.extend(text(answers::left_out(measure)));
-    Section::of(&capital(&measure.name.replace('_', " ")), blocks)
+    Section::new(&capital(&measure.name.replace('_', " ")), blocks)
 }
 
 /// The values of a part, log by log.
@@ -122,7 +122,7 @@ fn values(run: &Fleet, measure: &Measure, part: &Part) -> Vec<f64> {
 pub(super) fn overview(run: &Fleet, measure: &Measure) -> Table {
     let models = are_models(measure);
     let medians: Vec<f64> = measure.parts.iter().map(|p| p.median.0).collect();
-    let mut rows = Table::of(
+    let mut rows = Table::from_rows(
         &measure.name,
         &format!(
             "The {}. Level: geometric mean over units with its 95 % interval.",
@@ -176,7 +176,7 @@ fn spread(run: &Fleet, measure: &Measure) -> Option<Block> {
             panel.add(Series::boxes("", colour, vec![(place as f64, quartiles)]));
         }
     }
-    Figure::of(
+    Figure::block(
         &format!("{}-spread", measure.name),
         "The logs: box from the first to the third quartile with the median, whiskers to the extremes.",
         1,
@@ -189,7 +189,7 @@ fn outliers(measure: &Measure) -> Option<Block> {
         "" => String::new(),
         verb => format!(" A log's own report: undrift {verb} LOG --report FILE.html."),
     };
-    let rows = Table::of(
+    let rows = Table::from_rows(
         &format!("{}-outliers", measure.name),
         &shortened(
             &format!(
@@ -256,7 +256,7 @@ fn temperature(run: &Fleet, measure: &Measure) -> Option<Block> {
     } else {
         "Each log at its temperature (dots)"
     };
-    Figure::of(
+    Figure::block(
         &format!("{}-temperature", measure.name),
         &format!("{each}; the medians of bins of 10 K (lines)."),
         panels.len().min(2),
@@ -281,7 +281,7 @@ fn groups(measure: &Measure, what: &str, groups: &[Group]) -> Vec<Block> {
         "Median over the logs of each {what}, sorted by {by}, largest first, and the ratio of its geometric mean to the others' (95 % interval; p adjusted for all that is compared); bold, on top: significant."
     );
     let shown = || sorted.iter().copied().take(ROWS);
-    let mut rows = Table::of(
+    let mut rows = Table::from_rows(
         &format!("{}-by-{what}", measure.name),
         &shortened(&caption, sorted.len()),
         shown(),
@@ -323,7 +323,7 @@ fn groups(measure: &Measure, what: &str, groups: &[Group]) -> Vec<Block> {
     panel.series = series;
     let caption = format!("Median over the logs of each {what}.");
     let name = format!("{}-by-{what}s", measure.name);
-    let figure = Figure::of(&name, &caption, 1, [panel]);
+    let figure = Figure::block(&name, &caption, 1, [panel]);
     figure.into_iter().chain([Block::Table(rows)]).collect()
 }
 

@@ -15,7 +15,7 @@ use undrift_results::{Axis, Candidate, Number, Term};
 pub(super) fn of_axis(name: &str, axis: &Axis) -> Option<Section> {
     let unit = units(name);
     let figure = |what: &str, caption: &str, panels: Vec<Panel>| {
-        Figure::of(&format!("{what}-{name}"), caption, 2, panels)
+        Figure::block(&format!("{what}-{name}"), caption, 2, panels)
     };
     let found = |panels: [Option<Panel>; 2]| panels.into_iter().flatten().collect();
     let reason = axis.chosen.reason.clone().unwrap_or_default();
@@ -43,7 +43,7 @@ pub(super) fn of_axis(name: &str, axis: &Axis) -> Option<Section> {
         text(of_others(axis)),
         parameters(name, axis).block(),
     ];
-    Section::of(&capital(&super::spoken(name)), blocks.into_iter().flatten())
+    Section::new(&capital(&super::spoken(name)), blocks.into_iter().flatten())
 }
 
 fn whiteness(axis: &Axis) -> String {
@@ -268,7 +268,7 @@ fn candidates(name: &str, axis: &Axis, unit: &Units) -> Table {
     let ranked = ranked(axis);
     let least = axis.candidates.iter().filter_map(|c| c.block_aic.get());
     let least = least.fold(f64::INFINITY, f64::min);
-    let mut rows = Table::of(
+    let mut rows = Table::from_rows(
         &format!("candidates-{name}"),
         &format!(
             "Candidates by drift: RMS error [{}] of the predicted integral, fitted on one half of the recording and scored on the other, both ways; its standard error; in brackets the model's own prediction. AIC is above the least, from block averages of the whole recording. The recommended one is highlighted.",
@@ -297,7 +297,7 @@ fn candidates(name: &str, axis: &Axis, unit: &Units) -> Table {
 
 /// The parameters of the recommended model with their intervals.
 fn parameters(name: &str, axis: &Axis) -> Table {
-    Table::of(
+    Table::from_rows(
         &format!("parameters-{name}"),
         "Parameters of the recommended model fitted to the whole recording, with the 95 % intervals of the profile likelihood.",
         &bounds(name, axis),
@@ -315,7 +315,7 @@ pub(crate) fn drift_table(name: &str, axis: &Axis) -> Table {
     let unit = units(name);
     let ranked = ranked(axis);
     let head = format!("drift [{}]", unit.drift);
-    let mut rows = Table::of(
+    let mut rows = Table::from_rows(
         "",
         "",
         &ranked,

@@ -12,7 +12,7 @@ pub(crate) fn lines<'a>(axes: impl Iterator<Item = Named<'a>>) -> Table {
         lines.map(move |line| (label.clone(), units(of.name), line))
     });
     let each: Vec<_> = each.collect();
-    Table::of(
+    Table::from_rows(
         "lines",
         "Spectral lines and narrow resonances, taken out before the tests and the fits; a record without any shows one in 1 of 1000 axes. No filter has states for them: each makes an error of the integral that does not grow.",
         &each,

@@ -36,7 +36,7 @@ pub(crate) fn pandit_wu(name: &str, axis: &Axis) -> Table {
         caption += " The paper's values are of its own record; its F is printed one row higher. An F far below 0 means that the fit of the larger order did not reach its optimum.";
     }
     let f = |row: &&OrderRow| Cell::number(row.f.0, 2).strong_if(row.f.0 > row.f_critical.0);
-    let mut rows = Table::of(
+    let mut rows = Table::from_rows(
         &format!("pandit-wu-{name}"),
         &caption,
         &axis.pandit_wu,
@@ -86,7 +86,7 @@ pub(crate) fn adequacy(name: &str, axis: &Axis) -> Table {
         caption += " The paper's F of (2,1) against (1,1), −10.19, is not the 2888 of its Table 3 for the same two orders.";
     }
     let f = |test: &&OrderTest| Cell::number(test.f.0, 2).strong_if(test.f.0 > test.f_critical.0);
-    let mut rows = Table::of(
+    let mut rows = Table::from_rows(
         &format!("adequacy-{name}"),
         &caption,
         &axis.adequacy,

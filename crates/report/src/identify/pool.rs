@@ -100,7 +100,7 @@ pub(crate) fn turn_on(run: &str, pool: &Pool) -> Table {
     let known = pool
         .in_order()
         .filter_map(|(name, axis)| Some((name, axis.turn_on?)));
-    Table::of(
+    Table::from_rows(
         &format!("turn-on{run}"),
         "Turn-on constants: standard deviation σ between switch-ons with its 95 % interval and degrees of freedom, the constant common to all, and the σ that the model has for a filter, which starts from zero.",
         known,
@@ -137,7 +137,7 @@ pub(crate) fn records(run: &str, pool: &Pool) -> Table {
         strong,
         ..text.into()
     };
-    Table::of(
+    Table::from_rows(
         &format!("records{run}"),
         "Each recording against the others: white noise and slow part in multiples of theirs, the probability of such a difference by chance, and its constant.",
         shares,

@@ -8,7 +8,7 @@ use undrift_results::{AxisTemperature, Number};
 pub(crate) fn temperatures<'a>(axes: impl Iterator<Item = Named<'a>>) -> Table {
     let each = axes.filter_map(|of| Some((of.label, of.name, of.axis.temperature.as_ref()?)));
     let each: Vec<_> = each.collect();
-    Table::of(
+    Table::from_rows(
         "temperature",
         "Bias over temperature, with 95 % intervals beside correlated noise. What is determined was taken out before the tests and the fits, is in the model file, and is taken out of a drive's samples; the rest is not used.",
         &each,

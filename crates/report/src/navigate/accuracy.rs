@@ -33,7 +33,7 @@ pub(super) fn accuracy(runs: &[Run<'_, Navigate>], shown: &Shown<'_>) -> Option<
         );
         text([named(name, &sentence), nees(run)])
     });
-    let mut errors = Table::of(
+    let mut errors = Table::from_rows(
         "rms-errors",
         "RMS error against the truth over all samples with a truth.",
         &compared,
@@ -59,7 +59,7 @@ pub(super) fn accuracy(runs: &[Run<'_, Navigate>], shown: &Shown<'_>) -> Option<
             component_panel(c, "error", shown, |s| &s.error, bounds)
         });
         let name = format!("error-{}", part.to_lowercase());
-        Figure::of(&name, &shown.caption(&caption), 3, panels)
+        Figure::block(&name, &shown.caption(&caption), 3, panels)
     };
     let figures = [
         ("Position", POSITION),
@@ -70,7 +70,7 @@ pub(super) fn accuracy(runs: &[Run<'_, Navigate>], shown: &Shown<'_>) -> Option<
     let blocks = blocks.chain(figures.into_iter().map(figure));
     let rms = compared.iter().map(|(.., rms)| get(rms, "horizontal_m"));
     let rms = Vec::from_iter(rms.map(short)).join(", ");
-    let section = Section::of("Errors against the truth", blocks.flatten())?;
+    let section = Section::new("Errors against the truth", blocks.flatten())?;
     Some(section.noted(format!("{rms} m horizontal, RMS")))
 }
 

@@ -43,7 +43,7 @@ pub(super) fn innovations(runs: &[Run<'_, Navigate>], shown: &Shown<'_>) -> Opti
             "Innovations of the {part} divided by their predicted standard deviations, with 95 % bounds (dashed), and NIS per degree of freedom, 1 on average if the model is correct{thinned}"
         ));
         let panels = panels.into_iter().chain([nis]);
-        Figure::of(&format!("innovations-{part}"), &caption, 2, panels)
+        Figure::block(&format!("innovations-{part}"), &caption, 2, panels)
     };
     let blocks: Vec<Block> = ["position", "velocity"]
         .into_iter()
@@ -53,7 +53,7 @@ pub(super) fn innovations(runs: &[Run<'_, Navigate>], shown: &Shown<'_>) -> Opti
         .iter()
         .map(|(_, run)| [run.position, run.velocity].map(|nis| short(nis.nis_per_dof.0)));
     let parts = Vec::from_iter(parts.map(|parts| parts.join(", "))).join("; ");
-    let section = Section::of("Innovations", blocks)?;
+    let section = Section::new("Innovations", blocks)?;
     Some(section.noted(format!("NIS / dof {parts}")))
 }
 

@@ -26,7 +26,7 @@ pub(super) fn verdict(runs: &[Run<'_, Navigate>]) -> Option<Section> {
     });
     let warned: Vec<String> = warned.collect();
     let blocks = verdicts.chain(conclusions).chain([warnings(&warned)]);
-    Section::of("Result", blocks.flatten())
+    Section::new("Result", blocks.flatten())
 }
 
 /// How large the errors are, or else the innovations.
@@ -55,7 +55,7 @@ pub(super) fn summary(runs: &[Run<'_, Navigate>]) -> Option<Section> {
         .map(|(name, run)| text(what_was_done(name, run)));
     let blocks = done.chain([updates(runs).block(), parameters(runs).block()]);
     let fixes: u64 = runs.iter().map(|(_, run)| run.summary.fixes).sum();
-    let section = Section::of("What was done", blocks.flatten())?;
+    let section = Section::new("What was done", blocks.flatten())?;
     Some(section.noted(format!("{} fixes used", count(fixes))))
 }
 
@@ -146,7 +146,7 @@ fn updates(runs: &[Run<'_, Navigate>]) -> Table {
             (prefixed(name, kind.name()), counts, nis)
         })
     });
-    Table::of(
+    Table::from_rows(
         "updates",
         "Measurements used. NIS / dof: normalised innovation squared per degree of freedom, 1 if the model is correct. Autocorrelation: that of successive innovations, with its 95 % bound for white ones. Rejected: far from the prediction. Down-weighted: doubtful, used with less weight.",
         rows,
@@ -176,7 +176,7 @@ fn parameters(runs: &[Run<'_, Navigate>]) -> Table {
         texts.join(", ").into()
     };
     type Row<'a> = (&'a String, Constant<'a>, &'a Parameter);
-    Table::of(
+    Table::from_rows(
         "parameters",
         "Constants estimated in addition to the sensor errors, with their final standard deviations.",
         parameters,

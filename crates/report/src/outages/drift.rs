@@ -21,7 +21,7 @@ pub(super) fn drift(models: &[Model<'_>]) -> Option<Section> {
         return None;
     }
     let blocks = [curves(&models), spread(&models), outage_by_outage(&models)];
-    let section = Section::of("Drift without GNSS", blocks.into_iter().flatten())?;
+    let section = Section::new("Drift without GNSS", blocks.into_iter().flatten())?;
     let finite = models.iter().filter(|m| m.usable && m.rms().is_finite());
     let best = finite.min_by(|a, b| a.rms().total_cmp(&b.rms()));
     let note = best.map_or(String::new(), |m| {
@@ -72,7 +72,7 @@ fn curves(models: &[&Model<'_>]) -> Option<Block> {
         panel.add(line);
     }
     let caption = format!("Horizontal error since the cut, RMS over the outages{ONE}.");
-    Figure::of("drift", &caption, 1, [panel])
+    Figure::block("drift", &caption, 1, [panel])
 }
 
 /// The largest horizontal errors of each model as a box, with their root mean square.
@@ -115,7 +115,7 @@ fn spread(models: &[&Model<'_>]) -> Option<Block> {
     }
     panel.add(Series::dots("root mean square", 0, squares));
     let caption = "Largest horizontal error of each outage, by model: box from the first to the third quartile with the median, whiskers to the extremes; dots: RMS.";
-    Figure::of("models", caption, 1, [panel])
+    Figure::block("models", caption, 1, [panel])
 }
 
 /// The largest horizontal error of each outage against its start.
@@ -141,7 +141,7 @@ fn outage_by_outage(models: &[&Model<'_>]) -> Option<Block> {
         panel.add(dots);
     }
     let caption = format!("Largest horizontal error of each outage, plotted at its start{ONE}.");
-    Figure::of("outage-by-outage", &caption, 1, [panel])
+    Figure::block("outage-by-outage", &caption, 1, [panel])
 }
 
 #[cfg(test)]

@@ -38,12 +38,12 @@ fn section(runs: &[Run<'_, Outages>], models: bool) -> Option<Section> {
         }
         false => "Ground track from the start, to scale; without GNSS in orange.",
     };
-    let figure = Figure::of("trajectory", caption, drawn.len().min(2), panels);
+    let figure = Figure::block("trajectory", caption, drawn.len().min(2), panels);
     let cuts = drawn
         .iter()
         .map(|(_, run)| run.outages.len())
         .sum::<usize>();
-    Some(Section::of("Where GNSS was cut", figure)?.noted(format!("{cuts} outages")))
+    Some(Section::new("Where GNSS was cut", figure)?.noted(format!("{cuts} outages")))
 }
 
 fn panel(name: &str, run: &Outages, ways: bool) -> Panel {

@@ -14,7 +14,7 @@ use undrift_results::{
 /// The record.
 pub(super) fn figure_1(axis: &Axis) -> Option<Block> {
     let caption = "The source paper's Figure 1: the z gyro at rest; of each stretch the smallest and largest sample.";
-    Figure::of("paper-figure-1", caption, 1, record(axis, units(AXIS)))
+    Figure::block("paper-figure-1", caption, 1, record(axis, units(AXIS)))
 }
 
 /// Correlations of what ARMA(1,1) leaves.
@@ -25,7 +25,7 @@ pub(super) fn figure_3(paper: &Paper) -> Option<Block> {
         correlation("Partial autocorrelation", &of.pacf, of.bound.0),
     ];
     let caption = "The source paper's Figure 3: correlations of what ARMA(1,1) with φ = 1 leaves of the z gyro, and the 95 % bounds of white noise.";
-    Figure::of("paper-figure-3", caption, 2, panels)
+    Figure::block("paper-figure-3", caption, 2, panels)
 }
 
 /// The two filters that the paper compares.
@@ -58,7 +58,7 @@ pub(super) fn figure_4(demo: &Demo, paper: &Paper) -> Option<Block> {
         panel
     });
     let caption = "The source paper's Figure 4: the first drive by each of its two filters, without GNSS in orange.";
-    Figure::of("paper-figure-4", caption, 2, panels)
+    Figure::block("paper-figure-4", caption, 2, panels)
 }
 
 /// Position errors over time.
@@ -81,7 +81,7 @@ pub(super) fn figure_5(demo: &Demo, paper: &Paper) -> Option<Block> {
     });
     let caption =
         "The source paper's Figure 5: position errors over the first drive, its 15 outages shaded.";
-    Figure::of("paper-figure-5", caption, 1, panels)
+    Figure::block("paper-figure-5", caption, 1, panels)
 }
 
 /// How the literal equations fare by σ.
@@ -97,5 +97,5 @@ pub(super) fn scan(paper: &Paper) -> Option<Block> {
     panel.add(Series::line("", 7, drift.clone()));
     panel.add(Series::dots("", 7, drift));
     let caption = "Equations (3)-(9) to the letter, by σ: RMS over all outages of 10 s of the largest horizontal error.";
-    Figure::of("paper-scan", caption, 1, [panel])
+    Figure::block("paper-scan", caption, 1, [panel])
 }

@@ -5,7 +5,7 @@ use crate::numbers::short;
 use undrift_results::findings::{Finding, Log};
 
 /// A finding of one log.
-pub(super) fn of(log: Log, finding: &Finding) -> String {
+pub(super) fn sentence(log: Log, finding: &Finding) -> String {
     use Finding as F;
     let name = log.name();
     match finding {

@@ -11,7 +11,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::{collections::BTreeMap, path::PathBuf};
 use undrift::{
-    fleet::{FleetOutcome, Gathering, Row},
+    fleet::{FleetOutcome, Gathering, OutcomeRow},
     results,
 };
 
@@ -69,7 +69,7 @@ fn drawn(log: usize) -> FleetOutcome {
         let common = [normal(&mut rng), normal(&mut rng)];
         for (part, factor) in MODELS {
             let error = common.map(|common| factor * scale * (common + 0.3 * normal(&mut rng)));
-            rows.push(Row {
+            rows.push(OutcomeRow {
                 part: part.into(),
                 outage: Some(outage),
                 note: None,

@@ -29,7 +29,7 @@ pub struct Between {
 
 impl Between {
     /// Of levels with their standard errors \[unit\]; a level that nothing bounds does not count.
-    pub(super) fn of(levels: impl Iterator<Item = (f64, f64)>) -> Self {
+    pub(super) fn new(levels: impl Iterator<Item = (f64, f64)>) -> Self {
         let known = levels.filter(|(level, error)| level.is_finite() && error.is_finite());
         let known: Vec<(f64, f64)> = known.collect();
         let n = known.len() as f64;
@@ -107,7 +107,7 @@ mod tests {
     fn by_hand() {
         // Levels 1, 2, 3, 6 about 3: s² = 14/3; v̄ = (4 · 0.25 + 0)/4.
         let levels = [(1.0, 0.5), (2.0, 0.5), (3.0, 0.5), (6.0, 0.5)];
-        let found = Between::of(levels.into_iter());
+        let found = Between::new(levels.into_iter());
         assert_eq!((found.records, found.degrees_of_freedom()), (4, 3));
         assert_eq!(found.mean, 3.0);
         assert!((found.sigma - (14.0f64 / 3.0 - 0.25).sqrt()).abs() < 1e-12);
@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn of_two_records_all_axes_of_the_sensor_count() {
-        let pair = |by: f64| Between::of([(by, 0.0), (-by, 0.0)].into_iter());
+        let pair = |by: f64| Between::new([(by, 0.0), (-by, 0.0)].into_iter());
         let alike = [pair(1.0), pair(2.0), pair(3.0)];
         // 2 (1 + 4 + 9) over the 5 % point of χ² with 3 degrees of freedom, 0.351846 (tables).
         let wanted = (28.0f64 / 0.351_846).sqrt();
@@ -133,7 +133,7 @@ mod tests {
 
     #[test]
     fn a_scatter_within_the_uncertainty_is_bounded() {
-        let found = Between::of([-0.1, 0.0, 0.1, 0.05, -0.05].map(|x| (x, 1.0)).into_iter());
+        let found = Between::new([-0.1, 0.0, 0.1, 0.05, -0.05].map(|x| (x, 1.0)).into_iter());
         assert_eq!((found.sigma, found.low), (0.0, 0.0));
         assert!(found.for_filter(&[found], 0.0) >= 1.0);
     }
@@ -146,17 +146,17 @@ mod tests {
             (3.0, 0.5),
             (9.0, f64::INFINITY),
         ];
-        let found = Between::of(levels.into_iter());
+        let found = Between::new(levels.into_iter());
         assert_eq!((found.records, found.mean, found.within), (2, 2.0, 0.5));
         assert!((found.scatter - 2f64.sqrt()).abs() < 1e-15);
-        let one = Between::of([(4.0, 0.5)].into_iter());
+        let one = Between::new([(4.0, 0.5)].into_iter());
         assert_eq!(
             (one.records, one.mean, one.scatter, one.sigma),
             (1, 4.0, 0.0, 0.0)
         );
         assert_eq!((one.low, one.high), (f64::INFINITY, f64::INFINITY));
         assert_eq!(one.for_filter(&[one], 1.0), f64::INFINITY);
-        let none = Between::of(std::iter::empty());
+        let none = Between::new(std::iter::empty());
         assert_eq!(
             (none.records, none.degrees_of_freedom(), none.mean),
             (0, 0, 0.0)
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn the_standard_errors_are_taken_out_of_every_bound() {
-        let of = |by: &[f64], error| Between::of(by.iter().map(|x| (*x, error)));
+        let of = |by: &[f64], error| Between::new(by.iter().map(|x| (*x, error)));
         for levels in [
             &[1.0, -2.0, 3.0, 0.0, 1.5][..],
             &[1.0, -2.0, 3.0],
@@ -196,11 +196,11 @@ mod tests {
     fn a_small_scatter_gives_at_least_the_uncertainty() {
         // Three records or two: the bound of the scatter, or where that is less, what each is uncertain.
         let levels = [(1.0, 50.0), (2.0, 50.0), (3.0, 50.0)];
-        let found = Between::of(levels.into_iter());
+        let found = Between::new(levels.into_iter());
         assert_eq!(found.for_filter(&[found], 0.0), 50.0);
         // Four: the upper bound by χ² with 3 degrees of freedom at 5 %, 0.351846 (tables), s² = 4/3.
         let levels = [-1.0, -1.0, 1.0, 1.0].map(|x| (x, 1.2));
-        let found = Between::of(levels.into_iter());
+        let found = Between::new(levels.into_iter());
         assert_eq!(found.sigma, 0.0);
         let bound = (4.0f64 / 0.351_846 - 1.44).sqrt();
         assert!((found.for_filter(&[found], 0.0) / bound - 1.0).abs() < 1e-5);
