@@ -341,7 +341,7 @@ mod tests {
             temperature: Some(undrift_results::Slope::default()),
             ..undrift_results::FleetEffects::default()
         });
-        let first = &super::of("f", &compared)[0];
+        let first = &super::sections_of_run("f", &compared)[0];
         assert_eq!(crate::tests::sentences(first)[0], ONE_AT_A_TIME);
         let crate::Block::Table(table) = &sections[3].blocks[0] else {
             panic!("no table");

@@ -16,7 +16,7 @@ fn outcome(log: &str, drift: f64) -> FleetOutcome {
         findings: Vec::new(),
         warnings: Vec::new(),
         columns: vec!["max_horizontal_m".into()],
-        rows: vec![Row {
+        rows: vec![OutcomeRow {
             part: "white".into(),
             outage: Some(1),
             note: None,
