@@ -20,7 +20,7 @@ use undrift_nav::{
 };
 
 /// Of the bytes: changes whenever what is kept does.
-const FORMAT: u32 = 5;
+const FORMAT: u32 = 6;
 
 /// Why a navigator cannot be restored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -230,6 +230,8 @@ pub enum Implausible {
     },
     /// Positions and velocities agree only if something is changed; `None`: nothing simple.
     Velocity(Option<FixMend>),
+    /// The positions alternate between two places so far apart, horizontally \[m\]: two receivers in one log.
+    Alternates(f64),
 }
 
 /// What makes positions and velocities of the fixes agree.

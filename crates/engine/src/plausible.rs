@@ -5,12 +5,14 @@
 //! gravity on the average; the course of a vehicle turns as its gyros say; positions move as velocities
 //! say. Streamed: sums and a bounded window are kept.
 
+mod alternation;
 mod moves;
 mod turns;
 
 use super::events::Implausible;
 use crate::{align::Heading, derived::Positions, settings::Settings};
 use alloc::vec::Vec;
+use alternation::Alternation;
 use core::ops::Range;
 use moves::Moves;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -56,6 +58,7 @@ pub(super) struct Plausible {
     sound: u32,
     turns: Turns,
     moves: Moves,
+    alternation: Alternation,
     positions: Positions,
 }
 
@@ -70,6 +73,7 @@ impl Plausible {
             sound: 0,
             turns: Turns::new(),
             moves: Moves::default(),
+            alternation: Alternation::default(),
             positions: Positions::default(),
         }
     }
@@ -102,6 +106,7 @@ impl Plausible {
 
     /// Takes in a fix.
     pub(super) fn fix(&mut self, fix: &GnssFix) {
+        self.alternation.fix(fix);
         if let Some((velocity, r)) = &fix.velocity {
             let variance = r.fixed_view::<2, 2>(0, 0).trace() / 2.0;
             self.turns.velocity(fix.time, velocity, variance);
@@ -116,6 +121,7 @@ impl Plausible {
     pub(super) fn findings(&mut self) -> Vec<Implausible> {
         self.turns.finish();
         let mut found = Vec::new();
+        found.extend(self.alternation.distance().map(Implausible::Alternates));
         let blocks = f64::from(self.blocks);
         let down = self.direction.try_normalize(0.5 * blocks).map(|up| -up);
         if self.blocks >= LEAST_BLOCKS {

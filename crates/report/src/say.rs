@@ -153,6 +153,7 @@ pub fn say(finding: &Finding) -> String {
         F::VelocityBias { bias } => fixes::velocity_bias(*bias),
         F::BadCovariance { fixes } => fixes::bad_covariance(*fixes),
         F::WrongVelocity { mend } => fixes::wrong_velocity(*mend),
+        F::TwoReceivers { distance } => fixes::two_receivers(*distance),
         F::Rejected(fixes) => fixes::rejected(fixes),
         F::MoreRejected { spans, accepted } => fixes::more_rejected(*spans, *accepted),
         F::OneSided(lean) => fixes::one_sided(lean),

@@ -178,6 +178,11 @@ pub enum Finding {
         /// What would make them, where something simple does.
         mend: Option<FixMend>,
     },
+    /// The positions alternate between two places.
+    TwoReceivers {
+        /// How far these are apart, horizontally \[m\].
+        distance: f64,
+    },
     /// The solution was re-initialised.
     Restart {
         /// When it was given up \[s\].
@@ -488,6 +493,7 @@ impl From<Implausible> for Finding {
                 axes: None,
             },
             Implausible::Velocity(mend) => Self::WrongVelocity { mend },
+            Implausible::Alternates(distance) => Self::TwoReceivers { distance },
         }
     }
 }

@@ -21,6 +21,13 @@ pub(super) fn wrong_velocity(mend: Option<FixMend>) -> String {
     .into()
 }
 
+pub(super) fn two_receivers(distance: f64) -> String {
+    format!(
+        "the positions alternate between two places {} m apart: two receivers or antennas in one log; keep the fixes of one",
+        short(distance)
+    )
+}
+
 pub(super) fn more_rejected(spans: u64, accepted: u64) -> String {
     format!(
         "rejected fixes in {spans} more spans, then accepted them in {accepted}; --json lists all"

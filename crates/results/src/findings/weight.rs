@@ -52,7 +52,7 @@ impl Finding {
             Self::Diverged { .. } => Severity::Unusable,
             // Whatever is concluded is about another vehicle or another sensor.
             Self::WrongAxes { .. } | Self::WrongTurnAxis { .. } => Severity::Unusable,
-            Self::WrongVelocity { mend: Some(_) } => Severity::Unusable,
+            Self::WrongVelocity { mend: Some(_) } | Self::TwoReceivers { .. } => Severity::Unusable,
             Self::Constant { vertical: true, .. } => Severity::Unusable,
             // Most of what the sensors measured is missing.
             Self::SharedStamps { log: Log::Imu, .. } => Severity::Unusable,
@@ -148,6 +148,7 @@ impl Finding {
             | Self::Late { .. }
             | Self::WrongAxes { .. }
             | Self::WrongVelocity { .. }
+            | Self::TwoReceivers { .. }
             | Self::WrongSign { .. } => 1,
             Self::NoisyFixes { factor } if *factor > WRONG_UNIT => 1,
             Self::LongGaps { longest, .. } if *longest > LONG => 2,
