@@ -56,7 +56,7 @@ const ALLOWED: [(&str, &str); 19] = [
         "tune/src/file.rs",
         "a comment of the drive file that is written",
     ),
-    ("tune/src/start.rs", "the name of a model"),
+    ("tune/src/rest_noise.rs", "the name of a model"),
     (
         "drive/src/findings/tuned.rs",
         "where a model comes from, stored in the model file",
