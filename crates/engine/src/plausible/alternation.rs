@@ -104,7 +104,7 @@ mod tests {
     }
 
     fn sign(k: u32) -> f64 {
-        if k % 2 == 0 { 0.5 } else { -0.5 }
+        if k.is_multiple_of(2) { 0.5 } else { -0.5 }
     }
 
     #[test]
