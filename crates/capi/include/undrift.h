@@ -609,9 +609,9 @@ undrift_status undrift_sample_advance(undrift_filter *filter, double time, doubl
 undrift_status undrift_sample_end(undrift_filter *filter);
 
 /**
- * Updates with the position of the antenna at `lever`, three numbers from the IMU [m, body axes]; null is
- * at the IMU. As every update: null is no `gate`, `done` may be null, and a measurement that the gate
- * keeps out is a success whose outcome says so. After a failure the filter is as before;
+ * Updates with the position of the antenna; `lever` is the vector from the IMU to it, three numbers [m, body axes],
+ * null if it is at the IMU. As every update: without a `gate` (null) nothing is rejected, `done` may be null, and a measurement that
+ * the gate rejects is a success whose outcome says so. After a failure the filter is as before;
  * UNDRIFT_STATUS_OUT_OF_RANGE is also returned for a measurement that would move the solution off the Earth.
  */
 undrift_status undrift_update_position(undrift_filter *filter,
@@ -630,7 +630,7 @@ undrift_status undrift_update_velocity(undrift_filter *filter,
                                        undrift_update *done);
 
 /**
- * Updates with rest: the velocity is zero with standard deviation `std` [m/s] along each axis.
+ * Zero-velocity update: the velocity is zero with standard deviation `std` [m/s] along each axis.
  */
 undrift_status undrift_update_zero_velocity(undrift_filter *filter,
                                             double std,
@@ -638,8 +638,8 @@ undrift_status undrift_update_zero_velocity(undrift_filter *filter,
                                             undrift_update *done);
 
 /**
- * Updates with what a rolling vehicle cannot do: at the point `lever` from the IMU [m, body axes], on the
- * axle that does not steer, it moves neither sideways nor up, with standard deviations [m/s].
+ * Non-holonomic constraint: at the point `lever` from the IMU [m, body axes], on the axle that does not steer,
+ * the lateral and the vertical velocity are zero, with these standard deviations [m/s].
  */
 undrift_status undrift_update_non_holonomic(undrift_filter *filter,
                                             const double *lever,
@@ -649,7 +649,7 @@ undrift_status undrift_update_non_holonomic(undrift_filter *filter,
                                             undrift_update *done);
 
 /**
- * Updates with the speed [m/s, forward positive] of the wheel at `lever` from the IMU [m, body axes].
+ * Updates with the speed [m/s, forward positive] of the wheel at `lever` from the IMU [m, body axes], with standard deviation `std` [m/s].
  */
 undrift_status undrift_update_odometer(undrift_filter *filter,
                                        double speed,
@@ -659,7 +659,8 @@ undrift_status undrift_update_odometer(undrift_filter *filter,
                                        undrift_update *done);
 
 /**
- * Updates with a barometric height of the IMU [m, above the ellipsoid but for its error].
+ * Updates with a barometric height of the IMU [m above the ellipsoid], which may be off by
+ * UNDRIFT_PARAMETER_BAROMETER_BIAS, with standard deviation `std` [m].
  */
 undrift_status undrift_update_height(undrift_filter *filter,
                                      double height,

@@ -9,10 +9,10 @@ use crate::{
 };
 use undrift_nav::{Matrix3, Vector3, aiding::Observation, earth::Geodetic, filter, sample};
 
-/// Runs an update past a gate.
+/// A measurement update, gated; what it did goes to `done`.
 ///
 /// # Safety
-/// `at` is null or a filter that nobody else uses, `gate` and `done` are null or theirs.
+/// `at` is null or a filter that nobody else uses, `gate` and `done` are null or valid.
 unsafe fn run<const M: usize>(
     at: *mut Filter,
     gate: *const Gate,
@@ -100,9 +100,9 @@ fn variance(std: f64) -> Result<f64, Status> {
     }
 }
 
-/// Updates with the position of the antenna at `lever`, three numbers from the IMU [m, body axes]; null is
-/// at the IMU. As every update: null is no `gate`, `done` may be null, and a measurement that the gate
-/// keeps out is a success whose outcome says so. After a failure the filter is as before;
+/// Updates with the position of the antenna; `lever` is the vector from the IMU to it, three numbers [m, body axes],
+/// null if it is at the IMU. As every update: without a `gate` (null) nothing is rejected, `done` may be null, and a measurement that
+/// the gate rejects is a success whose outcome says so. After a failure the filter is as before;
 /// UNDRIFT_STATUS_OUT_OF_RANGE is also returned for a measurement that would move the solution off the Earth.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_update_position(
@@ -155,7 +155,7 @@ pub unsafe extern "C" fn undrift_update_velocity(
     unsafe { run(filter, gate, done, observe) }
 }
 
-/// Updates with rest: the velocity is zero with standard deviation `std` [m/s] along each axis.
+/// Zero-velocity update: the velocity is zero with standard deviation `std` [m/s] along each axis.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_update_zero_velocity(
     filter: *mut Filter,
@@ -172,8 +172,8 @@ pub unsafe extern "C" fn undrift_update_zero_velocity(
     unsafe { run(filter, gate, done, observe) }
 }
 
-/// Updates with what a rolling vehicle cannot do: at the point `lever` from the IMU [m, body axes], on the
-/// axle that does not steer, it moves neither sideways nor up, with standard deviations [m/s].
+/// Non-holonomic constraint: at the point `lever` from the IMU [m, body axes], on the axle that does not steer,
+/// the lateral and the vertical velocity are zero, with these standard deviations [m/s].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_update_non_holonomic(
     filter: *mut Filter,
@@ -193,7 +193,7 @@ pub unsafe extern "C" fn undrift_update_non_holonomic(
     unsafe { run(filter, gate, done, observe) }
 }
 
-/// Updates with the speed [m/s, forward positive] of the wheel at `lever` from the IMU [m, body axes].
+/// Updates with the speed [m/s, forward positive] of the wheel at `lever` from the IMU [m, body axes], with standard deviation `std` [m/s].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_update_odometer(
     filter: *mut Filter,
@@ -213,7 +213,8 @@ pub unsafe extern "C" fn undrift_update_odometer(
     unsafe { run(filter, gate, done, observe) }
 }
 
-/// Updates with a barometric height of the IMU [m, above the ellipsoid but for its error].
+/// Updates with a barometric height of the IMU [m above the ellipsoid], which may be off by
+/// UNDRIFT_PARAMETER_BAROMETER_BIAS, with standard deviation `std` [m].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_update_height(
     filter: *mut Filter,

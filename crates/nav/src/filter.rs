@@ -388,7 +388,7 @@ impl<const N: usize> Filter<N> {
             if let Some(tape) = tape {
                 tape.step(&self.sensors, &transition, coupling, part);
                 for (states, prior) in self.parameters.ranges(self.sensors.states()) {
-                    tape.fade(states, prior.step(step.dt).0);
+                    tape.decay(states, prior.step(step.dt).0);
                 }
             }
             for (states, prior) in self.parameters.ranges(self.sensors.states()) {

@@ -1,7 +1,7 @@
 //! What a smoother needs of a span of filtering: the adjoint of everything that happened in it.
 //!
 //! Let e be the error after the filter's last correction at the start of the span. Steps and updates
-//! inside the span carry it to `T e` plus noise at the end, and the innovations on the way say of it
+//! inside the span carry it to `T e` plus noise at the end, and the innovations inside contribute
 //!
 //! ```text
 //! λ_start = a + Tᵀ λ_end,    Λ_start = A + Tᵀ Λ_end T
@@ -53,7 +53,8 @@ impl<const N: usize> Tape<N> {
         SMatrix::from_fn(|i, j| self.t[i][j])
     }
 
-    /// Of a span that begins with a correction of the attitude by `turn` \[rad\], as an update ends with one.
+    /// The tape of a span that begins with a correction of the attitude by `turn` \[rad\], as an update ends with one: T is then the
+    /// Jacobian of that reset.
     pub fn after(turn: &Vector3) -> Self {
         let mut tape = Self::default();
         let mut t = tape.transition();
@@ -66,7 +67,8 @@ impl<const N: usize> Tape<N> {
         tape
     }
 
-    /// Carries `λ` and `Λ` from the end of the span to its start.
+    /// Carries `λ` and `Λ` from the end of the span to its start. For tests and single spans; a smoother of whole drives does the same with
+    /// matrices read from its store.
     pub fn back(&self, lambda: &mut SVector<f64, N>, information: &mut SMatrix<f64, N, N>) {
         let t = self.transition();
         *lambda = self.gradient + t.tr_mul(lambda);
@@ -74,6 +76,7 @@ impl<const N: usize> Tape<N> {
         *information = self.information + (carried + carried.transpose()) * 0.5;
     }
 
+    /// A step of the filter: T ← Φ T.
     pub(crate) fn step(
         &mut self,
         sensors: &Sensors,
@@ -84,11 +87,11 @@ impl<const N: usize> Tape<N> {
         sensors.carry(&mut self.t, transition, coupling, part);
     }
 
-    /// Parameters of which a part is left after a step.
-    pub(crate) fn fade(&mut self, states: Range<usize>, left: f64) {
-        if left != 1.0 {
+    /// Scales the rows of Gauss-Markov parameters by their transition over a step, exp(−Δt/τ).
+    pub(crate) fn decay(&mut self, states: Range<usize>, factor: f64) {
+        if factor != 1.0 {
             let rows = self.t[states].iter_mut().flatten();
-            rows.for_each(|value| *value *= left);
+            rows.for_each(|value| *value *= factor);
         }
     }
 
@@ -115,7 +118,7 @@ impl<const N: usize> Tape<N> {
     }
 }
 
-/// `ψ ← ψ + ½ δ × ψ` on the misalignment's rows: what is left of it, at the corrected attitude.
+/// The reset of the attitude after a correction by δ \[rad\], `ψ ← ψ + ½ δ × ψ`, on the misalignment's rows 6 to 8 of a covariance or of T.
 /// Markley & Crassidis 2014, section 6.2.
 pub(crate) fn turn_rows<const N: usize>(m: &mut SMatrix<f64, N, N>, delta: &Vector3) {
     for j in 0..N {

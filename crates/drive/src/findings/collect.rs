@@ -17,21 +17,21 @@ use undrift_noise::screening::Timing;
 
 /// Spans without a usable fix longer than this are reported \[s\].
 pub const WITHOUT_GNSS: f64 = 5.0;
-/// Change of the fixes' standard deviations above which it is reported.
-const WORTH_REPORTING: f64 = 0.05;
-/// Below so many samples a second the motion between them is missed \[Hz\].
+/// Relative change of the fixes' standard deviations above which it is reported.
+const LEAST_CHANGE: f64 = 0.05;
+/// Rate of the inertial samples below which they miss the motion between them \[Hz\].
 const LEAST_RATE: f64 = 25.0;
-/// Share of the fixes from which what they show is no chance.
-const SOMETIMES: f64 = 0.05;
-/// Samples that seem to be later than this are not late \[s\].
+/// Share of late positions from which it is a finding; less may be chance.
+const LEAST_LATE_SHARE: f64 = 0.05;
+/// A larger estimate of the samples' delay is not believed: the solution has diverged \[s\].
 const MOST_DELAY: f64 = 2.0;
 /// Spans of rejected fixes that are reported one by one.
 const LISTED: usize = 3;
-/// Autocorrelation of innovations above which it is not the accuracy of the fixes that is wrong.
+/// Autocorrelation from one update to the next above which innovations are correlated: not the accuracy of the fixes is wrong.
 const CORRELATED: f64 = 0.5;
-/// NIS per degree of freedom below which correlated innovations are smaller than predicted by enough.
+/// NIS per degree of freedom below which correlated innovations are no fault: the standard deviations contain them.
 const MODEST_NIS: f64 = 0.7;
-/// Updates that these two need.
+/// Fewest updates by which innovations are called correlated.
 const LEAST_UPDATES: u64 = 100;
 
 /// What was unusual about the logs.
@@ -77,8 +77,8 @@ pub fn of_health(summary: &Summary) -> Vec<Finding> {
     found
 }
 
-/// So many rows out of order are a log that was written so, rather than single ones that were overtaken.
-const DISORDER: u64 = 10;
+/// From so many rows out of time order on, the log is unsorted; fewer are single rows that came late.
+const LEAST_UNSORTED: u64 = 10;
 /// Share of the vertical in the axis of the gyro that is nearest to it.
 const VERTICAL: f64 = 0.7;
 
@@ -212,9 +212,9 @@ pub fn of_disagreement(summary: &Summary) -> Vec<Finding> {
             }),
     );
     let late = &summary.late_samples;
-    // Of a solution that has gone astray the time offset has, too.
+    // A solution that has diverged has a diverged time offset.
     let is_delay = late.delay.0.abs() < MOST_DELAY;
-    if is_delay && late.behind as f64 > SOMETIMES * late.positions as f64 {
+    if is_delay && late.behind as f64 > LEAST_LATE_SHARE * late.positions as f64 {
         found.push(Finding::LateSamples {
             delay: late.delay.into(),
             most: late.most,
@@ -279,10 +279,10 @@ pub fn of_fixes(study: &FixStudy, errors: &FixErrors) -> Vec<Finding> {
         found.push(Finding::CorrelatedFixes { share, time });
     }
     let factor = errors.velocity_factor.x;
-    if (factor - 1.0).abs() > WORTH_REPORTING {
+    if (factor - 1.0).abs() > LEAST_CHANGE {
         found.push(Finding::ModestVelocity { factor });
     }
-    if errors.position_factor - 1.0 > WORTH_REPORTING {
+    if errors.position_factor - 1.0 > LEAST_CHANGE {
         let factor = errors.position_factor;
         found.push(Finding::NoisyFixes { factor });
     }
@@ -341,7 +341,7 @@ pub fn of_order(log: Log, skipped: &Skipped, interval: f64, accepted: u64) -> Ve
     if let (Some(behind), None) = (
         skipped.entry(SkipKind::TimeBackwards),
         skipped.largest_set_back(),
-    ) && behind.count >= DISORDER
+    ) && behind.count >= LEAST_UNSORTED
     {
         found.push(Finding::OutOfOrder {
             log,
@@ -420,7 +420,7 @@ pub fn of_accuracy(part: Part, factor: f64, summary: &Summary, known: bool) -> F
     }
 }
 
-/// The same of a log with so many samples a second \[Hz\].
+/// Replaces a noise model that seems too optimistic by too few samples a second as the cause, if `rate` \[Hz\] is that low.
 pub fn of_rate(found: Finding, rate: f64) -> Finding {
     match found {
         Finding::OptimisticModel { factor, .. } if rate < LEAST_RATE => {
@@ -431,8 +431,8 @@ pub fn of_rate(found: Finding, rate: f64) -> Finding {
     }
 }
 
-/// The findings of a log with so many samples a second \[Hz\]: where they are few, and solution and fixes do not go together in
-/// another way than by their size, it is they.
+/// The findings, with too few samples a second before them if `rate` \[Hz\] is that low and a finding shows a disagreement other than in
+/// the size of the innovations.
 pub fn with_rate(mut found: Vec<Finding>, rate: f64) -> Vec<Finding> {
     let is_said = |of: &Finding| matches!(of, Finding::SlowSamples { .. });
     let is_symptom = |of: &Finding| {
@@ -448,13 +448,13 @@ pub fn with_rate(mut found: Vec<Finding>, rate: f64) -> Vec<Finding> {
         && !found.iter().any(is_said)
         && let Some(slow) = too_slow(rate)
     {
-        // Before what else they make of the times.
+        // First: a cause comes before its symptoms.
         found.insert(0, slow);
     }
     found
 }
 
-/// That so many samples a second \[Hz\] miss the motion between them, if they do.
+/// Too few samples a second, if `rate` \[Hz\] is below the least.
 pub fn too_slow(rate: f64) -> Option<Finding> {
     let factor = None;
     (rate < LEAST_RATE).then_some(Finding::SlowSamples { rate, factor })

@@ -6,12 +6,12 @@ use crate::{
     replay::{ReplayError, Summary},
 };
 
-/// What one outage did to one model.
+/// Errors of one model in one outage.
 #[derive(Clone, Debug)]
 pub struct OutageErrors {
     /// Start in the log's time base \[s\].
     pub start_s: f64,
-    /// Largest magnitude inside the outage.
+    /// Largest magnitude inside the outage, in the units of [`Errors`].
     pub max: Errors,
     /// Error at its end.
     pub end: Errors,
@@ -21,13 +21,13 @@ pub struct OutageErrors {
     pub nees: [f64; 3],
     /// How many of its errors the predicted standard deviations cover.
     pub covered: Coverage,
-    /// Horizontal error against time since the cut: pairs of \[s\] and \[m\], at most about ten a second.
+    /// Horizontal error against time since the outage began: pairs of \[s\] and \[m\], at most about ten a second.
     pub drift: Vec<(f64, f64)>,
     /// The solution at the same instants: time \[s\], latitude and longitude \[rad\].
     pub way: Vec<[f64; 3]>,
 }
 
-/// What the outages did to one model.
+/// Errors of one model over all outages.
 #[derive(Clone, Debug)]
 pub struct ModelErrors {
     /// Largest magnitude over all samples inside the outages.
@@ -43,7 +43,7 @@ pub struct ModelErrors {
     pub nees: [f64; 3],
     /// How many errors inside the outages the predicted standard deviations cover.
     pub coverage: Coverage,
-    /// Outages that began before the solution did: they count in none of these.
+    /// Outages that are in none of these: they began before the solution.
     pub left_out: usize,
     /// Outage by outage.
     pub per_outage: Vec<OutageErrors>,
@@ -51,7 +51,7 @@ pub struct ModelErrors {
     pub finding: Option<Finding>,
 }
 
-/// A model's name, its filter settings, and how its replay went.
+/// The errors of one bias model in the outages, and its replay.
 #[derive(Debug)]
 pub struct ModelRun {
     /// Name of the bias model.
@@ -62,5 +62,5 @@ pub struct ModelRun {
     pub summary: Summary,
 }
 
-/// A model's name with its result.
+/// A model's name, and its run or the error that ended it.
 pub type ModelOutcome = (String, Result<ModelRun, ReplayError>);

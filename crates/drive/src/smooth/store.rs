@@ -28,6 +28,7 @@ impl Store {
         }
     }
 
+    /// Appends. Nothing may be appended after the first read.
     pub(super) fn append(&mut self, bytes: &[u8]) -> io::Result<()> {
         match self {
             Self::File(file) => file.write_all(bytes),
@@ -35,14 +36,14 @@ impl Store {
         }
     }
 
-    /// Fills `bytes` with what was appended from position `at` on.
-    pub(super) fn read(&mut self, at: usize, bytes: &mut [u8]) -> io::Result<()> {
+    /// Fills `bytes` with what was appended from byte `offset` on.
+    pub(super) fn read(&mut self, offset: usize, bytes: &mut [u8]) -> io::Result<()> {
         match self {
             Self::File(file) => {
-                file.seek(SeekFrom::Start(at as u64))?;
+                file.seek(SeekFrom::Start(offset as u64))?;
                 file.get_mut().read_exact(bytes)
             }
-            Self::Memory(kept) => kept.get(at..).unwrap_or_default().read_exact(bytes),
+            Self::Memory(kept) => kept.get(offset..).unwrap_or_default().read_exact(bytes),
         }
     }
 }

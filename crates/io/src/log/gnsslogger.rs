@@ -2,9 +2,9 @@
 //! `UncalGyro` with `UncalAccel` lines, or of `Gyro` with `Accel`; `Raw` and all others are passed over.
 //!
 //! The comments at the beginning name the columns of each kind of line. All lines are put on the
-//! telephone's clock since boot, elapsedRealtimeNanos, which does not jump; it is tied to GPS time by the
+//! phone's clock since boot, elapsedRealtimeNanos, which does not jump; it is tied to GPS time by the
 //! first line that has UTC beside it, so that fixes and samples of a file go together, whatever the
-//! telephone's date is. Fixes of older versions have UTC alone. Times are GPS seconds of the week in
+//! phone's date is. Fixes of older versions have UTC alone. Times are GPS seconds of the week in
 //! which the file starts.
 //!
 //! Android's axes are x to the right and y up along the screen, z out of it; its accelerometers
@@ -28,7 +28,7 @@ use crate::{Key, ReadError};
 
 /// Providers of fixes: satellites, all together, cells and Wi-Fi.
 const PROVIDERS: [&str; 3] = ["GPS", "FLP", "NLP"];
-/// Gyroscopes, before and after the telephone's own corrections, and the accelerometers with them.
+/// Gyroscopes, before and after the phone's own corrections, and the accelerometers with them.
 const SENSORS: [[&str; 2]; 2] = [["UncalGyro", "UncalAccel"], ["Gyro", "Accel"]];
 /// What the columns that are read are called, in lower case.
 const COLUMNS: [(&str, &[&str]); 2] = [
@@ -143,7 +143,7 @@ const STREAMS: [(&str, StreamKind, &str); 8] = [
         "rates, with the forces of UncalAccel",
     ),
     ("GPS", StreamKind::Fixes, "fixes by satellites"),
-    ("FLP", StreamKind::Fixes, "fused fixes of the telephone"),
+    ("FLP", StreamKind::Fixes, "fused fixes of the phone"),
     ("NLP", StreamKind::Fixes, "fixes by cells and Wi-Fi"),
 ];
 
@@ -172,7 +172,7 @@ struct Columns {
 struct Reader {
     columns: Columns,
     weeks: WeekClock,
-    /// GPS time at the telephone's boot \[s\].
+    /// GPS time at the phone's boot \[s\].
     boot: Option<f64>,
     /// The stream that is asked for.
     asked: Option<String>,

@@ -68,8 +68,8 @@ const SHARE: f64 = 1e-3;
 /// ```
 ///
 /// # Errors
-/// A fit that is not an ARMA(1,1) without unit root; a level outside (0, 1); `samples` that are not
-/// those of the fit in number, or as [`super::fit()`].
+/// A fit that is not an ARMA(1,1) without unit root; a level outside (0, 1); a number of samples that
+/// is not that of the fit; else as [`super::fit()`].
 pub fn profile_interval(
     samples: &[f64],
     fit: &ArmaFit,
@@ -112,7 +112,7 @@ pub fn profile_interval(
     let profile = Profile {
         problem: &problem,
         root,
-        top: -fit.log_likelihood,
+        least: -fit.log_likelihood,
         optimum: (own, other.atanh().clamp(-EDGE, EDGE)),
     };
     let normal = Normal::standard();
@@ -123,8 +123,8 @@ pub fn profile_interval(
         errors[index] * own.cosh().powi(2)
     });
     let step = error.clamp(0.01, 1.0) * depth;
-    let upward = profile.end(step, depth);
-    let downward = profile.end(-step, depth);
+    let upward = profile.endpoint(step, depth);
+    let downward = profile.endpoint(-step, depth);
     Ok(ProfileInterval {
         estimate: distance(own),
         low: upward.map_or(f64::NEG_INFINITY, distance),
@@ -141,17 +141,17 @@ fn distance(z: f64) -> f64 {
 struct Profile<'a> {
     problem: &'a Problem<'a>,
     root: Root,
-    /// Negative log-likelihood at the optimum.
-    top: f64,
-    /// The coordinate and the other one there.
+    /// Negative log-likelihood at the optimum, its minimum.
+    least: f64,
+    /// The optimum: the coordinate of the profile, and the other one.
     optimum: (f64, f64),
 }
 
 impl Profile<'_> {
-    /// Depth of the profile below its top at `z`, as the root of twice the log-likelihood lost, which
-    /// is nearly linear in z. `near` is the other coordinate's best value nearby, with its
-    /// curvature, and is replaced by that at `z`; `moved` how far z has come from there.
-    fn depth(&self, z: f64, moved: f64, near: &mut Point) -> f64 {
+    /// Root of twice the log-likelihood that is lost at `z`, maximised over the other coordinate: nearly linear in z. `near` is that
+    /// coordinate's best value nearby, with its curvature, from which the search starts, and becomes that at `z`; `moved` is z
+    /// less that of `near`.
+    fn root_deviance(&self, z: f64, moved: f64, near: &mut Point) -> f64 {
         let function = |others: &[Vec<f64>]| {
             let point = |other: &Vec<f64>| match self.root {
                 Root::Ar => vec![z, other[0]],
@@ -161,7 +161,7 @@ impl Profile<'_> {
             self.problem.objective(&points, 1)
         };
         let mut objective = Objective::new(&function, SCALES);
-        // Where it was, moved along the ridge φ ≈ θ, and everywhere in steps of a factor seven.
+        // Where it was, moved along the ridge φ ≈ θ, and a grid: 1 − c in steps of e² ≈ 7.
         let mut starts = vec![vec![near.z[0]], vec![near.z[0] + moved]];
         starts.extend((-1..=8).map(|k| vec![f64::from(k)]));
         let start = objective
@@ -172,19 +172,19 @@ impl Profile<'_> {
             start.inverse.clone_from(&near.inverse);
             *near = bfgs(&mut objective, &start, TOLERANCE, 50);
         }
-        (2.0 * (near.value - self.top)).max(0.0).sqrt()
+        (2.0 * (near.value - self.least)).max(0.0).sqrt()
     }
 
-    /// The coordinate on the side of `step` at which the profile is `wanted` deep; `None` where it
+    /// The coordinate on the side of `step` at which the root deviance is `target`; `None` where it
     /// is not within the range of the search.
-    fn end(&self, step: f64, wanted: f64) -> Option<f64> {
-        let mut near = Point::new(vec![self.optimum.1], self.top);
+    fn endpoint(&self, step: f64, target: f64) -> Option<f64> {
+        let mut near = Point::new(vec![self.optimum.1], self.least);
         // Outwards, until too deep.
-        let mut inner = (self.optimum.0, -wanted);
+        let mut inner = (self.optimum.0, -target);
         let mut step = step;
         let mut outer = loop {
             let z = (inner.0 + step).clamp(-EDGE, EDGE);
-            let excess = self.depth(z, z - inner.0, &mut near) - wanted;
+            let excess = self.root_deviance(z, z - inner.0, &mut near) - target;
             if excess > 0.0 {
                 break (z, excess);
             }
@@ -208,8 +208,8 @@ impl Profile<'_> {
                 break;
             }
             let z = outer.0 - weights.1 * (outer.0 - inner.0) / (weights.1 - weights.0);
-            let excess = self.depth(z, z - last, &mut near) - wanted;
-            if excess.abs() < SHARE * wanted {
+            let excess = self.root_deviance(z, z - last, &mut near) - target;
+            if excess.abs() < SHARE * target {
                 return Some(z);
             }
             let stays = if side * excess > 0.0 { 0.5 } else { 1.0 };

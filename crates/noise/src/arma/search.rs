@@ -313,7 +313,7 @@ fn rounds(
     };
     ranked.truncate(places.saturating_sub(points.len() + random));
     points.extend(ranked);
-    points.extend(objective.points(starts::random(dimension, random)));
+    points.extend(objective.points(starts::random_points(dimension, random)));
     points = distinct(points);
     let mut iterations = 6;
     while points.len() > last {

@@ -8,9 +8,9 @@ use nalgebra::{DMatrix, DVector};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Samples that a short-memory start looks at.
-const GLANCE: usize = 100_000;
-/// How close to ±1 a partial autocorrelation of a start may be where an estimate leaves the region.
+/// Most samples that a start of the short-memory kind is computed from.
+const MOST_SAMPLES: usize = 100_000;
+/// An estimate whose partial autocorrelations lie outside ±(1 − this) is clamped there.
 const MARGIN: f64 = 0.02;
 
 /// Search coordinates of given coefficients: φ's, then θ's.
@@ -30,7 +30,7 @@ pub(super) fn hannan_rissanen(
 ) -> Option<Vec<f64>> {
     let x: Vec<f64> = samples
         .iter()
-        .take(GLANCE)
+        .take(MOST_SAMPLES)
         .map(|x| if x.is_nan() { 0.0 } else { x - centre })
         .collect();
     let n = x.len();
@@ -94,7 +94,7 @@ pub(super) fn slow_bias(samples: &[f64], centre: f64) -> Vec<(f64, f64)> {
             let phi: f64 = ratio.powf(1.0 / m);
             let smear = (1.0 - ratio) / (m * (1.0 - phi));
             let bias = (lag(1) / (smear * smear)).min(0.999 * total);
-            if let Some(theta) = moving_average(phi, bias, total - bias) {
+            if let Some(theta) = ma_coefficient(phi, bias, total - bias) {
                 starts.push((phi, theta));
             }
         }
@@ -107,9 +107,9 @@ pub(super) fn slow_bias(samples: &[f64], centre: f64) -> Vec<(f64, f64)> {
     starts
 }
 
-/// θ of AR(1) with variance `bias` plus white noise: the invertible root of
-/// `(1 + θ²)/θ = (q + r (1 + φ²))/(r φ)`, `q = bias (1 − φ²)`. docs/theory.md, section 1.
-fn moving_average(phi: f64, bias: f64, white: f64) -> Option<f64> {
+/// θ of an AR(1) process of variance `bias` plus white noise of variance r = `white`: the invertible root of
+/// `(1 + θ²)/θ = (q + r (1 + φ²))/(r φ)`, `q = bias (1 − φ²)`.
+fn ma_coefficient(phi: f64, bias: f64, white: f64) -> Option<f64> {
     let q = bias * (1.0 - phi) * (1.0 + phi);
     // With d = 1 − θ: d²/(1 − d) = q/(r φ) + (1 − φ)²/φ.
     let c = q / (white * phi) + (1.0 - phi) * (1.0 - phi) / phi;
@@ -118,8 +118,8 @@ fn moving_average(phi: f64, bias: f64, white: f64) -> Option<f64> {
     (theta > 0.0 && theta < 1.0).then_some(theta)
 }
 
-/// Pairs (α, μ) of an AR and an MA root to lay over a model: near 1 at every distance the record can
-/// tell apart (1 − α = 10^−a), near −1 and in between.
+/// Pairs (α, μ) of an AR and an MA root, which nearly cancel, to multiply into a model of lower order: 1 − α in equal steps of its
+/// logarithm down to below 1/n, near −1, and between.
 pub(super) fn real_pairs(n: usize, per_decade: f64) -> Vec<(f64, f64)> {
     let far = (n as f64).log10() + 0.5;
     let count = (far * per_decade) as usize;
@@ -154,15 +154,15 @@ pub(super) fn real_pairs(n: usize, per_decade: f64) -> Vec<(f64, f64)> {
     pairs
 }
 
-/// A lower-order optimum with one more AR and MA root on it.
+/// A lower-order optimum multiplied by one more AR and one more MA root, in search coordinates.
 pub(super) fn with_real_pair(z: &[f64], p: usize, alpha: f64, mu: f64) -> Vec<f64> {
     let phi = multiply(&from_search(&z[..p]), &[alpha]);
     let theta = multiply(&from_search(&z[p..]), &[mu]);
     encode(&phi, &theta, 1e-9)
 }
 
-/// A lower-order optimum (order two less) with a complex pair of AR roots and one of MA roots on
-/// it: a resonance or a notch at the frequency `omega` [rad/sample].
+/// A lower-order optimum (order two less) multiplied by a complex pair of AR roots and one of MA roots, in
+/// search coordinates: a resonance or a notch at the frequency `omega` [rad/sample].
 pub(super) fn with_complex_pair(
     z: &[f64],
     p: usize,
@@ -176,8 +176,8 @@ pub(super) fn with_complex_pair(
     encode(&phi, &theta, 1e-9)
 }
 
-/// Random partial autocorrelations in (−1, 1), the same ones every time.
-pub(super) fn random(dimension: usize, count: usize) -> Vec<Vec<f64>> {
+/// Random points in search coordinates: artanh of partial autocorrelations uniform in (−0.99, 0.99), from a fixed seed.
+pub(super) fn random_points(dimension: usize, count: usize) -> Vec<Vec<f64>> {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(0x5eed + dimension as u64);
     (0..count)
         .map(|_| {
@@ -198,7 +198,7 @@ mod tests {
         // S and W of docs/theory.md, section 1, σ = 1.
         let q = (1.0 - phi * theta) * (phi - theta) / phi;
         let bias = q / ((1.0 - phi) * (1.0 + phi));
-        let found = moving_average(phi, bias, theta / phi).unwrap();
+        let found = ma_coefficient(phi, bias, theta / phi).unwrap();
         // 1 − φ has twelve digits.
         assert!((found - theta).abs() < 1e-10, "{found}");
     }
@@ -216,7 +216,7 @@ mod tests {
     #[test]
     fn theta_gives_the_autocorrelation_of_the_sum() {
         for (phi, bias, white) in [(0.9, 2.0, 1.0), (0.5, 0.1, 3.0), (0.999, 0.01, 1.0)] {
-            let theta = moving_average(phi, bias, white).unwrap();
+            let theta = ma_coefficient(phi, bias, white).unwrap();
             // ρ1 of an ARMA(1,1), Box, Jenkins & Reinsel, equation 3.4.8.
             let arma =
                 (1.0 - phi * theta) * (phi - theta) / (1.0 - 2.0 * phi * theta + theta * theta);
@@ -291,8 +291,8 @@ mod tests {
 
     #[test]
     fn random_partial_autocorrelations_are_uniform_and_the_same_each_time() {
-        let points = random(3, 2000);
-        assert_eq!(points, random(3, 2000));
+        let points = random_points(3, 2000);
+        assert_eq!(points, random_points(3, 2000));
         let values: Vec<f64> = points.iter().flatten().map(|z| z.tanh()).collect();
         assert_eq!(values.len(), 6000);
         assert!(values.iter().all(|kappa| kappa.abs() < 0.99 + 1e-12));
@@ -338,7 +338,7 @@ mod tests {
             })
             .collect();
         x[70] = f64::NAN;
-        let theta = moving_average(0.99, 1.0, 1.0).unwrap();
+        let theta = ma_coefficient(0.99, 1.0, 1.0).unwrap();
         let starts = slow_bias(&x, 3.0);
         let miss = |(phi, mu): &(f64, f64)| {
             let distance = |found: f64, exact: f64| ((1.0 - found) / (1.0 - exact)).ln().abs();

@@ -93,7 +93,7 @@ pub fn remove_lines(record: &mut [f64], rate_hz: f64) -> Vec<Line> {
         } else {
             let first = lines.len();
             for peak in peaks.iter().take(room) {
-                let line = Sine::fitted(record, peak.frequency, peak.background);
+                let line = Sine::fit(record, peak.frequency, peak.background);
                 line.add_to(record, -1.0);
                 lines.push(line);
             }
@@ -101,13 +101,13 @@ pub fn remove_lines(record: &mut [f64], rate_hz: f64) -> Vec<Line> {
             if peaks.len() > 1 {
                 for line in &mut lines[first..] {
                     line.add_to(record, 1.0);
-                    *line = Sine::fitted(record, line.frequency, line.background);
+                    *line = Sine::fit(record, line.frequency, line.background);
                     line.add_to(record, -1.0);
                 }
             }
         }
     }
-    let lines = lines.iter().map(|line| line.result(record.len(), rate_hz));
+    let lines = lines.iter().map(|line| line.to_line(record.len(), rate_hz));
     let resonances = resonances.iter().map(|of| of.result(rate_hz));
     let mut all: Vec<Line> = lines.chain(resonances).collect();
     all.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));

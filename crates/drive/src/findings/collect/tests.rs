@@ -24,7 +24,7 @@ fn rows_out_of_order_and_stamps_that_are_shared() {
         of_order(Log::Gnss, &skipped, 1.0, 10),
         [Finding::OutOfOrder {
             log: Log::Gnss,
-            rows: DISORDER,
+            rows: LEAST_UNSORTED,
             line: 7
         }]
     );

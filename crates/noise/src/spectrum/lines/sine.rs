@@ -4,60 +4,62 @@ use super::Line;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use std::f64::consts::TAU;
 
-/// Steps of Gauss and Newton; from an interpolated peak two are enough.
+/// Gauss-Newton iterations; from an interpolated peak two are enough.
 const STEPS: usize = 6;
-/// Samples between exact sines and cosines; the rotation between them loses a digit.
-const EXACT: usize = 256;
+/// Samples from one exact sine and cosine to the next; the rotation between them loses a digit.
+const RESTART: usize = 256;
 
 /// a cos(2πf(k − c)) + b sin(2πf(k − c)), c the middle of the record.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sine {
     /// f \[1/sample\].
     pub(super) frequency: f64,
+    /// a \[unit\].
     cosine: f64,
+    /// b \[unit\].
     sine: f64,
-    /// Power beside the line, the variance of white noise [unit²].
+    /// Variance of the white noise, from the power near the line [unit²].
     pub(super) background: f64,
 }
 
 impl Sine {
-    /// To the samples that are not missing, from a frequency \[1/sample\] within half a step of 1/(length).
-    pub(super) fn fitted(record: &[f64], frequency: f64, background: f64) -> Self {
+    /// Least-squares fit to the samples that are not missing, from a frequency \[1/sample\] within half a step of 1/(length).
+    pub(super) fn fit(record: &[f64], frequency: f64, background: f64) -> Self {
         let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
-        each(record, frequency, |x, _, c, s| {
+        for_each_present(record, frequency, |x, _, c, s| {
             normal += Matrix2::new(c * c, c * s, c * s, s * s);
             right += Vector2::new(c * x, s * x);
         });
         let start = normal.lu().solve(&right).unwrap_or_default();
-        let mut of = Self {
+        let mut fit = Self {
             frequency,
             cosine: start[0],
             sine: start[1],
             background,
         };
         // Within the lobe: no step goes beyond it.
-        let most = 0.5 / record.len() as f64;
+        let max_step = 0.5 / record.len() as f64;
         for _ in 0..STEPS {
             let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
             let scale = record.len() as f64;
-            each(record, of.frequency, |x, time, c, s| {
-                let slope = time / scale * (of.sine * c - of.cosine * s);
+            for_each_present(record, fit.frequency, |x, time, c, s| {
+                let slope = time / scale * (fit.sine * c - fit.cosine * s);
                 let row = Vector3::new(c, s, slope);
                 normal += row * row.transpose();
-                right += row * (x - of.cosine * c - of.sine * s);
+                right += row * (x - fit.cosine * c - fit.sine * s);
             });
             let Some(step) = normal.cholesky().map(|normal| normal.solve(&right)) else {
                 break;
             };
-            let by = (step[2] / (TAU * scale)).clamp(-most, most);
-            of.frequency += by;
-            of.cosine += step[0];
-            of.sine += step[1];
-            if by.abs() < 1e-6 * most {
+            let by = (step[2] / (TAU * scale)).clamp(-max_step, max_step);
+            fit.frequency += by;
+            fit.cosine += step[0];
+            fit.sine += step[1];
+            if by.abs() < 1e-6 * max_step {
                 break;
             }
         }
-        of
+        fit
     }
 
     fn amplitude(&self) -> f64 {
@@ -67,13 +69,13 @@ impl Sine {
     /// Adds a multiple of it to a record.
     pub(super) fn add_to(&self, record: &mut [f64], factor: f64) {
         let (a, b) = (factor * self.cosine, factor * self.sine);
-        rotate(record.len(), self.frequency, |k, _, c, s| {
+        for_each_phasor(record.len(), self.frequency, |k, _, c, s| {
             record[k] += a * c + b * s
         });
     }
 
-    /// With the Cramér-Rao bounds of both: var A = 2σ²/N, var ω = 24σ²/(A²N³) (Rife & Boorstyn 1974).
-    pub(super) fn result(&self, samples: usize, rate_hz: f64) -> Line {
+    /// The line, with the Cramér-Rao bounds of its amplitude and frequency: var A = 2σ²/N, var ω = 24σ²/(A²N³) (Rife & Boorstyn 1974).
+    pub(super) fn to_line(self, samples: usize, rate_hz: f64) -> Line {
         let (n, amplitude) = (samples as f64, self.amplitude());
         let sigma = self.background.sqrt();
         let middle = 0.5 * (n - 1.0);
@@ -89,9 +91,9 @@ impl Sine {
     }
 }
 
-/// Calls with each sample there is, its time from the middle, cosine and sine.
-fn each(record: &[f64], frequency: f64, mut with: impl FnMut(f64, f64, f64, f64)) {
-    rotate(record.len(), frequency, |k, time, c, s| {
+/// Calls `with(x, t, cos 2πft, sin 2πft)` for each sample that is not missing, t from the middle of the record \[samples\].
+fn for_each_present(record: &[f64], frequency: f64, mut with: impl FnMut(f64, f64, f64, f64)) {
+    for_each_phasor(record.len(), frequency, |k, time, c, s| {
         let x = record[k];
         if x.is_finite() {
             with(x, time, c, s);
@@ -99,12 +101,13 @@ fn each(record: &[f64], frequency: f64, mut with: impl FnMut(f64, f64, f64, f64)
     });
 }
 
-fn rotate(samples: usize, frequency: f64, mut with: impl FnMut(usize, f64, f64, f64)) {
+/// Calls `with(k, t, cos 2πft, sin 2πft)` for k = 0 to `samples` − 1, t = k less the middle.
+fn for_each_phasor(samples: usize, frequency: f64, mut with: impl FnMut(usize, f64, f64, f64)) {
     let middle = 0.5 * (samples as f64 - 1.0);
     let (turn_s, turn_c) = (TAU * frequency).sin_cos();
-    for start in (0..samples).step_by(EXACT) {
+    for start in (0..samples).step_by(RESTART) {
         let (mut s, mut c) = (TAU * (frequency * (start as f64 - middle)).fract()).sin_cos();
-        for k in start..samples.min(start + EXACT) {
+        for k in start..samples.min(start + RESTART) {
             with(k, k as f64 - middle, c, s);
             (c, s) = (c * turn_c - s * turn_s, s * turn_c + c * turn_s);
         }
@@ -128,8 +131,8 @@ mod tests {
                     let (frequency, amplitude) = (0.2345, 3.0);
                     let mut record = sine(samples, frequency, amplitude, phase);
                     record[17..40].fill(f64::NAN);
-                    let of = Sine::fitted(&record, frequency + off / samples as f64, 4.0);
-                    let line = of.result(samples, 50.0);
+                    let fit = Sine::fit(&record, frequency + off / samples as f64, 4.0);
+                    let line = fit.to_line(samples, 50.0);
                     // Newton's steps end at 1e-6 of a step.
                     assert!(
                         (line.frequency_hz - 50.0 * frequency).abs() < 1e-8,
@@ -147,8 +150,8 @@ mod tests {
                     assert!((line.amplitude_error.unwrap() - (8.0 / n).sqrt()).abs() < 1e-12);
                     let twice = sine(samples, frequency, 2.0 * amplitude, phase);
                     let mut added = sine(samples, frequency, amplitude, phase);
-                    of.add_to(&mut added, 1.0);
-                    of.add_to(&mut record, -1.0);
+                    fit.add_to(&mut added, 1.0);
+                    fit.add_to(&mut record, -1.0);
                     for k in 0..samples {
                         assert!((added[k] - twice[k]).abs() < 1e-5);
                         assert!(record[k].is_nan() || record[k].abs() < 1e-5);
@@ -163,7 +166,7 @@ mod tests {
     fn no_step_leaves_the_lobe() {
         // A sine five steps away is no part of this one.
         let record = sine(400, 0.2 + 5.0 / 400.0, 1.0, 0.3);
-        let of = Sine::fitted(&record, 0.2, 1.0);
-        assert!((of.frequency - 0.2).abs() <= STEPS as f64 * 0.5 / 400.0 + 1e-12);
+        let fit = Sine::fit(&record, 0.2, 1.0);
+        assert!((fit.frequency - 0.2).abs() <= STEPS as f64 * 0.5 / 400.0 + 1e-12);
     }
 }
