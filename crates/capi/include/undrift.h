@@ -659,7 +659,7 @@ undrift_status undrift_update_odometer(undrift_filter *filter,
                                        undrift_update *done);
 
 /**
- * Updates with a barometric height of the IMU [m above the ellipsoid], which may be off by
+ * Updates with a barometric height of the IMU above the ellipsoid [m], which may be off by
  * UNDRIFT_PARAMETER_BAROMETER_BIAS, with standard deviation `std` [m].
  */
 undrift_status undrift_update_height(undrift_filter *filter,

@@ -213,8 +213,8 @@ pub unsafe extern "C" fn undrift_update_odometer(
     unsafe { run(filter, gate, done, observe) }
 }
 
-/// Updates with a barometric height of the IMU [m above the ellipsoid], which may be off by
-/// UNDRIFT_PARAMETER_BAROMETER_BIAS, with standard deviation `std` [m].
+/// Updates with a barometric height of the IMU above the ellipsoid \[m\], which may be off by
+/// UNDRIFT_PARAMETER_BAROMETER_BIAS, with standard deviation `std` \[m\].
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn undrift_update_height(
     filter: *mut Filter,
