@@ -201,11 +201,11 @@ impl Drive {
     /// As [`Drive::from_toml`].
     pub fn with_logs(text: &str, file: &str, home: &Path, logs: Logs) -> Result<Self, DriveError> {
         let table = parse(text, file)?;
-        Self::of_tables(&Section::top(table.get_ref(), text, file), home, logs)
+        Self::from_tables(&Section::top(table.get_ref(), text, file), home, logs)
     }
 
     /// The same of the tables of a drive file.
-    pub(crate) fn of_tables(
+    pub(crate) fn from_tables(
         top: &Section,
         home: &Path,
         mut logs: Logs,

@@ -24,6 +24,8 @@ use undrift_nav::{
     sample::{GnssFix, ImuSample},
 };
 
+/// Fixes further apart than this do not belong together \[s\].
+const APART: f64 = 2.5;
 /// Length of the blocks that specific force is averaged over \[s\].
 const BLOCK: f64 = 1.0;
 /// Blocks that it takes to judge.

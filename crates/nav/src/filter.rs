@@ -133,7 +133,7 @@ pub struct Filter<const N: usize> {
     omega_ib_b: Vector3,
     /// Specific force of the present sample, its predicted error removed [m/s²].
     force_b: Vector3,
-    /// Specific force through a low-pass, as the sensor reads it [m/s²]: see [`jerk`].
+    /// Specific force as the sensor reads it [m/s²], behind the low-pass of [`jerk`] where its delay is estimated.
     slow_force: Vector3,
     /// How the parameters act on the present sample's errors.
     coupling: Coupling,
@@ -337,12 +337,14 @@ impl<const N: usize> Filter<N> {
     pub fn begin(&mut self, sample: &ImuSample) {
         let (rate, force) = (sample.dtheta / sample.dt, sample.dvel / sample.dt);
         let behind = self.sensors.states();
-        if self.previous.is_none() {
+        let mut change = Vector3::zeros();
+        if self.previous.is_none() || self.parameters.start(Parameter::AccelDelay).is_none() {
             self.slow_force = force;
+        } else {
+            change = jerk(&mut self.slow_force, &force, sample.dt);
         }
-        let jerk = jerk(&mut self.slow_force, &force, sample.dt);
         self.coupling
-            .follow(&self.parameters, behind, [&rate, &force, &jerk]);
+            .follow(&self.parameters, behind, [&rate, &force, &change]);
         let error = self.sensors.predicted_error(&self.x, &self.coupling);
         let gyro = Vector3::new(error[0], error[1], error[2]);
         let accel = Vector3::new(error[3], error[4], error[5]);

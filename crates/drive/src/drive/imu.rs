@@ -76,7 +76,7 @@ pub(crate) fn read_imu(
         return Err(section.error("rate", "must be above 0 Hz").into());
     }
     if !format.has_times() && format.rate_hz.is_none() {
-        let what = "set the time column, or rate if there is none";
+        let what = "set the time column, or rate for a log without times";
         return Err(section.missing("time", what).into());
     }
     format.time_offset = section

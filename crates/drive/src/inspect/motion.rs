@@ -168,7 +168,7 @@ fn drive_of(parts: [(&Path, &Part); 2], logs: Logs) -> Result<Drive, DriveError>
     ];
     let tables = tables.map(|(key, value): (&str, toml::Value)| (key.to_owned(), value));
     let tables = toml::Table::from_iter(tables);
-    Drive::of_tables(
+    Drive::from_tables(
         &Section::values(Table::Values(&tables), ""),
         Path::new(""),
         logs,

@@ -1,18 +1,17 @@
 //! Whether positions alternate between two places: two receivers in one log.
 
+use super::APART;
 use crate::derived::antenna;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{Vector3, earth::Geodetic, sample::GnssFix};
 
-/// Fixes further apart than this do not belong together \[s\].
-const APART: f64 = 2.5;
 /// Changes of the slope from fix to fix that it takes to judge.
 const LEAST: u32 = 30;
-/// Autocorrelations of these changes over one fix and over two: −1 and 1 of places by turns, −2/3 and 1/6 of white noise
+/// Autocorrelations of these changes over one fix and over two: −1 and 1 of two alternating places, −2/3 and 1/6 of white noise
 /// of the positions, nearly 1 and 1 of motion.
-const ONE: f64 = -0.8;
-const TWO: f64 = 0.7;
+const LAG_ONE: f64 = -0.8;
+const LAG_TWO: f64 = 0.7;
 /// Standard deviations as stated from which the distance matters.
 const SIGMAS: f64 = 2.0;
 
@@ -70,10 +69,10 @@ impl Alternation {
     pub(super) fn distance(&self) -> Option<f64> {
         let [one, two, square] = self.sums;
         let count = f64::from(self.count);
-        // A place by turns ±D/2 off makes changes of ±2 D.
+        // Places that are ±D/2 off, alternating, make changes of ±2 D.
         let distance = 0.5 * (square / count).sqrt();
         let matters = distance > SIGMAS * (self.stated / count).sqrt();
-        let alternates = one < ONE * square && two > TWO * square;
+        let alternates = one < LAG_ONE * square && two > LAG_TWO * square;
         (self.count >= LEAST && alternates && matters).then_some(distance)
     }
 }
@@ -108,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn two_receivers_by_turns_are_found_with_their_distance() {
+    fn two_alternating_receivers_are_found_with_their_distance() {
         for (distance, hz) in [(1.0, 5.0), (5.0, 4.0), (10.0, 1.0)] {
             let off = |k| Vector3::new(0.6, -0.8, 3.0) * (distance * sign(k));
             let seen = found(120, |k| k / hz, off);
@@ -146,7 +145,7 @@ mod tests {
             Vector3::new(value(1), value(77_777), 0.0) * 10.0
         };
         assert_eq!(found(1000, |k| 0.2 * k, white), None);
-        // Each position twice, at the time of the second as at that of the first.
+        // Each position twice, a tenth of a second apart.
         let twice = |k: f64| 0.2 * (k / 2.0).floor();
         let start = Geodetic::from_degrees(47.0, 8.0, 400.0);
         let mut all = Alternation::default();

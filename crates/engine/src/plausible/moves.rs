@@ -1,5 +1,6 @@
 //! Whether positions move as velocities say.
 
+use super::APART;
 use crate::events::{FixMend, FixMend::*, Implausible};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
@@ -13,8 +14,6 @@ use undrift_nav::{
 const MOVE_WINDOW: f64 = 2.0;
 /// Windows that it takes to judge.
 const LEAST_MOVES: u32 = 8;
-/// Fixes further apart than this do not belong together \[s\].
-const APART: f64 = 2.5;
 /// Least share of windows of motion that are as they should be.
 const LEAST_SANE: f64 = 0.4;
 /// Two displacements agree to this part of the larger one.

@@ -58,8 +58,8 @@ fn add_kinds(results: &mut Schema) {
 fn add_sentences(results: &mut Schema) {
     let one = serde_json::json!({ "type": "string" });
     let several = serde_json::json!({ "type": "array", "items": one });
-    let sentences = "The same in sentences; who shows it fills them in.";
-    let words = "The same in words, empty where it is certain; who shows it fills them in.";
+    let sentences = "The same in sentences.";
+    let words = "The same in words, empty where it is certain.";
     for (property, what, mut schema) in [
         ("Inspection/notes", sentences, several.clone()),
         ("Measured/remarks", sentences, several),
