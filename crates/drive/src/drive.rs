@@ -59,7 +59,7 @@ use crate::{
 use std::path::{Path, PathBuf};
 use undrift_base::number::rounded;
 use undrift_io::{
-    ReadError,
+    Opened, ReadError,
     epoch::Epoch,
     gnss::{GnssReader, GnssSource},
     imu::{ImuFormat, ImuReader, ImuSource},
@@ -273,9 +273,15 @@ impl Drive {
     /// # Errors
     /// If the file cannot be opened, is not of its format or lacks a column or stream.
     pub fn open_imu(&self) -> Result<ImuReader, ReadError> {
-        let (path, format) = &self.imu;
-        let opened = self.logs.open(path, &self.imu_read)?;
-        temperature::corrected(opened, format, self.model.as_ref())
+        self.read_imu(self.logs.open(&self.imu.0, &self.imu_read)?)
+    }
+
+    /// Reads what is open as the inertial log.
+    ///
+    /// # Errors
+    /// As [`Drive::open_imu`].
+    pub fn read_imu(&self, opened: Opened) -> Result<ImuReader, ReadError> {
+        temperature::corrected(opened, &self.imu.1, self.model.as_ref())
     }
 
     /// Opens the GNSS log from its start.
@@ -284,6 +290,29 @@ impl Drive {
     /// As [`Drive::open_imu`].
     pub fn open_gnss(&self) -> Result<GnssReader, ReadError> {
         self.logs.read(&self.gnss.0, &self.gnss.1)
+    }
+
+    /// Reads what is open as the GNSS log.
+    ///
+    /// # Errors
+    /// As [`Drive::open_imu`].
+    pub fn read_gnss(&self, opened: Opened) -> Result<GnssReader, ReadError> {
+        Reader::new(opened, &self.gnss.1)
+    }
+
+    /// Reads what is open as a log of one number; `None` if the drive has no such log.
+    ///
+    /// # Errors
+    /// As [`Drive::open_imu`].
+    pub fn read_scalars(
+        &self,
+        log: ScalarLog,
+        opened: Opened,
+    ) -> Result<Option<ScalarReader>, ReadError> {
+        let options = self.scalars[log].as_ref().map(|(_, options)| options);
+        options
+            .map(|options| Reader::new(opened, options))
+            .transpose()
     }
 
     /// Opens the logs of one number that there are from their start.

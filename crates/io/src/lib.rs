@@ -20,6 +20,7 @@ pub mod log;
 pub mod nearby;
 pub mod number;
 pub mod reader;
+pub mod recording;
 pub mod scalar;
 pub mod skipped;
 pub mod source;

@@ -13,7 +13,7 @@ mod explorer;
 mod frames;
 mod gnsslogger;
 mod gpx;
-mod mcap;
+pub(crate) mod mcap;
 mod navego;
 mod nmea;
 mod novatel;
@@ -38,6 +38,7 @@ use crate::source::{Again, BytesRead, Source};
 use crate::table;
 pub(crate) use phone::JoinedRows;
 pub use ros::AND;
+pub(crate) use ros::{Container, Event, Events};
 pub(crate) use rtklib::lacks_header;
 
 /// How the entries of a format are read.

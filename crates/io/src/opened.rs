@@ -33,6 +33,8 @@ pub struct Opened {
     failure: Option<(io::ErrorKind, String)>,
     rest: Source,
     read: BytesRead,
+    /// Of a log that is read while it comes, how it began.
+    shown: Option<Vec<u8>>,
 }
 
 /// A log in memory; clones share it.
@@ -110,14 +112,39 @@ impl Opened {
         Self::from_stream(name, stream, &BytesRead::default())?.a_log()
     }
 
+    /// Reads a log while it comes: nothing waits for more than a record. `beginning` is what such a log begins with, as far as
+    /// that is known; its format has to be.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn live(
+        name: &Path,
+        beginning: &[u8],
+        stream: impl Read + Send + 'static,
+    ) -> Result<Self, ReadError> {
+        let opened = Self::begun(name, stream, &BytesRead::default())?;
+        let shown = Some(beginning.get(..START).unwrap_or(beginning).to_vec());
+        Ok(Self { shown, ..opened })
+    }
+
     fn from_stream(
+        name: &Path,
+        stream: impl Read + Send + 'static,
+        read: &BytesRead,
+    ) -> Result<Self, ReadError> {
+        let mut opened = Self::begun(name, stream, read)?;
+        opened.read_to(START as u64);
+        Ok(opened)
+    }
+
+    fn begun(
         name: &Path,
         stream: impl Read + Send + 'static,
         read: &BytesRead,
     ) -> Result<Self, ReadError> {
         read.restart();
         let (rest, compressed) = source::decompressed(name, stream, read)?;
-        let mut opened = Self {
+        Ok(Self {
             name: name.to_path_buf(),
             origin: Origin::Once,
             compressed,
@@ -125,9 +152,8 @@ impl Opened {
             failure: None,
             rest,
             read: read.clone(),
-        };
-        opened.read_to(START as u64);
-        Ok(opened)
+            shown: None,
+        })
     }
 
     /// Refuses what is known to be no log.
@@ -162,6 +188,7 @@ impl Opened {
             failure: None,
             rest: Box::new(io::empty()),
             read: read.clone(),
+            shown: None,
         }
     }
 
@@ -237,7 +264,7 @@ impl Opened {
         self.read_to(rows.saturating_mul(ROW) as u64);
         let source = match self.unlike_text()? {
             Some(source) => source,
-            None => TableSource::Text(self.beginning()),
+            None => TableSource::Text(self.beginning(), None),
         };
         table::preview(source, rows).map_err(|error| error.in_log(&self.name))
     }
@@ -264,7 +291,10 @@ impl Opened {
         let name = self.name.clone();
         let source = match self.unlike_text()? {
             Some(source) => source,
-            None => TableSource::Text(self.into_source()),
+            None => {
+                let shown = self.shown.take();
+                TableSource::Text(self.into_source(), shown)
+            }
         };
         Table::new(&name, source, options)
     }

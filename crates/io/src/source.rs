@@ -105,6 +105,17 @@ pub(crate) fn open(path: &Path) -> Result<Source, ReadError> {
     Ok(decompressed(path, file(path)?, &BytesRead::default())?.0)
 }
 
+/// All bytes of a file, decompressed.
+///
+/// # Errors
+/// If it is missing, is a directory or cannot be read.
+pub fn bytes(path: &Path) -> Result<Vec<u8>, ReadError> {
+    let mut bytes = Vec::new();
+    let read = open(path)?.read_to_end(&mut bytes);
+    read.map_err(|error| cannot_open(path, error))?;
+    Ok(bytes)
+}
+
 pub(crate) fn cannot_open(path: &Path, error: io::Error) -> ReadError {
     // What is said in full needs no cause after it.
     let problem = match error.kind() {

@@ -54,8 +54,8 @@ use wanted::{Defect, Keep, NextRow, no_rows};
 
 /// What a table is read from.
 pub(crate) enum TableSource {
-    /// Delimited text.
-    Text(Source),
+    /// Delimited text, and its beginning where the text itself is read while it comes.
+    Text(Source, Option<Vec<u8>>),
     /// Columns in memory.
     Columns(Columns),
     /// A file or bytes of Parquet, which is read from its end.
@@ -101,7 +101,7 @@ impl Table {
         options: &TableOptions,
     ) -> Result<Self, ReadError> {
         let mut skipped = Skipped::default();
-        if let (Some((key, _)), false) = (options.date(), matches!(source, TableSource::Text(_))) {
+        if let (Some((key, _)), false) = (options.date(), matches!(source, TableSource::Text(..))) {
             let error = ReadError::new(name, "a column of dates is read from text alone");
             return Err(error.key(key.as_str()).mend("give times as numbers"));
         }
@@ -109,8 +109,10 @@ impl Table {
             TableSource::Columns(columns) => {
                 columns::MemoryTable::new(columns, options).map(OpenTable::Memory)
             }
-            TableSource::Text(source) => text::TextTable::new(source, options, &mut skipped)
-                .map(|table| OpenTable::Text(Box::new(table))),
+            TableSource::Text(source, beginning) => {
+                text::TextTable::new(source, beginning.as_deref(), options, &mut skipped)
+                    .map(|table| OpenTable::Text(Box::new(table)))
+            }
             #[cfg(feature = "parquet")]
             TableSource::Parquet(bytes) => parquet::ParquetTable::new(bytes, options)
                 .map(|table| OpenTable::Parquet(Box::new(table))),
@@ -255,7 +257,7 @@ impl Table {
 /// If there is no line, or Parquet cannot be read.
 pub(crate) fn preview(source: TableSource, rows: usize) -> Result<Preview, ReadError> {
     match source {
-        TableSource::Text(source) => header::preview(source, rows),
+        TableSource::Text(source, _) => header::preview(source, rows),
         TableSource::Columns(columns) => Ok(columns.preview(rows)),
         #[cfg(feature = "parquet")]
         TableSource::Parquet(bytes) => parquet::preview(bytes, rows),

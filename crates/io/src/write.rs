@@ -6,6 +6,7 @@ mod file;
 mod fixed;
 mod geojson;
 mod gpx;
+mod json_lines;
 mod kf_gins;
 mod kml;
 pub mod mcap;
@@ -15,6 +16,7 @@ mod parquet;
 #[cfg(feature = "parquet")]
 pub mod parquet_table;
 mod pending;
+pub mod recording;
 mod sbet;
 pub mod solution;
 mod spans;

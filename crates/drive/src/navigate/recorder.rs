@@ -236,10 +236,7 @@ impl Observer for Recorder {
             self.outputs.begin(filter.nav().time);
             return Ok(());
         }
-        let of_vehicle = of_vehicle(filter.nav(), filter.nav_std(), filter.vehicle_attitude());
-        let clock = filter.receiver_clock();
-        let omega_n = || filter.nav().q_nb * filter.omega_nb_b();
-        let Some((nav, nav_std)) = self.timing.put(of_vehicle, clock.as_ref(), omega_n) else {
+        let Some((nav, nav_std)) = at_sample(&mut self.timing, filter) else {
             return Ok(());
         };
         let truth = self.record(
@@ -287,6 +284,35 @@ impl Observer for Recorder {
             rejected.note(time, updates);
         }
     }
+}
+
+/// Makes rows of a filter as it goes, of the vehicle's axes and on one clock.
+pub struct Rows(Timing);
+
+impl Rows {
+    /// Rows with the times of `clock`.
+    pub fn new(clock: Clock) -> Self {
+        Self(Timing::new(clock))
+    }
+
+    /// The row of the filter as it is; `None` where its time is not beyond that of the row before.
+    pub fn row(&mut self, filter: &dyn Estimator) -> Option<SolutionRow> {
+        let (nav, nav_std) = at_sample(&mut self.0, filter)?;
+        Some(solution_row(
+            &nav,
+            nav_std,
+            filter.sensor_error(),
+            filter.sensor_error_std(),
+        ))
+    }
+}
+
+/// State and standard deviations at the end of a sample, of the vehicle's axes and on the clock.
+fn at_sample(timing: &mut Timing, filter: &dyn Estimator) -> Option<(NavState, [f64; NAV])> {
+    let of_vehicle = of_vehicle(filter.nav(), filter.nav_std(), filter.vehicle_attitude());
+    let clock = filter.receiver_clock();
+    let omega_n = || filter.nav().q_nb * filter.omega_nb_b();
+    timing.put(of_vehicle, clock.as_ref(), omega_n)
 }
 
 /// State and standard deviations with the attitude of the vehicle's axes and its standard deviations.

@@ -31,7 +31,7 @@ struct Mcap {
     schemas: HashMap<u16, String>,
 }
 
-pub(super) fn open(source: Source) -> Result<Container, ReadError> {
+pub(crate) fn open(source: Source) -> Result<Container, ReadError> {
     let mcap = Container::open(source, &MAGIC, Mcap::default());
     mcap.map_err(|start| {
         let problem = match detect(&start) {

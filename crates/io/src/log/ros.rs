@@ -25,7 +25,8 @@ use crate::skipped::{SkipKind, Unfit};
 use crate::time::WeekClock;
 use crate::{Key, ReadError};
 
-pub(super) use container::{Container, Declared, Event, Events, File, Packed, Records, Stop};
+pub(crate) use container::{Container, Event, Events};
+pub(super) use container::{Declared, File, Packed, Records, Stop};
 pub(super) use message::Encoding;
 
 use fixes::Waiting;

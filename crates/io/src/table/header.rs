@@ -371,7 +371,7 @@ fn listing(names: &[String]) -> String {
 /// # Errors
 /// If there is no line.
 pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError> {
-    let mut lines = Lines::of_table(source);
+    let mut lines = Lines::of_table(source, None);
     let FirstLine {
         line: first,
         comment,

@@ -119,13 +119,15 @@ impl Lines {
         }
     }
 
-    /// Of a table, whose lines may be those of a serial monitor.
-    pub(crate) fn of_table(source: Source) -> Self {
+    /// Of a table, whose lines may be those of a serial monitor: its beginning shows that, which is read first where it is not
+    /// given.
+    pub(crate) fn of_table(source: Source, beginning: Option<&[u8]>) -> Self {
         let mut lines = Self::new(source);
-        while lines.window.bytes().len() < MAX_LINE && !lines.window.at_end() {
+        let to_read = beginning.map_or(MAX_LINE, |_| 0);
+        while lines.window.bytes().len() < to_read && !lines.window.at_end() {
             lines.window.refill();
         }
-        let start = lines.window.bytes();
+        let start = beginning.unwrap_or(lines.window.bytes());
         lines.monitor = Monitor::detect(start.get(..MAX_LINE).unwrap_or(start));
         lines.header = lines.monitor.as_ref().and_then(Monitor::header);
         lines

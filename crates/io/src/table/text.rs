@@ -27,16 +27,17 @@ pub(super) struct TextTable {
 }
 
 impl TextTable {
-    /// Finds the wanted columns of a stream.
+    /// Finds the wanted columns of a stream; without its beginning, so much of it is read first.
     ///
     /// # Errors
     /// If there is no line, or a wanted column is missing.
     pub(super) fn new(
         source: Source,
+        beginning: Option<&[u8]>,
         options: &TableOptions,
         skipped: &mut Skipped,
     ) -> Result<Self, ReadError> {
-        let mut lines = Lines::of_table(source);
+        let mut lines = Lines::of_table(source, beginning);
         let layout = header::find(&mut lines, options, skipped)?;
         let mut stamps = Stamps::from_options(options);
         if let Some(stamps) = &mut stamps {

@@ -11,7 +11,7 @@ use super::parquet_table::ParquetTableWriter;
 use super::solution::SolutionRow;
 use super::text_writer::TextWriter;
 use super::thinning::Thinning;
-use super::{PendingFile, csv, geojson, gpx, kf_gins, kml, nmea, sbet};
+use super::{PendingFile, csv, geojson, gpx, json_lines, kf_gins, kml, nmea, sbet};
 use crate::epoch::Epoch;
 
 /// A format of the navigation solution.
@@ -35,10 +35,12 @@ pub enum SolutionFormat {
     Parquet,
     /// SBET.
     Sbet,
+    /// One JSON object a row, with the columns of CSV.
+    JsonLines,
 }
 
 /// Formats, their names and the extensions of their files; the first is the usual one.
-const FORMATS: [(SolutionFormat, &str, &[&str]); 9] = [
+const FORMATS: [(SolutionFormat, &str, &[&str]); 10] = [
     (SolutionFormat::Csv, "csv", &["csv"]),
     (SolutionFormat::KfGins, "kf-gins", &["nav"]),
     (SolutionFormat::Nmea, "nmea", &["nmea"]),
@@ -48,6 +50,7 @@ const FORMATS: [(SolutionFormat, &str, &[&str]); 9] = [
     (SolutionFormat::Mcap, "mcap", &["mcap"]),
     (SolutionFormat::Parquet, "parquet", &["parquet"]),
     (SolutionFormat::Sbet, "sbet", &["sbet"]),
+    (SolutionFormat::JsonLines, "jsonl", &["jsonl", "ndjson"]),
 ];
 
 impl SolutionFormat {
@@ -87,7 +90,7 @@ impl SolutionFormat {
 /// A name that is no format of solutions.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown format {0:?}; available: csv, kf-gins, nmea, kml, geojson, gpx, mcap, parquet, sbet"
+    "unknown format {0:?}; available: csv, kf-gins, nmea, kml, geojson, gpx, mcap, parquet, sbet, jsonl"
 )]
 pub struct UnknownSolutionFormat(pub String);
 
@@ -163,7 +166,7 @@ impl SolutionFile<PendingFile> {
             let format = format.or_else(|| SolutionFormat::from_path(path));
             let format = format.or_else(|| (path == Path::new("-")).then_some(SolutionFormat::Csv));
             let format = format.ok_or_else(|| {
-                format!("{name}: unknown extension; use csv, nav, nmea, kml, geojson, gpx, mcap, parquet or sbet, or set --format")
+                format!("{name}: unknown extension; use csv, nav, nmea, kml, geojson, gpx, mcap, parquet, sbet or jsonl, or set --format")
             })?;
             let file = Self::create(path, format, options);
             files.push(file.map_err(|e| format!("cannot write {name}: {e}"))?);
@@ -201,6 +204,7 @@ impl<W: Write + Send> SolutionFile<W> {
             SolutionFormat::Kml => kml::format(name),
             SolutionFormat::GeoJson => geojson::format(name),
             SolutionFormat::Gpx => gpx::format(name),
+            SolutionFormat::JsonLines => json_lines::format(),
             SolutionFormat::Mcap => {
                 let writer = McapWriter::new(out, epoch)?;
                 let writer = Writer::Mcap(Box::new(writer));
@@ -233,6 +237,18 @@ impl<W: Write + Send> SolutionFile<W> {
             Writer::Mcap(writer) => writer.write(row),
             #[cfg(feature = "parquet")]
             Writer::Parquet(writer, epoch) => writer.write(parquet::values(row, *epoch)),
+        }
+    }
+
+    /// Hands the rows so far to the stream, for whoever reads it meanwhile: of text, all of them; of the other formats what
+    /// is complete.
+    ///
+    /// # Errors
+    /// If the stream does not take it.
+    pub fn flush(&mut self) -> io::Result<()> {
+        match &mut self.writer {
+            Writer::Text(writer) => writer.flush(),
+            _ => Ok(()),
         }
     }
 

@@ -13,7 +13,7 @@
 //! one of them is not finite.
 
 mod cdr;
-mod container;
+pub(super) mod container;
 
 use std::f64::consts::{FRAC_PI_2, PI, SQRT_2};
 use std::io::{self, Write};

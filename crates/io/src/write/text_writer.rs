@@ -107,10 +107,26 @@ impl<W: Write> TextWriter<W> {
                     .push(row, outage, |piece| write(block, piece, aside))?;
             }
         }
-        if self.block.len() >= BLOCK {
-            self.out.write_all(&self.block)?;
-            self.block.clear();
+        match self.block.len() >= BLOCK {
+            true => self.hand_over(),
+            false => Ok(()),
         }
+    }
+
+    /// Writes the rows so far.
+    ///
+    /// # Errors
+    /// If `out` does not take them.
+    pub fn flush(&mut self) -> io::Result<()> {
+        if !self.block.is_empty() {
+            self.hand_over()?;
+        }
+        self.out.flush()
+    }
+
+    fn hand_over(&mut self) -> io::Result<()> {
+        self.out.write_all(&self.block)?;
+        self.block.clear();
         Ok(())
     }
 

@@ -11,7 +11,7 @@ use crate::source::Source;
 
 /// Contents of a container, in the order of the file.
 #[derive(Debug)]
-pub(in crate::log) enum Event {
+pub(crate) enum Event {
     Topic(Declared),
     /// A message: the number of its topic, when it was recorded (Unix time), where its bytes are.
     Message {
@@ -25,17 +25,17 @@ pub(in crate::log) enum Event {
 
 /// That there is a topic.
 #[derive(Debug)]
-pub(in crate::log) struct Declared {
+pub(crate) struct Declared {
     /// Its messages have this number.
-    pub(in crate::log) number: u32,
-    pub(in crate::log) name: String,
-    pub(in crate::log) type_name: String,
+    pub(crate) number: u32,
+    pub(crate) name: String,
+    pub(crate) type_name: String,
     /// `None` where its messages cannot be read.
-    pub(in crate::log) encoding: Option<Encoding>,
+    pub(crate) encoding: Option<Encoding>,
 }
 
 /// How a container lays out its records.
-pub(in crate::log) trait Records: Send {
+pub(crate) trait Records: Send {
     /// Methods of compression that can be read.
     fn methods(&self) -> &'static str;
 
@@ -48,7 +48,7 @@ pub(in crate::log) trait Records: Send {
 
 /// Why reading ends.
 #[derive(Debug)]
-pub(in crate::log) enum Stop {
+pub(crate) enum Stop {
     /// The file breaks off.
     Early(String),
     /// A compression that is not known.
@@ -58,7 +58,7 @@ pub(in crate::log) enum Stop {
 }
 
 /// A file being read, and the chunk it is at.
-pub(in crate::log) struct File {
+pub(crate) struct File {
     source: Source,
     /// A record as it is in the file.
     raw: Vec<u8>,
@@ -73,23 +73,23 @@ pub(in crate::log) struct File {
 
 impl File {
     /// Whether nothing is left to read.
-    pub(in crate::log) fn at_end(&mut self) -> bool {
+    pub(crate) fn at_end(&mut self) -> bool {
         bytes::at_end(&mut self.source)
     }
 
     /// Ends the file as it should.
-    pub(in crate::log) fn end(&mut self) {
+    pub(crate) fn end(&mut self) {
         self.ended = true;
     }
 
     /// Reads `n` bytes: a header.
-    pub(in crate::log) fn header(&mut self, n: u64) -> Result<&[u8], Stop> {
+    pub(crate) fn header(&mut self, n: u64) -> Result<&[u8], Stop> {
         bytes::read(&mut self.source, n, &mut self.raw).map_err(Stop::Early)?;
         Ok(&self.raw)
     }
 
     /// Reads `n` bytes: the content of a record, to be kept until the next one.
-    pub(in crate::log) fn content(&mut self, n: u64) -> Result<&[u8], Stop> {
+    pub(crate) fn content(&mut self, n: u64) -> Result<&[u8], Stop> {
         let whole = bytes::read(&mut self.source, n, &mut self.data);
         self.at = self.data.len();
         whole.map_err(Stop::Early)?;
@@ -97,12 +97,12 @@ impl File {
     }
 
     /// Reads past `n` bytes.
-    pub(in crate::log) fn skip(&mut self, n: u64) -> Result<(), Stop> {
+    pub(crate) fn skip(&mut self, n: u64) -> Result<(), Stop> {
         bytes::skip(&mut self.source, n).map_err(Stop::Early)
     }
 
     /// Reads past a record of `n` bytes that would be of use, if it is too large to be true.
-    pub(in crate::log) fn too_large(&mut self, n: u64) -> Result<Option<Event>, Stop> {
+    pub(crate) fn too_large(&mut self, n: u64) -> Result<Option<Event>, Stop> {
         if n <= MOST {
             return Ok(None);
         }
@@ -113,7 +113,7 @@ impl File {
 
     /// Reads and decompresses a chunk of `n` bytes: all of it, checked, or what there is of it at
     /// the end of the file.
-    pub(in crate::log) fn chunk(
+    pub(crate) fn chunk(
         &mut self,
         n: u64,
         head: impl FnOnce(&[u8]) -> Option<Packed>,
@@ -145,18 +145,18 @@ impl File {
 }
 
 /// A chunk as it is in the file.
-pub(in crate::log) struct Packed {
-    pub(in crate::log) method: String,
+pub(crate) struct Packed {
+    pub(crate) method: String,
     /// Where its bytes are in the record.
-    pub(in crate::log) bytes: Range<usize>,
+    pub(crate) bytes: Range<usize>,
     /// Decompressed \[bytes\].
-    pub(in crate::log) size: u64,
+    pub(crate) size: u64,
     /// CRC-32 of what is decompressed.
-    pub(in crate::log) checksum: Option<u32>,
+    pub(crate) checksum: Option<u32>,
 }
 
 /// Contents of a recording, one entry after the other.
-pub(in crate::log) trait Events: Send {
+pub(crate) trait Events: Send {
     /// The next entry.
     fn next(&mut self) -> Result<Option<Event>, ReadError>;
 
@@ -165,14 +165,14 @@ pub(in crate::log) trait Events: Send {
 }
 
 /// A container of records and where it is read.
-pub(in crate::log) struct Container {
+pub(crate) struct Container {
     file: File,
     layout: Box<dyn Records>,
 }
 
 impl Container {
     /// Begins after the magic bytes; without them the bytes that are there instead are an error.
-    pub(in crate::log) fn open(
+    pub(crate) fn open(
         mut source: Source,
         magic: &[u8],
         layout: impl Records + 'static,

@@ -14,7 +14,7 @@ use crate::skipped::{SkipKind, Unfit};
 
 /// How messages are serialised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::log) enum Encoding {
+pub(crate) enum Encoding {
     Ros1,
     Cdr,
 }

@@ -90,7 +90,7 @@ impl Group {
 }
 
 /// A file being written.
-pub(super) struct Container<W> {
+pub(in crate::write) struct Container<W> {
     out: W,
     /// Bytes written.
     at: u64,
@@ -107,7 +107,7 @@ pub(super) struct Container<W> {
 
 impl<W: Write> Container<W> {
     /// Begins a file; `profile` says what the messages are.
-    pub(super) fn new(out: W, profile: &str, library: &str) -> io::Result<Self> {
+    pub(in crate::write) fn new(out: W, profile: &str, library: &str) -> io::Result<Self> {
         let mut this = Self {
             out,
             at: 0,
@@ -135,8 +135,18 @@ impl<W: Write> Container<W> {
         Ok(())
     }
 
+    /// The stream.
+    #[cfg(test)]
+    pub(in crate::write) fn stream(&mut self) -> &mut W {
+        &mut self.out
+    }
+
     /// Writes texts by their keys.
-    pub(super) fn metadata(&mut self, name: &str, entries: &[(&str, &str)]) -> io::Result<()> {
+    pub(in crate::write) fn metadata(
+        &mut self,
+        name: &str,
+        entries: &[(&str, &str)],
+    ) -> io::Result<()> {
         let mut map = Fields::default();
         for (key, value) in entries {
             map.text(key).text(value);
@@ -155,7 +165,12 @@ impl<W: Write> Container<W> {
     }
 
     /// Adds a channel for messages of one type of ROS 2, and gives its number.
-    pub(super) fn channel(&mut self, topic: &str, type_name: &str, definition: &str) -> u16 {
+    pub(in crate::write) fn channel(
+        &mut self,
+        topic: &str,
+        type_name: &str,
+        definition: &str,
+    ) -> u16 {
         let number = self.channels.len() as u16;
         // Zero means no schema.
         let schema_number = number + 1;
@@ -179,8 +194,32 @@ impl<W: Write> Container<W> {
         number
     }
 
+    /// Adds a channel of bytes that no schema describes, and gives its number.
+    pub(in crate::write) fn channel_of_bytes(&mut self, topic: &str) -> u16 {
+        let number = self.channels.len() as u16;
+        let channel = Fields::default()
+            .u16(number)
+            .u16(0)
+            .text(topic)
+            .text("bytes")
+            .counted(&[])
+            .record(op::CHANNEL);
+        self.chunk.bytes(&channel);
+        self.channel_records.add(&channel);
+        self.channels.push(Channel::default());
+        number
+    }
+
+    /// Writes what there is of the present chunk, so that a file that is not finished has it.
+    pub(in crate::write) fn flush(&mut self) -> io::Result<()> {
+        if !self.chunk.0.is_empty() {
+            self.end_chunk()?;
+        }
+        self.out.flush()
+    }
+
     /// Adds a message of a channel; `time` is Unix time \[ns\].
-    pub(super) fn message(
+    pub(in crate::write) fn message(
         &mut self,
         channel: u16,
         sequence: u32,
@@ -276,7 +315,7 @@ impl<W: Write> Container<W> {
     }
 
     /// Ends the file and gives `out` back.
-    pub(super) fn finish(mut self) -> io::Result<W> {
+    pub(in crate::write) fn finish(mut self) -> io::Result<W> {
         if !self.chunk.0.is_empty() {
             self.end_chunk()?;
         }

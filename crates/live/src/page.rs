@@ -1,0 +1,192 @@
+//! A page that shows the solution in a browser while it is made: one document, without any request to elsewhere, and a
+//! stream of events (Server-Sent Events).
+
+use crate::output::{Broadcast, Queue};
+use std::{
+    io::{self, Write},
+    net::{SocketAddr, ToSocketAddrs},
+    sync::Arc,
+    thread,
+    time::{Duration, Instant},
+};
+use tiny_http::{Header, Request, Response, Server};
+use undrift_io::write::solution::SolutionRow;
+
+const PAGE: &str = include_str!("page/page.html");
+/// From one row to the next, by the clock \[s\].
+const EVERY: f64 = 0.1;
+
+/// The page, served.
+pub struct Page {
+    readers: Arc<Broadcast>,
+    address: SocketAddr,
+    last: Option<Instant>,
+}
+
+impl Page {
+    /// Serves the page at an address, `host:port`.
+    ///
+    /// # Errors
+    /// If the address is none, or in use.
+    pub fn serve(address: &str) -> io::Result<Self> {
+        let unknown = || {
+            io::Error::new(
+                io::ErrorKind::InvalidInput,
+                "not an address such as 127.0.0.1:8080",
+            )
+        };
+        let address = address
+            .to_socket_addrs()
+            .map_err(|_| unknown())?
+            .next()
+            .ok_or_else(unknown)?;
+        let server = Server::http(address).map_err(io::Error::other)?;
+        let address = server.server_addr().to_ip().unwrap_or(address);
+        let readers = Arc::new(Broadcast::default());
+        let broadcast = readers.clone();
+        thread::spawn(move || {
+            for request in server.incoming_requests() {
+                answer(request, &broadcast);
+            }
+        });
+        Ok(Self {
+            readers,
+            address,
+            last: None,
+        })
+    }
+
+    /// Where it is.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Shows a row; several within a tenth of a second count as one. `horizontal` is the ellipse of the position's
+    /// standard deviation, and `rejected` how many fixes the solution rejected.
+    pub fn row(&mut self, row: &SolutionRow, without_gnss: bool, since_fix: Option<f64>) {
+        let now = Instant::now();
+        if self
+            .last
+            .is_some_and(|last| now - last < Duration::from_secs_f64(EVERY))
+        {
+            return;
+        }
+        self.last = Some(now);
+        let degrees = |v: undrift_nav::Vector3| [v.x, v.y, v.z].map(f64::to_degrees);
+        let data = serde_json::json!({
+            "time": row.time,
+            "lat": row.position.lat.to_degrees(),
+            "lon": row.position.lon.to_degrees(),
+            "height": row.position.height,
+            "velocity": [row.v_n.x, row.v_n.y, row.v_n.z],
+            "rpy": degrees(row.rpy),
+            "position_std": row.nav_std[..3],
+            "yaw_std": row.nav_std[8].to_degrees(),
+            "gyro_bias": degrees(row.gyro_error),
+            "gyro_bias_std": row.error_std.first_chunk::<3>().map(|std| std.map(f64::to_degrees)),
+            "accel_bias": [row.accel_error.x, row.accel_error.y, row.accel_error.z],
+            "accel_bias_std": row.error_std[3..],
+            "since_fix": since_fix,
+            "without_gnss": without_gnss,
+        });
+        self.readers
+            .give(format!("event: row\ndata: {data}\n\n").into_bytes());
+    }
+
+    /// Shows a sentence.
+    pub fn notice(&self, time: Option<f64>, sentence: &str) {
+        let data = serde_json::json!({ "time": time, "text": sentence });
+        self.readers
+            .give(format!("event: notice\ndata: {data}\n\n").into_bytes());
+    }
+}
+
+fn answer(request: Request, readers: &Arc<Broadcast>) {
+    match request.url() {
+        "/events" => {
+            let queue = readers.join(Vec::new());
+            thread::spawn(move || stream(request, &queue));
+        }
+        "/" => {
+            let response = Response::from_string(PAGE);
+            let html = Header::from_bytes("Content-Type", "text/html; charset=utf-8");
+            let _ = match html {
+                Ok(html) => request.respond(response.with_header(html)),
+                Err(()) => request.respond(response),
+            };
+        }
+        _ => {
+            let _ = request.respond(Response::empty(404));
+        }
+    }
+}
+
+fn stream(request: Request, queue: &Queue) {
+    let mut writer = request.into_writer();
+    let head =
+        b"HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nCache-Control: no-store\r\n\r\n";
+    if writer.write_all(head).and_then(|()| writer.flush()).is_ok() {
+        // Until the reader leaves.
+        let _ = queue.pour(writer);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::{
+        io::{BufRead, BufReader, Read},
+        net::TcpStream,
+    };
+    use undrift_nav::earth::Geodetic;
+
+    fn get(address: SocketAddr, path: &str) -> BufReader<TcpStream> {
+        let mut stream = TcpStream::connect(address).unwrap();
+        write!(
+            stream,
+            "GET {path} HTTP/1.1\r\nHost: here\r\nConnection: close\r\n\r\n"
+        )
+        .unwrap();
+        BufReader::new(stream)
+    }
+
+    #[test]
+    fn the_page_asks_for_nothing_from_elsewhere_and_its_events_come() {
+        let mut page = Page::serve("127.0.0.1:0").unwrap();
+        let mut text = String::new();
+        get(page.address(), "/").read_to_string(&mut text).unwrap();
+        assert!(
+            text.starts_with("HTTP/1.1 200") && text.contains("</html>"),
+            "{text}"
+        );
+        assert!(!text.contains("http://") && !text.contains("https://"));
+        let mut events = get(page.address(), "/events");
+        let mut line = String::new();
+        while line != "\r\n" {
+            line.clear();
+            events.read_line(&mut line).unwrap();
+        }
+        page.row(
+            &SolutionRow::at(1.5, Geodetic::from_degrees(40.5, -105.25, 1600.0)),
+            true,
+            None,
+        );
+        page.notice(Some(2.0), "the receiver is silent");
+        let lines: Vec<String> = events.lines().take(5).map(Result::unwrap).collect();
+        assert_eq!(
+            (lines[0].as_str(), lines[3].as_str()),
+            ("event: row", "event: notice")
+        );
+        let row: serde_json::Value = serde_json::from_str(&lines[1][6..]).unwrap();
+        assert_eq!(
+            (&row["lon"], &row["without_gnss"]),
+            (&(-105.25).into(), &true.into())
+        );
+        assert!(lines[4].contains("the receiver is silent"), "{}", lines[4]);
+        let mut missing = String::new();
+        get(page.address(), "/other")
+            .read_to_string(&mut missing)
+            .unwrap();
+        assert!(missing.starts_with("HTTP/1.1 404"));
+    }
+}

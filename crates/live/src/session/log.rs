@@ -1,0 +1,189 @@
+//! One log of a drive while it comes.
+
+use crate::{clocks::LogClock, stream::Stream};
+use undrift_drive::drive::{Drive, ScalarLog};
+use undrift_engine::Measurement;
+use undrift_io::{ReadError, gnss::GnssSource, imu::ImuSource};
+use undrift_nav::sample::ImuSample;
+
+/// The table of the inertial log.
+pub(super) const IMU: &str = "imu";
+/// The table of the fixes.
+pub(super) const GNSS: &str = "gnss";
+/// Records that show what a clock does: samples, and measurements.
+const ENOUGH: [usize; 2] = [20, 3];
+
+/// A record of a log.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Record {
+    /// An inertial sample.
+    Sample(ImuSample),
+    /// What aids.
+    Measured(Measurement),
+}
+
+impl Record {
+    /// As stamped \[s\].
+    pub fn time(&self) -> f64 {
+        match self {
+            Self::Sample(sample) => sample.time,
+            Self::Measured(measurement) => measurement.time(),
+        }
+    }
+
+    /// The record with another time \[s\].
+    pub(super) fn at(mut self, at: f64) -> Self {
+        match &mut self {
+            Self::Sample(ImuSample { time, .. }) => *time = at,
+            Self::Measured(Measurement::Gnss(fix)) => fix.time = at,
+            Self::Measured(Measurement::Odometer(scalar) | Measurement::Barometer(scalar)) => {
+                scalar.time = at
+            }
+        }
+        self
+    }
+}
+
+/// A log of the drive: its reader and its clock.
+pub(super) struct LogStream {
+    pub(super) table: String,
+    pub(super) source: usize,
+    pub(super) clock: LogClock<Record>,
+    stream: Stream<Record>,
+    /// How the log begins.
+    beginning: Vec<u8>,
+    enough: usize,
+    /// Of a table of text, the lines before its first row: a reader that begins again needs them.
+    header: Option<Header>,
+}
+
+/// The lines before the first row.
+#[derive(Default)]
+struct Header {
+    lines: Vec<u8>,
+    complete: bool,
+}
+
+/// Longest header \[bytes\].
+const HEADER: usize = 64 * 1024;
+
+impl Header {
+    fn add(&mut self, bytes: &[u8]) {
+        if self.complete {
+            return;
+        }
+        self.lines.extend_from_slice(bytes);
+        let mut end = 0;
+        for line in self.lines.split_inclusive(|byte| *byte == b'\n') {
+            let is_row = line
+                .trim_ascii_start()
+                .first()
+                .is_some_and(|byte| matches!(byte, b'0'..=b'9' | b'-' | b'+' | b'.'));
+            self.complete = is_row || end > HEADER;
+            if self.complete || !line.ends_with(b"\n") {
+                break;
+            }
+            end += line.len();
+        }
+        if self.complete {
+            self.lines.truncate(end);
+        }
+    }
+}
+
+impl LogStream {
+    pub(super) fn new(table: &str, source: usize, beginning: Vec<u8>, drive: &Drive) -> Self {
+        let is_text = match table {
+            IMU => matches!(drive.imu.1.source, ImuSource::Table { .. }),
+            GNSS => matches!(drive.gnss.1, GnssSource::Table(_)),
+            _ => true,
+        };
+        let enough = ENOUGH[usize::from(table != IMU)];
+        Self {
+            table: table.to_owned(),
+            source,
+            clock: LogClock::new(enough),
+            stream: stream(table, beginning.clone(), drive),
+            beginning,
+            enough,
+            header: is_text.then(Header::default),
+        }
+    }
+
+    /// Its clock as it was in another run.
+    pub(super) fn resume(&mut self, kept: (f64, f64)) {
+        self.clock = LogClock::resumed(self.enough, kept);
+    }
+
+    /// Hands over bytes; why the reader began again, if it had to.
+    pub(super) fn feed(
+        &mut self,
+        bytes: &[u8],
+        drive: &Drive,
+        take: &mut dyn FnMut(Record),
+    ) -> Option<Option<ReadError>> {
+        if let Some(header) = &mut self.header {
+            header.add(bytes);
+        }
+        let ended = self.stream.feed(bytes, take)?;
+        self.stream = stream(&self.table, self.beginning.clone(), drive);
+        self.clock.restart();
+        if let Some(header) = &self.header {
+            let whole = bytes
+                .iter()
+                .position(|byte| *byte == b'\n')
+                .map_or(bytes.len(), |end| end + 1);
+            let again = [&header.lines, bytes.get(whole..).unwrap_or_default()].concat();
+            let _ = self.stream.feed(&again, take);
+        }
+        Some(ended)
+    }
+}
+
+/// The reader of a log.
+fn stream(table: &str, beginning: Vec<u8>, drive: &Drive) -> Stream<Record> {
+    let (drive, name) = (drive.clone(), table.to_owned());
+    match table {
+        IMU => Stream::new(name, beginning, move |opened| {
+            Ok(drive
+                .read_imu(opened)?
+                .map(|sample| sample.map(Record::Sample)))
+        }),
+        GNSS => Stream::new(name, beginning, move |opened| {
+            let fixes = drive.read_gnss(opened)?;
+            Ok(fixes.map(|fix| fix.map(|fix| Record::Measured(Measurement::Gnss(fix)))))
+        }),
+        _ => {
+            let log = ScalarLog::ALL.into_iter().find(|log| log.name() == name);
+            Stream::new(name, beginning, move |opened| {
+                let reader = match log {
+                    Some(log) => drive.read_scalars(log, opened)?.map(|reader| (log, reader)),
+                    None => None,
+                };
+                let scalars = reader
+                    .into_iter()
+                    .flat_map(|(log, reader)| reader.map(move |scalar| (log, scalar)));
+                Ok(scalars.map(|(log, scalar)| {
+                    scalar.map(|scalar| Record::Measured(log.measurement(scalar)))
+                }))
+            })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_header_is_what_comes_before_the_first_row() {
+        let mut header = Header::default();
+        for piece in ["# log", "ger\nt,g", "x\n", "0.1,2\n0.2,3\n"] {
+            header.add(piece.as_bytes());
+        }
+        assert_eq!(header.lines, b"# logger\nt,gx\n");
+        let mut header = Header::default();
+        header.add(b"0,1\n");
+        assert_eq!(header.lines, b"");
+    }
+}
