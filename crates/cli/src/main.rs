@@ -6,6 +6,8 @@ mod drives;
 mod fleet;
 mod identify;
 mod inspect;
+#[cfg(not(target_family = "wasm"))]
+mod live;
 mod model;
 mod montecarlo;
 mod navigate;
@@ -83,6 +85,8 @@ enum Verb {
     Fleet(fleet::Arguments),
     Identify(identify::Arguments),
     Inspect(inspect::Arguments),
+    #[cfg(not(target_family = "wasm"))]
+    Live(live::Arguments),
     Model(model::Arguments),
     Montecarlo(montecarlo::Arguments),
     Navigate(navigate::Arguments),
@@ -113,6 +117,8 @@ fn main() -> ExitCode {
         Verb::Fleet(arguments) => fleet::run(&arguments),
         Verb::Identify(arguments) => identify::run(&arguments),
         Verb::Inspect(arguments) => inspect::run(&arguments),
+        #[cfg(not(target_family = "wasm"))]
+        Verb::Live(arguments) => live::run(&arguments),
         Verb::Model(arguments) => model::run(&arguments),
         Verb::Montecarlo(arguments) => montecarlo::run(&arguments),
         Verb::Navigate(arguments) => navigate::run(&arguments),

@@ -1,6 +1,22 @@
 //! Signals that end the command: INT, TERM and HUP. Unfinished files are removed, then the process ends by the signal, so
 //! that a shell sees it.
 
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+/// Whether a signal is to end a run that has an end of its own, and whether one came.
+static HAS_END: AtomicBool = AtomicBool::new(false);
+static ENDED: AtomicBool = AtomicBool::new(false);
+
+/// From here on the first signal asks the run to end ([`is_asked_to_end`]); the next ends the process.
+pub fn end_the_run() {
+    HAS_END.store(true, Relaxed);
+}
+
+/// Whether a signal asked the run to end.
+pub fn is_asked_to_end() -> bool {
+    ENDED.load(Relaxed)
+}
+
 /// Watches for the signals, but for those that the caller has the process ignore (`nohup`).
 #[cfg(unix)]
 pub fn watch() {
@@ -21,6 +37,9 @@ pub fn watch() {
     };
     std::thread::spawn(move || {
         for signal in signals.forever() {
+            if HAS_END.load(Relaxed) && !ENDED.swap(true, Relaxed) {
+                continue;
+            }
             undrift::io::write::remove_unfinished();
             let _ = emulate_default_handler(signal);
         }

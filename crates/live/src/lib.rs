@@ -12,6 +12,7 @@
 
 pub mod output;
 pub mod page;
+pub mod plan;
 pub mod replay;
 pub mod session;
 pub mod source;

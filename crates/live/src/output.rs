@@ -45,6 +45,13 @@ pub struct Output {
     name: String,
 }
 
+impl Output {
+    /// As it was written.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+}
+
 /// What is no output.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("\"{0}\" is no output: {1}")]

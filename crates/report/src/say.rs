@@ -3,6 +3,7 @@
 //! A sentence begins with a small letter and has no full stop, so that it can stand after a name.
 
 mod cut;
+mod event;
 mod fill;
 mod fixes;
 mod logs;
@@ -12,6 +13,7 @@ mod solution;
 mod start;
 mod words;
 
+pub use event::event;
 pub use fill::{cut, navigated};
 pub use recording::{guessed, refused, repeated, slower, stamps};
 pub(crate) use solution::usable;

@@ -6,7 +6,7 @@ use std::{
 };
 
 /// Every crate of the workspace with the crates of it that it may use.
-const ALLOWED: [(&str, &[&str]); 18] = [
+const ALLOWED: [(&str, &[&str]); 19] = [
     ("undrift-base", &[]),
     ("undrift-nav", &[]),
     ("undrift-noise", &["undrift-base", "undrift-nav"]),
@@ -103,7 +103,22 @@ const ALLOWED: [(&str, &[&str]); 18] = [
             "undrift-results",
         ],
     ),
-    ("undrift-cli", &["undrift", "undrift-report"]),
+    // The navigator of a drive, with sources in place of its files.
+    (
+        "undrift-live",
+        &[
+            "undrift-base",
+            "undrift-nav",
+            "undrift-engine",
+            "undrift-noise",
+            "undrift-io",
+            "undrift-drive",
+        ],
+    ),
+    (
+        "undrift-cli",
+        &["undrift", "undrift-live", "undrift-report"],
+    ),
     ("undrift-py", &["undrift", "undrift-report"]),
     ("undrift-capi", &["undrift-nav"]),
     // Benches and generators, which nothing else uses.

@@ -1,0 +1,417 @@
+//! `undrift live`: the solution while the vehicle drives.
+
+mod feed;
+mod say;
+
+use crate::{
+    signals,
+    terminal::{Invalid, note, take_standard_output, warn},
+};
+use anyhow::{Context, Result, anyhow, bail};
+use clap::Args;
+use feed::Feed;
+use std::{
+    fs::File,
+    io::BufWriter,
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+use undrift::{
+    SolutionRow,
+    drive::{Drive, read_text},
+    io::write::{SolutionOptions, recording::RecordingWriter},
+    navigate::Clock,
+    noise::{BiasModel, ImuModel},
+};
+use undrift_live::{
+    Arrival, Notice, Session, Sink,
+    output::{Complain, Outlet, Output, Target},
+    page::Page,
+    plan::{self, Plan},
+    session::Options,
+    state::State,
+};
+
+/// Navigate while the vehicle drives: sources in place of the files of a drive.
+///
+/// The drive file is the one that `undrift inspect` and `undrift tune` write. Its logs come from sources: serial:/dev/ttyACM0?baud=115200,
+/// tcp://host:port, udp://:port, gpsd://host:2947, - (standard input) or a FIFO; replay:FILE?pace=1 gives a log at its own pace.
+/// The solution is that of `undrift navigate` on the same bytes (docs/live.md). It ends with Ctrl-C.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  undrift live drive.toml --imu serial:/dev/ttyUSB0 --gnss serial:/dev/ttyACM0?baud=9600 --page 127.0.0.1:8080
+  undrift live drive.toml --replay 1 --page 127.0.0.1:8080
+  undrift live drive.toml --imu udp://:5000 --gnss gpsd://localhost --record run.mcap --state run.state -o tcp://:2000?format=nmea
+  undrift live replay:run.mcap?pace=0 -o nav.csv")]
+pub struct Arguments {
+    /// The drive file; or replay:FILE.mcap, a recording of --record
+    #[arg(value_name = "DRIVE.toml")]
+    drive: PathBuf,
+    /// Source of the inertial samples; default: what imu.file names, if that is a source
+    #[arg(long, value_name = "SOURCE")]
+    imu: Option<String>,
+    /// Source of the fixes
+    #[arg(long, value_name = "SOURCE")]
+    gnss: Option<String>,
+    /// Source of the wheel speeds, where the drive has them
+    #[arg(long, value_name = "SOURCE")]
+    odometer: Option<String>,
+    /// Source of the barometer's heights, where the drive has them
+    #[arg(long, value_name = "SOURCE")]
+    barometer: Option<String>,
+    /// Replay the drive's own logs: 1 at their own pace, 20 twenty times as fast, 0 as fast as it goes
+    #[arg(long, value_name = "PACE", conflicts_with_all = ["imu", "gnss", "odometer", "barometer"])]
+    replay: Option<f64>,
+    /// Folder of the log files. Default: that of the drive file
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
+    /// Noise model of the IMU: a model file or a preset (`undrift model --list`)
+    #[arg(long, value_name = "IMU.toml")]
+    model: Option<String>,
+    /// Bias model: white, paper, gauss-markov, random-walk, ar or arma
+    #[arg(long, value_name = "NAME", default_value = "arma")]
+    bias_model: BiasModel,
+    /// Take measurements that come up to so late as if they had come in time [s]
+    #[arg(long, value_name = "S", default_value = "2")]
+    horizon: String,
+    /// Whose times the solution has: imu or gnss. Default: imu, and where the two differ the standard deviations contain it
+    #[arg(long, value_name = "NAME")]
+    clock: Option<Clock>,
+    /// Write the solution: a file, - or serial:/dev/… as csv, jsonl, nmea or kf-gins, tcp://:port (a server), udp://host:port;
+    /// ?format=NAME behind it; repeatable
+    #[arg(short, long, value_name = "OUTPUT", help_heading = "Output")]
+    output: Vec<Output>,
+    /// Minimum time between rows of the solution [s]; 0: every sample. Default: 0, but 0.1 for nmea
+    #[arg(long, value_name = "S", help_heading = "Output")]
+    every: Option<f64>,
+    /// Show the solution in a browser at this address
+    #[arg(long, value_name = "HOST:PORT", help_heading = "Output")]
+    page: Option<String>,
+    /// Record all that arrives; `undrift live replay:FILE.mcap?pace=0` gives the same solution again
+    #[arg(long, value_name = "FILE.mcap", help_heading = "Output")]
+    record: Option<PathBuf>,
+    /// Keep a checkpoint here each second, and go on from it at the next start
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    state: Option<PathBuf>,
+}
+
+impl Arguments {
+    /// The sources that are asked for, by their tables.
+    fn sources(&self) -> [(&'static str, Option<&str>); 4] {
+        [
+            ("imu", self.imu.as_deref()),
+            ("gnss", self.gnss.as_deref()),
+            ("odometer", self.odometer.as_deref()),
+            ("barometer", self.barometer.as_deref()),
+        ]
+    }
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    if arguments
+        .output
+        .iter()
+        .any(|output| output.target == Target::Stdout)
+    {
+        take_standard_output();
+    }
+    signals::end_the_run();
+    let (plan, mut feed) = prepare(arguments)?;
+    let mut session = plan.session()?;
+    let mut run = Run::open(arguments, &plan)?;
+    while !signals::is_asked_to_end() {
+        match feed.next()? {
+            feed::Next::Arrival(arrival) => run.take(&mut session, &arrival)?,
+            feed::Next::Notice(sentence) => run.tell(None, &sentence, true),
+            feed::Next::Nothing => {}
+            feed::Next::End => break,
+        }
+    }
+    run.finish(&session)
+}
+
+/// What is to be run, and what feeds it.
+fn prepare(arguments: &Arguments) -> Result<(Plan, Feed)> {
+    let drive = arguments.drive.to_string_lossy();
+    if let Some(recording) = feed::replayed(&drive) {
+        let (path, pace) = recording.map_err(Invalid)?;
+        let opened = plan::recorded(&path)?;
+        let (plan, recording) = opened.ok_or_else(|| {
+            anyhow!(
+                "{}: not a recording of undrift live --record; specify a drive file with --replay",
+                path.display()
+            )
+        })?;
+        return Ok((plan, Feed::paced(recording, pace)));
+    }
+    let (text, name) = read_text(&arguments.drive)?;
+    let home = arguments.drive.parent().unwrap_or(Path::new(""));
+    let model = arguments
+        .model
+        .as_deref()
+        .map(|name| ImuModel::resolve(name, Path::new("")))
+        .transpose()?;
+    let text = plan::with_model(&text, &name, home, model.as_ref())?;
+    let folder = arguments.data.as_deref().unwrap_or(home);
+    let asked = feed::Asked::new(&text, folder, &arguments.sources(), arguments.replay)
+        .map_err(|why| anyhow!(Invalid(why)))?;
+    // Of logs of the same sensor, the interval of the samples is known from the beginning.
+    let interval = Drive::load(&arguments.drive, arguments.data.as_deref())
+        .ok()
+        .and_then(|drive| drive.sample_interval().ok());
+    let state = match arguments.state.as_deref().map(State::read).transpose() {
+        Ok(state) => state.flatten(),
+        Err(why) => {
+            warn(format!("{why}; navigation begins without it"));
+            None
+        }
+    };
+    let plan = Plan {
+        text,
+        name,
+        home: home.to_path_buf(),
+        sources: asked.names.clone(),
+        logs: asked.logs.clone(),
+        options: Options {
+            horizon: horizon(&arguments.horizon)?,
+            bias_model: arguments.bias_model,
+            clock: arguments.clock.unwrap_or_default(),
+            interval,
+        },
+        state,
+    };
+    let feed = asked.open(&plan.text, &plan.name)?;
+    Ok((plan, feed))
+}
+
+/// `2` or `2s`.
+fn horizon(text: &str) -> Result<f64> {
+    let seconds = text.trim_end_matches('s').trim().parse::<f64>().ok();
+    let known = seconds.filter(|seconds| (0.0..=60.0).contains(seconds));
+    known.ok_or_else(|| anyhow!(Invalid(format!("--horizon {text}: must be 0 to 60 s"))))
+}
+
+/// A recording that is written.
+struct Recorder {
+    writer: RecordingWriter<BufWriter<File>>,
+    path: PathBuf,
+    /// When it is handed over next [ns].
+    next: u64,
+}
+
+/// Where everything goes.
+struct Run {
+    outputs: Vec<(Output, Option<Outlet>)>,
+    page: Option<Page>,
+    recorder: Option<Recorder>,
+    state: Option<PathBuf>,
+    next_state: u64,
+    every: Option<f64>,
+    complain: Complain,
+    seen: Seen,
+}
+
+/// What a run has given.
+#[derive(Default)]
+struct Seen {
+    rows: u64,
+    first: Option<f64>,
+    last: Option<SolutionRow>,
+    last_fix: Option<f64>,
+}
+
+/// From one handing over of what is kept in files to the next [ns].
+const SECOND: u64 = 1_000_000_000;
+
+impl Run {
+    fn open(arguments: &Arguments, plan: &Plan) -> Result<Self> {
+        let page = arguments.page.as_deref().map(|address| {
+            Page::serve(address).with_context(|| format!("cannot serve the page at {address}"))
+        });
+        let page = page.transpose()?;
+        if let Some(page) = &page {
+            note(format!("page: http://{}", page.address()));
+        }
+        let recorder = arguments
+            .record
+            .as_ref()
+            .map(|path| record(path, plan))
+            .transpose()?;
+        Ok(Self {
+            outputs: arguments
+                .output
+                .iter()
+                .map(|output| (output.clone(), None))
+                .collect(),
+            page,
+            recorder,
+            state: arguments.state.clone(),
+            next_state: 0,
+            every: arguments.every,
+            complain: Arc::new(|name, why| warn(format!("{name}: {why}"))),
+            seen: Seen::default(),
+        })
+    }
+
+    fn take(&mut self, session: &mut Session, arrival: &Arrival) -> Result<()> {
+        if let Some(recorder) = &mut self.recorder
+            && let Err(error) = recorder.take(arrival)
+        {
+            warn(format!(
+                "{}: {error}; the recording ends here, the solution goes on",
+                recorder.path.display()
+            ));
+            self.recorder = None;
+        }
+        session.take(arrival, &mut Told { run: self })?;
+        if let Some(drive) = session.drive() {
+            self.open_outputs(drive)?;
+        }
+        if arrival.at >= self.next_state
+            && let (Some(path), Some(state)) = (&self.state, session.state())
+        {
+            self.next_state = arrival.at + SECOND;
+            if let Err(error) = state.write(path) {
+                warn(format!(
+                    "{}: {error}; no checkpoint is kept",
+                    path.display()
+                ));
+                self.state = None;
+            }
+        }
+        Ok(())
+    }
+
+    /// Opens the outputs, once the date of the times is known.
+    fn open_outputs(&mut self, drive: &Drive) -> Result<()> {
+        for (output, outlet) in self
+            .outputs
+            .iter_mut()
+            .filter(|(_, outlet)| outlet.is_none())
+        {
+            let options = SolutionOptions {
+                epoch: drive.epoch,
+                name: "undrift live".into(),
+                every: self.every,
+            };
+            let opened = Outlet::open(output, &options, &self.complain);
+            *outlet =
+                Some(opened.with_context(|| format!("cannot open the output {}", output.name()))?);
+        }
+        Ok(())
+    }
+
+    fn row(&mut self, row: &SolutionRow, without_gnss: bool) {
+        self.seen.rows += 1;
+        self.seen.first.get_or_insert(row.time);
+        if !without_gnss {
+            self.seen.last_fix = Some(row.time);
+        }
+        self.seen.last = Some(*row);
+        for (_, outlet) in &mut self.outputs {
+            if let Some(outlet) = outlet {
+                outlet.row(row, without_gnss);
+            }
+        }
+        if let Some(page) = &mut self.page {
+            let since = self.seen.last_fix.map(|last| row.time - last);
+            page.row(row, without_gnss, since);
+        }
+    }
+
+    /// Says a sentence in the terminal and on the page.
+    fn tell(&mut self, time: Option<f64>, sentence: &str, is_warning: bool) {
+        if let Some(page) = &self.page {
+            page.notice(time, sentence);
+        }
+        let text = match time {
+            Some(time) => format!("{time:.1} s: {sentence}"),
+            None => sentence.to_owned(),
+        };
+        match is_warning {
+            true => warn(text),
+            false => note(text),
+        }
+    }
+
+    fn finish(self, session: &Session) -> Result<()> {
+        if let Some(recorder) = self.recorder {
+            let path = recorder.path.display().to_string();
+            let finished = recorder.writer.finish().map(drop);
+            finished.with_context(|| format!("cannot end the recording {path}"))?;
+        }
+        if let (Some(path), Some(state)) = (&self.state, session.state())
+            && let Err(error) = state.write(path)
+        {
+            warn(format!("{}: {error}", path.display()));
+        }
+        for outlet in self.outputs.into_iter().filter_map(|(_, outlet)| outlet) {
+            let (name, dropped) = outlet.dropped();
+            if dropped > 0 {
+                warn(format!(
+                    "{name}: {dropped} rows were not read in time and are dropped"
+                ));
+            }
+            outlet.finish();
+        }
+        let late = session
+            .navigator()
+            .map_or(0, |navigator| navigator.too_late());
+        match (self.seen.first, self.seen.last) {
+            (Some(first), Some(last)) => {
+                let [north, east, down, ..] = last.nav_std;
+                note(format!(
+                    "solution: {} rows, {first:.1} to {:.1} s; σ at the end {north:.2}, {east:.2}, {down:.2} m north, east, down; {late} measurements too late",
+                    self.seen.rows, last.time
+                ));
+                Ok(())
+            }
+            _ => bail!("no solution: {}", say::without_solution(session)),
+        }
+    }
+}
+
+/// Starts a recording.
+fn record(path: &Path, plan: &Plan) -> Result<Recorder> {
+    let texts = plan.texts();
+    let texts: Vec<(&str, &str)> = texts
+        .iter()
+        .map(|(name, text)| (*name, text.as_str()))
+        .collect();
+    let sources: Vec<&str> = plan.sources.iter().map(String::as_str).collect();
+    let file = File::create(path)
+        .and_then(|file| RecordingWriter::new(BufWriter::new(file), &texts, &sources));
+    Ok(Recorder {
+        writer: file.with_context(|| format!("cannot write {}", path.display()))?,
+        path: path.to_path_buf(),
+        next: 0,
+    })
+}
+
+impl Recorder {
+    fn take(&mut self, arrival: &Arrival) -> std::io::Result<()> {
+        self.writer
+            .write(arrival.source, arrival.at, &arrival.bytes)?;
+        if arrival.at >= self.next {
+            self.next = arrival.at + SECOND;
+            self.writer.flush()?;
+        }
+        Ok(())
+    }
+}
+
+/// Passes on what a session gives.
+struct Told<'a> {
+    run: &'a mut Run,
+}
+
+impl Sink for Told<'_> {
+    fn row(&mut self, row: &SolutionRow, without_gnss: bool) {
+        self.run.row(row, without_gnss);
+    }
+
+    fn notice(&mut self, time: Option<f64>, notice: Notice) {
+        let sentence = say::notice(&notice);
+        self.run.tell(time, &sentence, say::is_warning(&notice));
+    }
+}

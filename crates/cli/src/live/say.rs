@@ -1,0 +1,51 @@
+//! Sentences of a session.
+
+use undrift::engine::Event;
+use undrift_live::{Notice, Session};
+use undrift_report::say;
+
+/// The sentence of a notice.
+pub fn notice(notice: &Notice) -> String {
+    match notice {
+        Notice::Waiting(why) => format!("waiting: {why}"),
+        Notice::Ready(rate) => format!("samples at {rate:.1} Hz; waiting for an alignment"),
+        Notice::ClockApart(table, by) => format!(
+            "the times of {table} are of another clock than those of the IMU: by when they arrive, {by:+.3} s is added; the filter estimates what is left"
+        ),
+        Notice::ClockSet(table, by) => {
+            format!("the clock of {table} was set: {by:+.3} s is added to its times from here on")
+        }
+        Notice::ReadAgain(table, why) => format!("{table} is read from here on anew: {why}"),
+        Notice::Resumed(time) => format!("goes on from the checkpoint of {time:.1} s"),
+        Notice::NotResumed(why) => {
+            format!("does not go on from the checkpoint but is aligned again: {why}")
+        }
+        Notice::Navigation(event) => say::event(event),
+        Notice::Begins => "navigation begins again".into(),
+    }
+}
+
+/// Whether it is a warning.
+pub fn is_warning(notice: &Notice) -> bool {
+    match notice {
+        Notice::Waiting(_) | Notice::Ready(_) | Notice::Resumed(_) | Notice::Begins => false,
+        Notice::ClockApart(..)
+        | Notice::ClockSet(..)
+        | Notice::ReadAgain(..)
+        | Notice::NotResumed(_) => true,
+        Notice::Navigation(event) => !matches!(
+            event,
+            Event::Started(..) | Event::FixErrors(..) | Event::Mounting(..) | Event::Resumed(_)
+        ),
+    }
+}
+
+/// Why a run had no solution.
+pub fn without_solution(session: &Session) -> &'static str {
+    match session.navigator() {
+        None => "the logs were not understood before the sources ended; see what it waited for",
+        Some(_) => {
+            "no alignment before the sources ended: drive straight ahead with GNSS, or state initial.heading"
+        }
+    }
+}
