@@ -1,4 +1,4 @@
-//! The folder of the public data (docs/data.md), for tests: each crate's integration tests include this file.
+//! The folder of the public data (docs/lab/public-data.md), for tests: each crate's integration tests include this file.
 
 // Each of them uses a part of this.
 #![allow(dead_code)]

@@ -217,7 +217,6 @@ struct Seen {
     rows: u64,
     first: Option<f64>,
     last: Option<SolutionRow>,
-    last_fix: Option<f64>,
 }
 
 /// From one handing over of what is kept in files to the next [ns].
@@ -301,21 +300,17 @@ impl Run {
         Ok(())
     }
 
-    fn row(&mut self, row: &SolutionRow, without_gnss: bool) {
+    fn row(&mut self, row: &SolutionRow, since_fix: Option<f64>) {
         self.seen.rows += 1;
         self.seen.first.get_or_insert(row.time);
-        if !without_gnss {
-            self.seen.last_fix = Some(row.time);
-        }
         self.seen.last = Some(*row);
         for (_, outlet) in &mut self.outputs {
             if let Some(outlet) = outlet {
-                outlet.row(row, without_gnss);
+                outlet.row(row, since_fix);
             }
         }
         if let Some(page) = &mut self.page {
-            let since = self.seen.last_fix.map(|last| row.time - last);
-            page.row(row, without_gnss, since);
+            page.row(row, since_fix);
         }
     }
 
@@ -406,11 +401,14 @@ struct Told<'a> {
 }
 
 impl Sink for Told<'_> {
-    fn row(&mut self, row: &SolutionRow, without_gnss: bool) {
-        self.run.row(row, without_gnss);
+    fn row(&mut self, row: &SolutionRow, since_fix: Option<f64>) {
+        self.run.row(row, since_fix);
     }
 
     fn notice(&mut self, time: Option<f64>, notice: Notice) {
+        if !say::is_worth_a_word(&notice) {
+            return;
+        }
         let sentence = say::notice(&notice);
         self.run.tell(time, &sentence, say::is_warning(&notice));
     }

@@ -11,6 +11,8 @@ const APART: f64 = 5.0;
 const STEP: f64 = 0.5;
 /// Delays after a clock was set agree within this \[s\].
 const SPREAD: f64 = 0.2;
+/// Samples that are late for so long by the same are of a clock that was set back \[s\].
+const LASTING: f64 = 3.0;
 /// Records before a delay far below the least one is no longer taken for one of the first that was not late.
 const FIRST: usize = 20;
 /// The least delay is that of the last one or two of such spans \[s\].
@@ -50,6 +52,40 @@ impl Floor {
     }
 }
 
+/// Delays far from the least one, that are alike.
+#[derive(Clone, Copy, Debug)]
+struct Beyond {
+    number: usize,
+    /// When the first came \[s\].
+    since: f64,
+    least: f64,
+    largest: f64,
+}
+
+impl Beyond {
+    fn new(since: f64, delay: f64) -> Self {
+        Self {
+            number: 1,
+            since,
+            least: delay,
+            largest: delay,
+        }
+    }
+
+    fn with(self, delay: f64) -> Self {
+        Self {
+            number: self.number + 1,
+            least: self.least.min(delay),
+            largest: self.largest.max(delay),
+            ..self
+        }
+    }
+
+    fn spread(&self) -> f64 {
+        self.largest - self.least
+    }
+}
+
 /// What a clock was found to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum ClockChange {
@@ -70,14 +106,24 @@ pub(crate) struct LogClock<T> {
     reference: Option<(f64, f64)>,
     /// Records whose times are not yet certain: arrival, time, record.
     held: VecDeque<(f64, f64, T)>,
-    /// Consecutive delays beyond a step: number, least, largest \[s\].
-    beyond: Option<(usize, f64, f64)>,
+    /// Consecutive delays beyond a step.
+    beyond: Option<Beyond>,
+    /// The last time as stamped \[s\].
+    last: Option<f64>,
+    /// Whether its records come as they are made, so that one that is late for long has a clock that was set back; fixes may be late
+    /// for as long as they like.
+    goes_with_arrivals: bool,
+    /// The solution's last time in another run: records that follow it within the span \[s\] are of the same clock.
+    follows: Option<(f64, f64)>,
 }
 
 impl<T> LogClock<T> {
-    /// A clock of which nothing is known; `enough` records decide what it does.
-    pub(crate) fn new(enough: usize) -> Self {
+    /// A clock of which nothing is known; `enough` records decide what it does. Samples come as they are made.
+    pub(crate) fn new(enough: usize, goes_with_arrivals: bool) -> Self {
         Self {
+            last: None,
+            goes_with_arrivals,
+            follows: None,
             shift: 0.0,
             floor: Floor::default(),
             enough,
@@ -87,13 +133,10 @@ impl<T> LogClock<T> {
         }
     }
 
-    /// As it was in another run: what is added to its times and its least delay \[s\].
-    pub(crate) fn resumed(enough: usize, (shift, delay): (f64, f64)) -> Self {
-        Self {
-            shift,
-            reference: Some((delay, STEP)),
-            ..Self::new(enough)
-        }
+    /// Goes on as it was in another run: what was added to its times and its least delay \[s\]. Records that follow the solution's last
+    /// time within the span \[s\] show that it is the same clock.
+    pub(crate) fn resume(&mut self, (shift, delay): (f64, f64), follows: Option<(f64, f64)>) {
+        (self.shift, self.reference, self.follows) = (shift, Some((delay, STEP)), follows);
     }
 
     /// The first records are compared with the least delay of the samples \[s\].
@@ -119,11 +162,6 @@ impl<T> LogClock<T> {
         Some((self.shift, self.floor.least()?))
     }
 
-    /// The least delay of the last seconds \[s\].
-    pub(crate) fn least_delay(&self) -> Option<f64> {
-        self.floor.least()
-    }
-
     /// Takes a record of a time \[s\] that arrived \[s\]; gives those whose times are certain, with them.
     pub(crate) fn take(
         &mut self,
@@ -133,6 +171,12 @@ impl<T> LogClock<T> {
         give: &mut dyn FnMut(f64, T),
     ) -> Option<ClockChange> {
         let delay = at - (time + self.shift);
+        let before = self.last.replace(time);
+        if let Some((last, span)) = self.follows.take()
+            && (last..last + span).contains(&(time + self.shift))
+        {
+            self.reference = None;
+        }
         if let Some((reference, most)) = self.reference {
             if (delay - reference).abs() <= most && self.held.is_empty() {
                 self.reference = None;
@@ -164,16 +208,22 @@ impl<T> LogClock<T> {
             give(time + self.shift, record);
             return None;
         }
-        let (number, least, largest) = match self.beyond {
-            Some((number, least, largest)) if largest.max(delay) - least.min(delay) <= SPREAD => {
-                (number + 1, least.min(delay), largest.max(delay))
-            }
-            _ => (1, delay, delay),
+        // A burst after a pause is no clock that was set: its times go on.
+        let jumps = before.is_none_or(|before| time - before > STEP) || !self.held.is_empty();
+        if delay < floor && !jumps {
+            self.beyond = None;
+            self.floor.add(at, delay);
+            give(time + self.shift, record);
+            return None;
+        }
+        let beyond = match self.beyond {
+            Some(beyond) if beyond.with(delay).spread() <= SPREAD => beyond.with(delay),
+            _ => Beyond::new(at, delay),
         };
-        self.beyond = Some((number, least, largest));
+        self.beyond = Some(beyond);
         if delay > floor {
             // Late, or of a clock that was set back: it holds as it is stamped until that is certain.
-            if number < self.enough {
+            if !self.goes_with_arrivals || at - beyond.since < LASTING {
                 give(time + self.shift, record);
                 return None;
             }
@@ -181,12 +231,13 @@ impl<T> LogClock<T> {
         } else {
             // From the future.
             self.held.push_back((at, time, record));
-            if number < self.enough {
+            if beyond.number < self.enough {
                 return None;
             }
         }
         self.beyond = None;
-        self.shift_by(least - floor, give).map(ClockChange::Set)
+        self.shift_by(beyond.least - floor, give)
+            .map(ClockChange::Set)
     }
 
     fn least_held(&self) -> f64 {
@@ -234,7 +285,7 @@ mod tests {
 
     #[test]
     fn late_records_keep_their_stamps() {
-        let mut clock = LogClock::new(5);
+        let mut clock = LogClock::new(5, false);
         let delays = [0.1, 1.4, 0.2, 1.1, 0.9, 1.5, 0.8, 0.1, 1.2, 0.7];
         let records: Vec<_> = (0..10).map(|k| (k as f64 + delays[k], k as f64)).collect();
         let (given, changes) = run(&mut clock, &records);
@@ -244,7 +295,7 @@ mod tests {
 
     #[test]
     fn another_clock_is_put_on_that_of_the_samples() {
-        let mut clock = LogClock::new(3);
+        let mut clock = LogClock::new(3, false);
         clock.compare(0.01);
         let records: Vec<_> = (0..6)
             .map(|k| (k as f64 + [0.3, 0.11, 0.2][k % 3], 1000.0 + k as f64))
@@ -259,7 +310,7 @@ mod tests {
             "{given:?}"
         );
         // The same clock with another delay is not.
-        let mut clock = LogClock::new(3);
+        let mut clock = LogClock::new(3, false);
         clock.compare(0.01);
         let (given, changes) = run(&mut clock, &[(1.4, 0.0), (1.1, 1.0)]);
         assert_eq!((given.len(), changes.len()), (2, 0));
@@ -268,7 +319,7 @@ mod tests {
     #[test]
     fn a_clock_that_is_set_goes_on() {
         for by in [1.0, -1.0, 3600.0] {
-            let mut clock = LogClock::new(20);
+            let mut clock = LogClock::new(20, true);
             let stamp = |k: usize| 0.01 * k as f64 + if k < 500 { 0.0 } else { by };
             let records: Vec<_> = (0..1000)
                 .map(|k| (0.01 * k as f64 + 0.002, stamp(k)))
@@ -282,14 +333,26 @@ mod tests {
             let right = given
                 .iter()
                 .filter(|(time, k)| near(*time, 0.01 * *k as f64));
-            // Of one set back the first 19 are as stamped.
-            assert_eq!(right.count(), if by > 0.0 { 1000 } else { 981 });
+            // Of one set back those of the first 3 s are as stamped.
+            assert_eq!(right.count(), if by > 0.0 { 1000 } else { 700 });
         }
+    }
+
+    /// As of a log that is played 40 times as fast, with a pause of the machine.
+    #[test]
+    fn a_burst_after_a_pause_is_no_clock_that_was_set() {
+        let mut clock = LogClock::new(20, true);
+        let paused = |at: f64| if (2.0..2.5).contains(&at) { 2.5 } else { at };
+        let records: Vec<_> = (0..8000)
+            .map(|k| (paused(0.02 * k as f64 / 40.0), 0.02 * k as f64))
+            .collect();
+        let (given, changes) = run(&mut clock, &records);
+        assert_eq!((given.len(), changes.len()), (8000, 0), "{changes:?}");
     }
 
     #[test]
     fn a_sensor_that_begins_again_at_zero_goes_on() {
-        let mut clock = LogClock::new(20);
+        let mut clock = LogClock::new(20, true);
         run(
             &mut clock,
             &Vec::from_iter((0..500).map(|k| (0.01 * k as f64, 7.0 + 0.01 * k as f64))),

@@ -5,7 +5,7 @@ mod queue;
 
 pub(crate) use queue::{Broadcast, Queue};
 
-use crate::source;
+use crate::{session::is_without_gnss, source};
 use serial2::SerialPort;
 use std::{
     fs::File,
@@ -250,8 +250,9 @@ impl Outlet {
         })
     }
 
-    /// Gives a row; `without_gnss` where no fix came for long.
-    pub fn row(&mut self, row: &SolutionRow, without_gnss: bool) {
+    /// Gives a row; the newest fix is so much older \[s\].
+    pub fn row(&mut self, row: &SolutionRow, since_fix: Option<f64>) {
+        let without_gnss = is_without_gnss(since_fix);
         // Into memory.
         let _ = self
             .writer
@@ -345,7 +346,7 @@ mod tests {
         let place = Geodetic::from_degrees(40.5, -105.25, 1600.0);
         let begin = std::time::Instant::now();
         for k in 0..200_000 {
-            outlet.row(&SolutionRow::at(0.01 * f64::from(k), place), false);
+            outlet.row(&SolutionRow::at(0.01 * f64::from(k), place), Some(0.5));
         }
         assert!(begin.elapsed() < Duration::from_secs(60));
         assert!(outlet.dropped().1 > 0, "the sleeper's");

@@ -1,11 +1,15 @@
 //! A page that shows the solution in a browser while it is made: one document, without any request to elsewhere, and a
 //! stream of events (Server-Sent Events).
 
-use crate::output::{Broadcast, Queue};
+use crate::{
+    output::{Broadcast, Queue},
+    session::is_without_gnss,
+};
 use std::{
+    collections::VecDeque,
     io::{self, Write},
     net::{SocketAddr, ToSocketAddrs},
-    sync::Arc,
+    sync::{Arc, Mutex, MutexGuard, PoisonError},
     thread,
     time::{Duration, Instant},
 };
@@ -15,10 +19,14 @@ use undrift_io::write::solution::SolutionRow;
 const PAGE: &str = include_str!("page/page.html");
 /// From one row to the next, by the clock \[s\].
 const EVERY: f64 = 0.1;
+/// Notices and places that are kept for whoever opens the page later.
+const MOST_NOTICES: usize = 200;
+const MOST_PLACES: usize = 4000;
 
 /// The page, served.
 pub struct Page {
     readers: Arc<Broadcast>,
+    history: Arc<Mutex<History>>,
     address: SocketAddr,
     last: Option<Instant>,
 }
@@ -43,14 +51,16 @@ impl Page {
         let server = Server::http(address).map_err(io::Error::other)?;
         let address = server.server_addr().to_ip().unwrap_or(address);
         let readers = Arc::new(Broadcast::default());
-        let broadcast = readers.clone();
+        let history = Arc::new(Mutex::new(History::default()));
+        let (broadcast, before) = (readers.clone(), history.clone());
         thread::spawn(move || {
             for request in server.incoming_requests() {
-                answer(request, &broadcast);
+                answer(request, &broadcast, &before);
             }
         });
         Ok(Self {
             readers,
+            history,
             address,
             last: None,
         })
@@ -61,9 +71,8 @@ impl Page {
         self.address
     }
 
-    /// Shows a row; several within a tenth of a second count as one. `horizontal` is the ellipse of the position's
-    /// standard deviation, and `rejected` how many fixes the solution rejected.
-    pub fn row(&mut self, row: &SolutionRow, without_gnss: bool, since_fix: Option<f64>) {
+    /// Shows a row, whose newest fix is so much older \[s\]; several within a tenth of a second count as one.
+    pub fn row(&mut self, row: &SolutionRow, since_fix: Option<f64>) {
         let now = Instant::now();
         if self
             .last
@@ -87,8 +96,12 @@ impl Page {
             "accel_bias": [row.accel_error.x, row.accel_error.y, row.accel_error.z],
             "accel_bias_std": row.error_std[3..],
             "since_fix": since_fix,
-            "without_gnss": without_gnss,
+            "without_gnss": is_without_gnss(since_fix),
         });
+        self.history().track(
+            [row.position.lat, row.position.lon].map(f64::to_degrees),
+            is_without_gnss(since_fix),
+        );
         self.readers
             .give(format!("event: row\ndata: {data}\n\n").into_bytes());
     }
@@ -96,15 +109,66 @@ impl Page {
     /// Shows a sentence.
     pub fn notice(&self, time: Option<f64>, sentence: &str) {
         let data = serde_json::json!({ "time": time, "text": sentence });
-        self.readers
-            .give(format!("event: notice\ndata: {data}\n\n").into_bytes());
+        let event = format!("event: notice\ndata: {data}\n\n");
+        let mut history = self.history();
+        history.notices.push_back(event.clone());
+        if history.notices.len() > MOST_NOTICES {
+            history.notices.pop_front();
+        }
+        drop(history);
+        self.readers.give(event.into_bytes());
+    }
+
+    fn history(&self) -> MutexGuard<'_, History> {
+        self.history.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-fn answer(request: Request, readers: &Arc<Broadcast>) {
+/// What whoever opens the page later sees of before.
+#[derive(Default)]
+struct History {
+    notices: VecDeque<String>,
+    /// Latitude, longitude \[deg\], and 1 without GNSS.
+    track: Vec<[f64; 3]>,
+    /// Each so many rows are kept, and how many came since the last.
+    each: usize,
+    since: usize,
+}
+
+impl History {
+    fn track(&mut self, [lat, lon]: [f64; 2], without_gnss: bool) {
+        self.since += 1;
+        if self.since < self.each {
+            return;
+        }
+        self.since = 0;
+        self.track
+            .push([lat, lon, f64::from(u8::from(without_gnss))]);
+        if self.track.len() >= MOST_PLACES {
+            let mut k = 0;
+            self.track.retain(|_| {
+                k += 1;
+                k % 2 == 1
+            });
+            self.each = 2 * self.each.max(1);
+        }
+    }
+
+    fn events(&self) -> Vec<u8> {
+        let track = serde_json::json!(self.track);
+        let notices: String = self.notices.iter().map(String::as_str).collect();
+        format!("event: track\ndata: {track}\n\n{notices}").into_bytes()
+    }
+}
+
+fn answer(request: Request, readers: &Broadcast, history: &Mutex<History>) {
     match request.url() {
         "/events" => {
-            let queue = readers.join(Vec::new());
+            let before = history
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .events();
+            let queue = readers.join(before);
             thread::spawn(move || stream(request, &queue));
         }
         "/" => {
@@ -168,11 +232,10 @@ mod tests {
         }
         page.row(
             &SolutionRow::at(1.5, Geodetic::from_degrees(40.5, -105.25, 1600.0)),
-            true,
             None,
         );
         page.notice(Some(2.0), "the receiver is silent");
-        let lines: Vec<String> = events.lines().take(5).map(Result::unwrap).collect();
+        let lines: Vec<String> = events.lines().skip(3).take(5).map(Result::unwrap).collect();
         assert_eq!(
             (lines[0].as_str(), lines[3].as_str()),
             ("event: row", "event: notice")
@@ -183,6 +246,12 @@ mod tests {
             (&(-105.25).into(), &true.into())
         );
         assert!(lines[4].contains("the receiver is silent"), "{}", lines[4]);
+        // Who comes later sees the track and the notices of before.
+        let later = get(page.address(), "/events").lines().skip(4).take(4);
+        let later: Vec<String> = later.map(Result::unwrap).collect();
+        assert_eq!(later[0], "event: track");
+        assert_eq!(later[1], "data: [[40.5,-105.25,1.0]]");
+        assert_eq!(later[3], "event: notice");
         let mut missing = String::new();
         get(page.address(), "/other")
             .read_to_string(&mut missing)

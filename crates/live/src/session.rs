@@ -95,10 +95,15 @@ pub enum Notice {
     Begins,
 }
 
+/// Whether a solution is without GNSS whose newest fix is so much older \[s\].
+pub fn is_without_gnss(since_fix: Option<f64>) -> bool {
+    since_fix.is_none_or(|since| since > FRESH)
+}
+
 /// Takes what a session gives.
 pub trait Sink {
-    /// The solution at the newest sample; `without_gnss` where no fix came for long.
-    fn row(&mut self, row: &SolutionRow, without_gnss: bool);
+    /// The solution at the newest sample, and how much older the newest fix is \[s\]; `None` before the first.
+    fn row(&mut self, row: &SolutionRow, since_fix: Option<f64>);
     /// A notice, at a time of the solution \[s\] where it has one.
     fn notice(&mut self, time: Option<f64>, notice: Notice);
 }
@@ -135,6 +140,8 @@ struct Running {
     horizon: f64,
     logs: Vec<LogStream>,
     rows: Rows,
+    /// Time of the newest sample, and when it came \[s\].
+    newest: Option<(f64, f64)>,
     /// Newest time of a fix \[s\].
     last_fix: Option<f64>,
     /// When events are looked for next \[s\].
@@ -266,6 +273,7 @@ impl Running {
             horizon: options.horizon,
             settings,
             rows: Rows::new(options.clock),
+            newest: None,
             last_fix: None,
             next_events: f64::NEG_INFINITY,
             at: 0,
@@ -293,7 +301,7 @@ impl Running {
                     if let Some((_, kept)) =
                         state.clocks.iter().find(|(table, _)| *table == log.table)
                     {
-                        log.resume(*kept);
+                        log.clock.resume(*kept, time.map(|last| (last, MOST_GAP)));
                     }
                 }
                 sink.notice(time, Notice::Resumed(time.unwrap_or(f64::NAN)));
@@ -305,48 +313,28 @@ impl Running {
     fn take(&mut self, arrival: &Arrival, sink: &mut dyn Sink) -> Result<(), SessionError> {
         self.at = arrival.at;
         let at = seconds(arrival.at);
-        let mut taken = Ok(());
+        // While what they gave is pushed, the logs are apart.
         let mut logs = std::mem::take(&mut self.logs);
-        let mut samples = logs
-            .iter()
-            .find(|log| log.table == log::IMU)
-            .and_then(|log| log.clock.least_delay());
-        for log in logs.iter_mut().filter(|log| log.source == arrival.source) {
-            let mut records = Vec::new();
-            if let Some(why) = log.feed(&arrival.bytes, &self.drive, &mut |record| {
-                records.push(record)
-            }) {
-                let why = why.map_or_else(String::new, |error| error.to_string());
-                sink.notice(self.time(), Notice::ReadAgain(log.table.clone(), why));
-            }
-            if log.table != log::IMU
-                && log.clock.is_new()
-                && let Some(samples) = samples
-            {
-                log.clock.compare(samples);
-            }
-            let mut changes = Vec::new();
-            let mut ready = Vec::new();
+        let of_source = logs.iter_mut().filter(|log| log.source == arrival.source);
+        let mut taken = Ok(());
+        for log in of_source {
+            let records = self.read(log, arrival, sink);
+            let (mut ready, mut changes) = (Vec::new(), Vec::new());
             for record in records {
-                let change = log
-                    .clock
-                    .take(at, record.time(), record, &mut |time, record| {
-                        ready.push(record.at(time))
-                    });
-                changes.extend(change);
+                let Some(now) = self.now(log, at) else {
+                    // Before the first sample nothing shows how late it is.
+                    ready.push(record);
+                    continue;
+                };
+                let give = &mut |time, record: Record| ready.push(record.at(time));
+                changes.extend(log.clock.take(now, record.time(), record, give));
             }
             for change in changes {
-                let table = log.table.clone();
-                sink.notice(
-                    self.time(),
-                    match change {
-                        ClockChange::Apart(by) => Notice::ClockApart(table, by),
-                        ClockChange::Set(by) => Notice::ClockSet(table, by),
-                    },
-                );
-            }
-            if log.table == log::IMU {
-                samples = log.clock.least_delay();
+                let notice = match change {
+                    ClockChange::Apart(by) => Notice::ClockApart(log.table.clone(), by),
+                    ClockChange::Set(by) => Notice::ClockSet(log.table.clone(), by),
+                };
+                sink.notice(self.time(), notice);
             }
             taken = ready
                 .into_iter()
@@ -357,6 +345,32 @@ impl Running {
         }
         self.logs = logs;
         taken
+    }
+
+    /// The records that an arrival completes.
+    fn read(&self, log: &mut LogStream, arrival: &Arrival, sink: &mut dyn Sink) -> Vec<Record> {
+        let mut records = Vec::new();
+        let ended = log.feed(&arrival.bytes, &self.drive, &mut |record| {
+            records.push(record);
+        });
+        if let Some(why) = ended {
+            let why = why.map_or_else(String::new, |error| error.to_string());
+            sink.notice(self.time(), Notice::ReadAgain(log.table.clone(), why));
+        }
+        records
+    }
+
+    /// When a record of a log comes that comes at `at` \[s\]: of samples just that; of what aids, the time of the newest sample and
+    /// what has passed since it came, so that how late it is does not depend on the machine's clock.
+    fn now(&self, log: &mut LogStream, at: f64) -> Option<f64> {
+        if log.table == log::IMU {
+            return Some(at);
+        }
+        if log.clock.is_new() {
+            log.clock.compare(0.0);
+        }
+        let (time, came) = self.newest?;
+        Some(time + (at - came))
     }
 
     /// Time of the solution \[s\].
@@ -384,13 +398,13 @@ impl Running {
             self.events(sink);
             return Ok(());
         };
+        self.newest = Some((sample.time, seconds(self.at)));
         if let Some(row) = self
             .navigator
             .filter()
             .and_then(|filter| self.rows.row(filter))
         {
-            let fresh = self.last_fix.is_some_and(|last| row.time - last <= FRESH);
-            sink.row(&row, !fresh);
+            sink.row(&row, self.last_fix.map(|last| row.time - last));
         }
         if sample.time >= self.next_events {
             self.next_events = sample.time + EVENTS;

@@ -25,6 +25,19 @@ pub fn notice(notice: &Notice) -> String {
     }
 }
 
+/// Factors on a standard deviation that are worth a word lie outside of this.
+const USUAL: std::ops::RangeInclusive<f64> = 0.75..=1.33;
+
+/// Whether it says something to whoever drives.
+pub fn is_worth_a_word(notice: &Notice) -> bool {
+    let Notice::Navigation(Event::FixErrors(_, errors)) = notice else {
+        return true;
+    };
+    let velocity = errors.velocity_factor;
+    let factors = [errors.position_factor, velocity.x, velocity.y, velocity.z];
+    !factors.iter().all(|factor| USUAL.contains(factor))
+}
+
 /// Whether it is a warning.
 pub fn is_warning(notice: &Notice) -> bool {
     match notice {

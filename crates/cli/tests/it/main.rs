@@ -6,6 +6,8 @@ mod exit_codes;
 mod fleet;
 mod identify;
 mod inspect;
+#[cfg(unix)]
+mod live;
 mod mistakes;
 mod model;
 #[path = "../../../../tools/public_data.rs"]

@@ -52,7 +52,6 @@ pub(super) struct LogStream {
     stream: Stream<Record>,
     /// How the log begins.
     beginning: Vec<u8>,
-    enough: usize,
     /// Of a table of text, the lines before its first row: a reader that begins again needs them.
     header: Option<Header>,
 }
@@ -102,17 +101,11 @@ impl LogStream {
         Self {
             table: table.to_owned(),
             source,
-            clock: LogClock::new(enough),
+            clock: LogClock::new(enough, table == IMU),
             stream: stream(table, beginning.clone(), drive),
             beginning,
-            enough,
             header: is_text.then(Header::default),
         }
-    }
-
-    /// Its clock as it was in another run.
-    pub(super) fn resume(&mut self, kept: (f64, f64)) {
-        self.clock = LogClock::resumed(self.enough, kept);
     }
 
     /// Hands over bytes; why the reader began again, if it had to.

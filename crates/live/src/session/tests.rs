@@ -89,9 +89,9 @@ struct Seen {
 }
 
 impl Sink for Seen {
-    fn row(&mut self, row: &SolutionRow, without_gnss: bool) {
+    fn row(&mut self, row: &SolutionRow, since_fix: Option<f64>) {
         self.rows.push(*row);
-        self.without += usize::from(without_gnss);
+        self.without += usize::from(is_without_gnss(since_fix));
     }
 
     fn notice(&mut self, _: Option<f64>, notice: Notice) {

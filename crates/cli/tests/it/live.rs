@@ -1,0 +1,336 @@
+//! `undrift live` through sockets: what it gives is what `undrift navigate` gives, a recording gives it again, and after a kill
+//! it goes on.
+
+use std::{
+    fs,
+    io::{BufRead, BufReader, Write},
+    net::{TcpListener, TcpStream},
+    path::{Path, PathBuf},
+    process::{Child, Command, Stdio},
+    thread,
+    time::{Duration, Instant},
+};
+
+/// Length of the drive [s], how much faster than it it is sent, and how late fixes come at most [s].
+const LENGTH: f64 = 160.0;
+const PACE: f64 = 40.0;
+const LATE: f64 = 1.5;
+
+fn folder(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("live_{name}"));
+    // Left by an earlier run, if it is there.
+    let _ = fs::remove_dir_all(&folder);
+    fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+fn undrift(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_undrift"));
+    command.args(arguments).current_dir(folder);
+    command
+}
+
+/// The rows of a table with their times [s], and its header.
+fn rows(file: &Path) -> (String, Vec<(f64, String)>) {
+    let text = fs::read_to_string(file).unwrap();
+    let mut lines = text.lines();
+    let header = format!("{}\n", lines.next().unwrap());
+    let rows = lines.map(|line| {
+        (
+            line.split(',').next().unwrap().parse().unwrap(),
+            format!("{line}\n"),
+        )
+    });
+    (header, rows.filter(|(time, _)| *time <= LENGTH).collect())
+}
+
+/// The drive of `undrift sample`, cut to [`LENGTH`].
+fn sample(name: &str) -> PathBuf {
+    let folder = folder(name);
+    assert!(
+        undrift(&folder, &["sample", "logs", "-q"])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let drive = folder.join("logs/drive");
+    for file in ["imu.csv", "gnss.csv"] {
+        let (header, rows) = rows(&drive.join(file));
+        let rows: String = rows.into_iter().map(|(_, row)| row).collect();
+        fs::write(drive.join(file), header + &rows).unwrap();
+    }
+    drive
+}
+
+/// A server that sends what comes when, by the time of the log, to its first client.
+fn serve(
+    rows: Vec<(f64, String)>,
+    header: String,
+    pace: f64,
+) -> (String, thread::JoinHandle<TcpStream>) {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = format!("tcp://{}", listener.local_addr().unwrap());
+    let server = thread::spawn(move || {
+        let (mut stream, _) = listener.accept().unwrap();
+        let begin = Instant::now();
+        stream.write_all(header.as_bytes()).unwrap();
+        for (time, row) in rows {
+            thread::sleep(Duration::from_secs_f64(time / pace).saturating_sub(begin.elapsed()));
+            // In two pieces.
+            let (one, two) = row.split_at(row.len() / 3);
+            if stream
+                .write_all(one.as_bytes())
+                .and_then(|()| stream.write_all(two.as_bytes()))
+                .is_err()
+            {
+                break;
+            }
+        }
+        stream
+    });
+    (address, server)
+}
+
+/// Ends a run as Ctrl-C does and waits for it.
+fn interrupt(mut run: Child) {
+    let id = run.id().to_string();
+    assert!(
+        Command::new("kill")
+            .args(["-INT", &id])
+            .status()
+            .unwrap()
+            .success()
+    );
+    assert!(run.wait().unwrap().success());
+}
+
+fn last_line(file: &Path) -> String {
+    fs::read_to_string(file)
+        .unwrap()
+        .lines()
+        .last()
+        .unwrap_or_default()
+        .to_owned()
+}
+
+fn wait_for(what: &str, mut done: impl FnMut() -> bool) {
+    let begin = Instant::now();
+    while !done() {
+        assert!(begin.elapsed() < Duration::from_secs(60), "{what}");
+        thread::sleep(Duration::from_millis(20));
+    }
+}
+
+#[test]
+fn through_sockets_with_late_fixes_it_is_navigate_and_a_recording_gives_it_again() {
+    let drive = sample("sockets");
+    assert!(
+        undrift(&drive, &["navigate", "drive.toml", "-o", "nav.csv", "-q"])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let (imu_header, imu) = rows(&drive.join("imu.csv"));
+    let (gnss_header, gnss) = rows(&drive.join("gnss.csv"));
+    // Fixes come late by 0.05 s to LATE; the last two samples come after all of them.
+    let late = gnss.into_iter().enumerate();
+    let gnss = late.map(|(k, (time, row))| {
+        (
+            time + 0.05 + (k * 7919 % 1000) as f64 * 1e-3 * (LATE - 0.05),
+            row,
+        )
+    });
+    let mut gnss: Vec<_> = gnss.collect();
+    let mut latest = 0.0_f64;
+    for (time, _) in &mut gnss {
+        latest = latest.max(*time);
+        *time = latest;
+    }
+    let mut imu = imu;
+    let from = imu.len() - 2;
+    for (time, _) in &mut imu[from..] {
+        *time = LENGTH + 2.0 * LATE;
+    }
+    let (from_imu, imu_server) = serve(imu, imu_header, PACE);
+    let (from_gnss, gnss_server) = serve(gnss, gnss_header, PACE);
+    let arguments = [
+        "live",
+        "drive.toml",
+        "--imu",
+        &from_imu,
+        "--gnss",
+        &from_gnss,
+        "-o",
+        "live.csv",
+        "--record",
+        "run.mcap",
+    ];
+    let mut run = undrift(&drive, &arguments)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let said = run.stderr.take().unwrap();
+    let said = thread::spawn(move || {
+        BufReader::new(said)
+            .lines()
+            .map_while(Result::ok)
+            .collect::<Vec<_>>()
+            .join("\n")
+    });
+    let streams = [imu_server.join().unwrap(), gnss_server.join().unwrap()];
+    let newest = |file: &str| {
+        last_line(&drive.join(file))
+            .split(',')
+            .next()
+            .unwrap_or_default()
+            .to_owned()
+    };
+    // The solution goes to the last sample but one.
+    wait_for("the last row", || newest("live.csv").starts_with("159.98"));
+    interrupt(run);
+    drop(streams);
+    let said = said.join().unwrap();
+    assert!(
+        said.contains("navigation begins: levelled during"),
+        "{said}"
+    );
+    assert!(said.contains("; 0 measurements too late"), "{said}");
+    let (_, navigated) = rows(&drive.join("nav.csv"));
+    let last = last_line(&drive.join("live.csv"));
+    let (_, same) = navigated
+        .iter()
+        .find(|(time, _)| format!("{time:.4}") == last.split(',').next().unwrap())
+        .unwrap();
+    assert_eq!(last, same.trim_end(), "{said}");
+
+    let again = ["live", "replay:run.mcap?pace=0", "-o", "again.csv", "-q"];
+    assert!(undrift(&drive, &again).status().unwrap().success());
+    assert!(
+        fs::read(drive.join("live.csv")).unwrap() == fs::read(drive.join("again.csv")).unwrap()
+    );
+}
+
+#[test]
+fn after_a_kill_it_goes_on_from_its_checkpoint() {
+    let drive = sample("kill");
+    let (header, imu) = rows(&drive.join("imu.csv"));
+    let (gnss_header, gnss) = rows(&drive.join("gnss.csv"));
+    let cut = 120.0;
+    let part = |rows: &[(f64, String)], first: bool| -> Vec<(f64, String)> {
+        let rows = rows.iter().filter(|(time, _)| (*time < cut) == first);
+        rows.map(|(time, row)| (if first { *time } else { *time - cut }, row.clone()))
+            .collect()
+    };
+    for first in [true, false] {
+        // The second part at the pace of the vehicle.
+        let pace = if first { PACE } else { 4.0 };
+        let (from_imu, imu_server) = serve(part(&imu, first), header.clone(), pace);
+        let (from_gnss, gnss_server) = serve(part(&gnss, first), gnss_header.clone(), pace);
+        let arguments = [
+            "live",
+            "drive.toml",
+            "--imu",
+            &from_imu,
+            "--gnss",
+            &from_gnss,
+            "-o",
+            "live.csv",
+            "--state",
+            "run.state",
+        ];
+        let mut run = undrift(&drive, &arguments)
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut said = BufReader::new(run.stderr.take().unwrap())
+            .lines()
+            .map_while(Result::ok);
+        if first {
+            let _streams = [imu_server.join().unwrap(), gnss_server.join().unwrap()];
+            wait_for("a checkpoint", || drive.join("run.state").exists());
+            wait_for("the last row", || {
+                last_line(&drive.join("live.csv")).starts_with("119.9")
+            });
+            run.kill().unwrap();
+            run.wait().unwrap();
+        } else {
+            assert!(
+                said.any(|line| line.contains("goes on from the checkpoint of 119")),
+                "resumed"
+            );
+            wait_for("a row", || {
+                last_line(&drive.join("live.csv")).starts_with("125")
+            });
+            interrupt(run);
+            let row: Vec<f64> = last_line(&drive.join("live.csv"))
+                .split(',')
+                .map(|field| field.parse().unwrap())
+                .collect();
+            assert!(row[10].hypot(row[11]) < 0.5, "σ [m]: {row:?}");
+            let (_, truth) = self::rows(&drive.join("truth.csv"));
+            let (_, truth) = truth
+                .iter()
+                .find(|(time, _)| (time - row[0]).abs() < 0.011)
+                .unwrap();
+            let truth: Vec<f64> = truth
+                .trim_end()
+                .split(',')
+                .map(|field| field.parse().unwrap())
+                .collect();
+            let north = (truth[1] - row[1]).to_radians() * 6.371e6;
+            let east = (truth[2] - row[2]).to_radians() * 6.371e6 * row[1].to_radians().cos();
+            assert!(
+                north.hypot(east) < 3.0 * row[10].hypot(row[11]) + 0.1,
+                "{north} {east} {row:?}"
+            );
+            drop((imu_server.join(), gnss_server.join()));
+        }
+    }
+}
+
+#[test]
+fn a_mistake_is_said_before_anything_runs() {
+    let drive = sample("mistakes");
+    for (arguments, words) in [
+        (
+            &["live", "drive.toml"] as &[&str],
+            "no source of [imu]: specify --imu SOURCE, or --replay 1",
+        ),
+        (
+            &["live", "drive.toml", "--imu", "-", "--gnss", "tcp://pi"],
+            "host:port is expected",
+        ),
+        (
+            &["live", "drive.toml", "--replay", "0", "-o", "nav.kml"],
+            "complete only at its end",
+        ),
+        (
+            &["live", "drive.toml", "--replay", "0", "--horizon", "x"],
+            "must be 0 to 60 s",
+        ),
+        (
+            &["live", "replay:imu.csv"],
+            "not a recording of undrift live",
+        ),
+        (
+            &[
+                "live",
+                "drive.toml",
+                "--imu",
+                "-",
+                "--gnss",
+                "-",
+                "--odometer",
+                "-",
+            ],
+            "has no [odometer]",
+        ),
+    ] {
+        let said = undrift(&drive, arguments).output().unwrap();
+        let stderr = String::from_utf8(said.stderr).unwrap();
+        assert!(
+            !said.status.success() && stderr.contains(words),
+            "{arguments:?}: {stderr}"
+        );
+    }
+}
