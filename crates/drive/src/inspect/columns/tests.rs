@@ -8,6 +8,7 @@ fn preview(names: &[&str], rows: Vec<Vec<f64>>) -> Preview {
         header: names.clone(),
         names,
         rows,
+        ..Preview::default()
     }
 }
 
