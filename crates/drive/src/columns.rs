@@ -4,6 +4,12 @@ mod steps;
 mod words;
 
 pub use steps::{FIX_STEP, IMU_STEP, ordinary_step, time_unit, time_unit_of};
+
+/// Whether the ticks of a column of times have an unknown length: by its name they are those of a clock, and by their steps of
+/// no usual unit. `longest` is as in [`time_unit`].
+pub fn is_of_unknown_ticks(column: &str, stamps: &[f64], longest: f64) -> bool {
+    steps::is_tick_clock(&letters(column)) && time_unit_of(column, stamps, longest).is_none()
+}
 pub use words::RECEIVED;
 
 use undrift_nav::units::{Quantity, unit_factor};

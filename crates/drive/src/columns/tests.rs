@@ -313,3 +313,23 @@ fn parts_of_a_time_are_no_times_of_their_own() {
     let alone = meanings(&["day".to_owned(), "sec".to_owned()]);
     assert!(alone.iter().all(Option::is_some), "{alone:?}");
 }
+
+#[test]
+fn ticks_of_a_clock_are_a_time_where_their_steps_show_a_usual_unit() {
+    let stamps = |step: f64| -> Vec<f64> { (0..100).map(|k| step * f64::from(k)).collect() };
+    let unit = |name: &str, step: f64, longest: f64| {
+        let found = time_unit_of(name, &stamps(step), longest);
+        let unknown = is_of_unknown_ticks(name, &stamps(step), longest);
+        (found.map(|(unit, _)| unit), unknown)
+    };
+    // 100 Hz in ms and us; 0.1 ms and a crystal of 32768 Hz would be 10 Hz and 3 kHz.
+    assert_eq!(unit("Ticks", 10.0, IMU_STEP), (Some("ms"), false));
+    assert_eq!(unit("tick", 1e4, IMU_STEP), (Some("us"), false));
+    assert_eq!(unit("ticks", 100.0, IMU_STEP), (None, true));
+    assert_eq!(unit("ticks", 327.68, IMU_STEP), (None, true));
+    // Fixes each second.
+    assert_eq!(unit("ticks", 1000.0, FIX_STEP), (Some("ms"), false));
+    assert_eq!(unit("ticks", 32_768.0, FIX_STEP), (None, true));
+    // What is called a time is one.
+    assert_eq!(unit("time", 100.0, IMU_STEP), (Some("ms"), false));
+}

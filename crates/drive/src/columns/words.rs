@@ -64,7 +64,7 @@ pub(super) const SUFFIXES: [(&str, &str); 60] = [
     ("_hz", "Hz"),
 ];
 
-pub(super) const TIMES: [&str; 40] = [
+pub(super) const TIMES: [&str; 44] = [
     "datenum",
     RECEIVED,
     "t",
@@ -105,6 +105,10 @@ pub(super) const TIMES: [&str; 40] = [
     "asctime",
     "localtime",
     "loggingtime",
+    "sod",
+    "secofday",
+    "secondofday",
+    "secondsofday",
 ];
 /// The time at which a line came, which a serial monitor writes before it.
 pub const RECEIVED: &str = "received";

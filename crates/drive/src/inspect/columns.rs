@@ -6,7 +6,8 @@ use super::{
     units::{self, Force},
 };
 use crate::columns::{
-    FIX_STEP, IMU_STEP, Meaning, RECEIVED, meanings, ordinary_step, time_unit_of,
+    FIX_STEP, IMU_STEP, Meaning, RECEIVED, is_of_unknown_ticks, meanings, ordinary_step,
+    time_unit_of,
 };
 use toml::Value;
 use undrift_io::{Opened, ReadError, table::Preview};
@@ -33,7 +34,8 @@ pub(super) fn parts_of(mut table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
     let is_place = found.place[0].or(found.place[1]).is_some();
     if !is_place && [&found.gyro, &found.ecef].map(all) == [None; 2] {
         let by_numbers = by_numbers(&table);
-        if by_numbers.accel[0].is_some() || by_numbers.place[0].is_some() {
+        let shows = [by_numbers.accel[0], by_numbers.place[0], by_numbers.ecef[0]];
+        if shows.iter().any(Option::is_some) {
             found = by_numbers;
         }
     }
@@ -229,12 +231,15 @@ impl Columns {
         let Some((place, known)) = named.or_else(by_numbers) else {
             return (Vec::new(), None);
         };
+        let stamps = self.stamps(place);
+        let name = self.table.names.get(place).map_or("", String::as_str);
+        if self.unit(place).is_none() && is_of_unknown_ticks(name, &stamps, longest) {
+            return (Vec::new(), None);
+        }
         let mut lines = vec![Line::new("time", self.name(place), known)];
         if let Some(date) = self.found.date {
             lines.push(Line::new("date", self.name(date), self.found.known.clone()));
         }
-        let stamps = self.stamps(place);
-        let name = self.table.names.get(place).map_or("", String::as_str);
         let guess = time_unit_of(name, &stamps, longest);
         let (unit, known) = match (self.unit(place), guess) {
             (Some(unit), _) => (unit, Known::Name { several: false }),

@@ -8,6 +8,8 @@ use crate::columns::{Meaning, meanings};
 use undrift_io::table::Preview;
 use undrift_results::inspect::Known;
 
+/// Distances from the centre of the Earth of a place on it or in the air above \[m\].
+const RADII: std::ops::Range<f64> = 6.33e6..6.41e6;
 /// Samples of which a mean is taken.
 const PART: usize = 25;
 
@@ -42,9 +44,12 @@ pub(super) fn by_numbers(table: &Preview) -> Found {
         table.rows.iter().map(value).collect()
     };
     let columns: Vec<Vec<f64>> = (0..width).map(column).collect();
-    found.time = columns
-        .iter()
-        .position(|c| c.len() > 2 && c.windows(2).all(|pair| pair[1] > pair[0]));
+    let grows = |c: &&Vec<f64>| c.len() > 2 && c.windows(2).all(|pair| pair[1] > pair[0]);
+    // A counter of the rows only where nothing else grows.
+    let counts = |c: &Vec<f64>| c.windows(2).all(|pair| pair[1] - pair[0] == 1.0);
+    let growing = |c: &Vec<f64>| grows(&c) && !counts(c);
+    let time = columns.iter().position(growing);
+    found.time = time.or_else(|| columns.iter().position(|c| grows(&c)));
     places::find(&columns, &mut found);
     // What a name says to be something else.
     let known = meanings(&table.names);
@@ -61,12 +66,26 @@ pub(super) fn by_numbers(table: &Preview) -> Found {
         let before = accel.checked_sub(3).filter(|before| free(*before));
         before.or(Some(accel + 3).filter(|behind| free(*behind)))
     };
-    let is_force = |samples: &[[f64; 3]]| !matches!(units::force(samples, None), Force::Unknown(_));
+    let is_force = |samples: &[[f64; 3]]| {
+        !matches!(units::force(samples, None), Force::Unknown(_))
+            || units::counts(samples).is_some()
+    };
     let force = (0..width).filter(|k| free(*k)).find_map(|k| {
         let samples = three_of(&table.rows, [k, k + 1, k + 2]);
         let steady = steady(&samples) || steady(&means(&samples));
         Some((k, beside(k)?)).filter(|_| is_force(&samples) && steady)
     });
+    let earth_fixed = |k: &usize| {
+        let samples = three_of(&table.rows, [*k, k + 1, k + 2]);
+        let near = |v: &[f64; 3]| RADII.contains(&v.iter().map(|x| x * x).sum::<f64>().sqrt());
+        samples.len() > 2 && samples.iter().all(near)
+    };
+    if force.is_none()
+        && let Some(x) = (0..width).filter(|k| free(*k)).find(earth_fixed)
+    {
+        found.ecef = [0, 1, 2].map(|axis| Some(x + axis));
+        return found;
+    }
     if let Some((accel, gyro)) = force {
         // Rates at rest may look like gravity, which is steadier.
         let [force, rate] = [accel, gyro].map(|k| three_of(&table.rows, [k, k + 1, k + 2]));
