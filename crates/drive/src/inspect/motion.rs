@@ -312,7 +312,11 @@ fn other_unit(imu: &mut Part, drive: &Drive) -> bool {
     let guessed = imu.lines.iter_mut().find(|line| {
         let guess = matches!(
             line.known,
-            Known::LargeScatter(_) | Known::SmallScatter(_) | Known::Counts | Known::Name { .. }
+            Known::LargestRate(_)
+                | Known::LargeScatter(_)
+                | Known::SmallScatter(_)
+                | Known::Counts
+                | Known::Name { .. }
         );
         line.key == "gyro_unit" && guess
     });
