@@ -109,6 +109,7 @@ pub fn complete(inspections: &[Inspection], drive: Option<&Path>) -> Result<()> 
         .iter()
         .map(|log| output::shown(&log.file))
         .collect();
+    let unknown = |table| report::unknown_log(inspections, table);
     for (table, what) in [("imu", "inertial samples"), ("gnss", "positions")] {
         let mut parts = inspections.iter().flat_map(|file| &file.parts);
         match parts.find(|part| part.table == table) {
@@ -127,6 +128,11 @@ pub fn complete(inspections: &[Inspection], drive: Option<&Path>) -> Result<()> 
                     output::shown(&log.file)
                 )
             }
+            None if unknown(table).is_some() => bail!(
+                "no {what} in {}: {}",
+                names.join(" and "),
+                unknown(table).unwrap_or_default()
+            ),
             None => bail!(
                 "no {what} in {}{}: specify their log too, as in `undrift inspect {} LOG -o drive.toml`, or write [{table}] by hand",
                 names.join(" and "),

@@ -1,10 +1,23 @@
 //! What the names of columns mean: the words that logs of this field use.
 
 mod steps;
+mod words;
 
 pub use steps::{FIX_STEP, IMU_STEP, ordinary_step, time_unit, time_unit_of};
 
+/// Whether the ticks of a column of times have an unknown length: by its name they are those of a clock, and by their steps of
+/// no usual unit. `longest` is as in [`time_unit`].
+pub fn is_of_unknown_ticks(column: &str, stamps: &[f64], longest: f64) -> bool {
+    steps::is_tick_clock(&letters(column)) && time_unit_of(column, stamps, longest).is_none()
+}
+pub use words::RECEIVED;
+
 use undrift_nav::units::{Quantity, unit_factor};
+use words::{
+    ACCELS, ACCURACIES, COURSES, DATES, DIRECTIONS, ECEF_VELOCITIES, ECEFS, GYROS, HEIGHTS,
+    LATITUDES, LONGITUDES, POSITION_STDS, SPEEDS, SUFFIXES, TIME_ENDINGS, TIME_UNITS, TIMES,
+    VELOCITIES, VELOCITY_STDS,
+};
 
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,210 +81,21 @@ impl Meaning {
     }
 }
 
-/// Endings of names that are units.
-const SUFFIXES: [(&str, &str); 48] = [
-    ("_days", "d"),
-    ("_dege7", "LSB/1e7 deg"),
-    ("_deg_1e7", "LSB/1e7 deg"),
-    ("_1e7", "LSB/1e7 deg"),
-    ("_e7", "LSB/1e7 deg"),
-    ("_mm_s", "mm/s"),
-    ("_mmps", "mm/s"),
-    ("_cm_s", "cm/s"),
-    ("_km_h", "km/h"),
-    ("_kmh", "km/h"),
-    ("_kph", "km/h"),
-    ("_mph", "mph"),
-    ("_fps", "ft/s"),
-    ("_ft_s", "ft/s"),
-    ("_feet", "ft"),
-    ("_ft", "ft"),
-    ("_kts", "kn"),
-    ("_knots", "kn"),
-    ("_kn", "kn"),
-    ("_mm", "mm"),
-    ("_cm", "cm"),
-    ("_radps", "rad/s"),
-    ("_rad_s", "rad/s"),
-    ("_degps", "deg/s"),
-    ("_deg_s", "deg/s"),
-    ("_dps", "deg/s"),
-    ("_mps2", "m/s^2"),
-    ("_m_s2", "m/s^2"),
-    ("_mps", "m/s"),
-    ("_m_s", "m/s"),
-    ("_mg", "mg"),
-    ("_g", "g"),
-    ("_deg", "deg"),
-    ("_rad", "rad"),
-    ("_kelvin", "K"),
-    ("_celsius", "degC"),
-    ("_degc", "degC"),
-    ("_c", "degC"),
-    ("_sec", "s"),
-    ("_msec", "ms"),
-    ("_usec", "us"),
-    ("_nsec", "ns"),
-    ("_ms", "ms"),
-    ("_us", "us"),
-    ("_ns", "ns"),
-    ("_s", "s"),
-    ("_m", "m"),
-    ("_hz", "Hz"),
-];
-
-const TIMES: [&str; 28] = [
-    "datenum",
-    RECEIVED,
-    "t",
-    "ts",
-    "elapsed",
-    "elapsedtime",
-    "secondselapsed",
-    "timesincestart",
-    "timesinceboot",
-    "uptime",
-    "systime",
-    "sampletimefine",
-    "time",
-    "timestamp",
-    "timestamps",
-    "stamp",
-    "tow",
-    "sow",
-    "gpstime",
-    "gpssow",
-    "utc",
-    "utctime",
-    "datetime",
-    "utcdatetime",
-    "timeofday",
-    "sec",
-    "secs",
-    "seconds",
-];
-/// The time at which a line came, which a serial monitor writes before it.
-pub const RECEIVED: &str = "received";
-/// Words that are a time and its unit, and endings of words for a time that are its unit.
-const TIME_UNITS: [(&str, &str); 6] = [
-    ("millis", "ms"),
-    ("milliseconds", "ms"),
-    ("micros", "us"),
-    ("microseconds", "us"),
-    ("nanos", "ns"),
-    ("nanoseconds", "ns"),
-];
-const TIME_ENDINGS: [(&str, &str); 6] = [
-    ("msec", "ms"),
-    ("usec", "us"),
-    ("nsec", "ns"),
-    ("ms", "ms"),
-    ("us", "us"),
-    ("ns", "ns"),
-];
-const GYROS: [&str; 12] = [
-    "g",
-    "gyro",
-    "gyr",
-    "gyros",
-    "gyroscope",
-    "w",
-    "omega",
-    "wib",
-    "angularvelocity",
-    "angularrate",
-    "angvel",
-    "wrss",
-];
-const ACCELS: [&str; 13] = [
-    "a",
-    "acc",
-    "accel",
-    "accelerometer",
-    "acceleration",
-    "f",
-    "fb",
-    "specificforce",
-    "linearacceleration",
-    "linacc",
-    "accl",
-    "arss",
-    "force",
-];
-const DATES: [&str; 3] = ["date", "utcdate", "day"];
-const ECEFS: [&str; 3] = ["ecef", "ecefpos", "posecef"];
-const ECEF_VELOCITIES: [&str; 4] = ["ecefv", "vecef", "ecefvel", "velecef"];
-const LATITUDES: [&str; 2] = ["lat", "latitude"];
-const LONGITUDES: [&str; 4] = ["lon", "long", "lng", "longitude"];
-const HEIGHTS: [&str; 15] = [
-    "hmsl",
-    "heightmsl",
-    "altmsl",
-    "altitudemsl",
-    "mslheight",
-    "height",
-    "alt",
-    "altitude",
-    "h",
-    "hgt",
-    "ele",
-    "elevation",
-    "ellipsoidheight",
-    "ellipsoidalheight",
-    "hell",
-];
-const VELOCITIES: [&str; 4] = ["v", "vel", "velocity", "vned"];
-const SPEEDS: [&str; 7] = [
-    "speed",
-    "gspeed",
-    "gpsspeed",
-    "groundspeed",
-    "speedoverground",
-    "sog",
-    "spd",
-];
-const COURSES: [&str; 7] = [
-    "course",
-    "cog",
-    "courseoverground",
-    "headmot",
-    "headingofmotion",
-    "track",
-    "bearing",
-];
-/// Accuracies of the horizontal position, the height, the speed.
-const ACCURACIES: [&[&str]; 3] = [
-    &["hacc", "horizontalaccuracy", "accuracy"],
-    &["vacc", "verticalaccuracy"],
-    &["sacc", "speedaccuracy"],
-];
-const POSITION_STDS: [&str; 7] = [
-    "std",
-    "sd",
-    "sigma",
-    "s",
-    "positionstd",
-    "posstd",
-    "accuracy",
-];
-const VELOCITY_STDS: [&str; 6] = ["vstd", "velstd", "velocitystd", "stdv", "sdv", "sigmav"];
-
-/// Directions by their letters and words: north, east, down, up.
-const DIRECTIONS: [(&str, usize); 8] = [
-    ("north", 0),
-    ("east", 1),
-    ("down", 2),
-    ("up", 3),
-    ("n", 0),
-    ("e", 1),
-    ("d", 2),
-    ("u", 3),
-];
-
 /// What the names of a table's columns mean beside each other, as [`meaning`] of each: where `omega` is the angular rate
 /// and nothing else the specific force, `alpha` is that, as in the tables of Kalibr, in rad/s and m/s².
 pub fn meanings(names: &[String]) -> Vec<Option<(Meaning, Option<String>)>> {
     let mut found: Vec<_> = names.iter().map(|name| meaning(name)).collect();
+    // What is part of a time in several columns is none of its own.
+    for part in names
+        .iter()
+        .flat_map(|name| name.split(" + ").skip(usize::from(!name.contains(" + "))))
+    {
+        for (meaning, name) in found.iter_mut().zip(names) {
+            if name.trim() == part {
+                *meaning = None;
+            }
+        }
+    }
     let letters: Vec<String> = names.iter().map(|name| letters(name)).collect();
     let there = |name: &str, axis: char| letters.contains(&format!("{name}{axis}"));
     let accel = |of: &Option<(Meaning, _)>| matches!(of, Some((Meaning::Accel(_), _)));
@@ -293,10 +117,20 @@ pub fn meanings(names: &[String]) -> Vec<Option<(Meaning, Option<String>)>> {
     found
 }
 
-/// The letters and digits of a name, small.
+/// The letters and digits of a name, small and without accents.
 fn letters(name: &str) -> String {
-    let letters = name.chars().filter(char::is_ascii_alphanumeric);
-    letters.map(|c| c.to_ascii_lowercase()).collect()
+    let plain = |c: char| match c.to_lowercase().next().unwrap_or(c) {
+        'á' | 'à' | 'â' | 'ä' | 'ã' => 'a',
+        'é' | 'è' | 'ê' | 'ë' => 'e',
+        'í' | 'ì' | 'î' | 'ï' => 'i',
+        'ó' | 'ò' | 'ô' | 'ö' | 'õ' => 'o',
+        'ú' | 'ù' | 'û' | 'ü' => 'u',
+        'ñ' => 'n',
+        'ç' => 'c',
+        other => other,
+    };
+    let letters = name.chars().map(plain);
+    letters.filter(char::is_ascii_alphanumeric).collect()
 }
 
 /// What a column's name means, and the unit that it states in brackets or by its ending; `None` of a name that is not known.
@@ -309,8 +143,44 @@ fn letters(name: &str) -> String {
 /// assert_eq!(meaning("gyro_y"), Some((Meaning::Gyro(1), None)));
 /// ```
 pub fn meaning(column: &str) -> Option<(Meaning, Option<String>)> {
-    let name = column.trim().to_ascii_lowercase();
-    let (stem, unit) = split_unit(&name);
+    let name = column.trim().to_lowercase();
+    // Times in several columns, as the reader of tables names their sum.
+    if name.contains(" + ") {
+        return Some((Meaning::Time, None));
+    }
+    // `gyro[0]`.
+    let axis = ["[0]", "[1]", "[2]"].iter().zip(["x", "y", "z"]);
+    let mut indexed =
+        axis.filter_map(|(index, axis)| Some(name.strip_suffix(index)?.to_owned() + axis));
+    let name = indexed.next().unwrap_or(name);
+    of_name(&name).or_else(|| of_name(without_source(&name)?))
+}
+
+/// Words before the name of a value that say where it is from.
+const SOURCES: [&str; 13] = [
+    "field", "header", "imu", "raw", "scaled", "data", "msg", "message", "gps", "gnss", "navsat",
+    "inertial", "sensor",
+];
+
+/// A name behind the last point, colon or stroke, where what is before it are words for a source.
+fn without_source(name: &str) -> Option<&str> {
+    let at = name.rfind(['.', ':', '/'])?;
+    let (before, value) = (name.get(..at)?, name.get(at + 1..)?);
+    let axis = matches!(value, "x" | "y" | "z");
+    let cut = match axis {
+        true => before.rfind(['.', ':', '/'])?,
+        false => at,
+    };
+    let mut words = name.get(..cut)?.split(['.', ':', '/', '_', '-']);
+    let known = |word: &str| {
+        let digits = word.bytes().all(|byte| byte.is_ascii_digit());
+        digits || SOURCES.iter().any(|source| word.starts_with(source))
+    };
+    (words.all(known) && letters(name.get(cut + 1..)?).len() > 2).then(|| name.get(cut + 1..))?
+}
+
+fn of_name(name: &str) -> Option<(Meaning, Option<String>)> {
+    let (stem, unit) = split_unit(name);
     if matches!(unit.as_deref(), Some("degC" | "K")) {
         return Some((Meaning::Temperature, unit));
     }
@@ -318,13 +188,25 @@ pub fn meaning(column: &str) -> Option<(Meaning, Option<String>)> {
     if let Some(unit) = time_and_unit(&letters) {
         return Some((Meaning::Time, Some(unit.to_owned())));
     }
-    let meaning = of_letters(&letters)?;
+    let meaning = of_letters(&letters).or_else(|| of_axis(&letters, unit.as_deref()?))?;
     let fits = |unit: &String| {
         meaning
             .quantity()
             .is_none_or(|quantity| unit_factor(unit, quantity).is_ok())
     };
     Some((meaning, unit.filter(fits)))
+}
+
+/// An axis alone with a unit that only one sensor has: `x-axis (deg/s)`.
+fn of_axis(letters: &str, unit: &str) -> Option<Meaning> {
+    let axis = letters.strip_suffix("axis").unwrap_or(letters);
+    let axis = ["x", "y", "z"].iter().position(|name| *name == axis)?;
+    let is = |quantity| unit_factor(unit, quantity).is_ok();
+    if is(Quantity::AngularRate) {
+        Some(Meaning::Gyro(axis))
+    } else {
+        is(Quantity::Acceleration).then_some(Meaning::Accel(axis))
+    }
 }
 
 /// The unit in a word that is a time and its unit: `millis`, `timestampus`.
@@ -341,8 +223,17 @@ fn time_and_unit(letters: &str) -> Option<&'static str> {
 
 fn of_letters(name: &str) -> Option<Meaning> {
     let axis = |stems: &[&str]| -> Option<usize> {
-        let axis = "xyz".find(name.chars().last()?)?;
-        stems.contains(&&name[..name.len() - 1]).then_some(axis)
+        let behind = "xyz".chars().position(|axis| {
+            let stem = name.strip_suffix(axis);
+            stem.is_some_and(|stem| stems.contains(&stem))
+        });
+        // `xgyro`, but a single letter behind that of an axis is something else.
+        behind.or_else(|| {
+            "xyz".chars().position(|axis| {
+                let stem = name.strip_prefix(axis);
+                stem.is_some_and(|stem| stem.len() > 2 && stems.contains(&stem))
+            })
+        })
     };
     let direction = |stems: &[&str]| -> Option<usize> {
         DIRECTIONS.iter().find_map(|(word, index)| {
@@ -456,7 +347,9 @@ fn spelled(unit: &str) -> String {
         }
         "kmh" | "kph" | "km/hr" => "km/h".into(),
         "µs" | "usec" => "us".into(),
-        "msec" | "milliseconds" => "ms".into(),
+        "msec" | "millisecond" | "milliseconds" => "ms".into(),
+        "microsecond" | "microseconds" => "us".into(),
+        "nanosecond" | "nanoseconds" => "ns".into(),
         "sec" | "seconds" => "s".into(),
         "day" | "days" => "d".into(),
         other => other.into(),

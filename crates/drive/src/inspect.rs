@@ -6,6 +6,7 @@ mod file;
 mod found;
 mod measure;
 mod motion;
+mod numbers;
 mod places;
 mod receiver;
 mod sensor;

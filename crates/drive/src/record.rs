@@ -21,7 +21,7 @@ use std::{
     slice,
 };
 use undrift_io::{
-    Opened, ReadError,
+    Key, Opened, ReadError,
     format::Format,
     imu::{ImuFormat, ImuReader},
     layouts,
@@ -181,7 +181,10 @@ pub fn read(opened: Opened, format: &RecordFormat) -> Result<Record, ReadError> 
         _ => None,
     };
     let record = match known {
-        Some(imu) => read_samples(opened, imu, record),
+        Some(imu) => read_samples(opened, imu, record).map_err(|error| match error.key {
+            Some(Key::Topic(_)) => error.key("--topic"),
+            _ => error,
+        }),
         None => read_table(opened, format, record),
     }?;
     with_temperature(record, format.temperature)

@@ -132,7 +132,11 @@ pub fn known(start: &[u8]) -> Option<Foreign> {
         [b'[', rest @ ..] => matches!(rest.trim_ascii_start(), [b'{' | b'[' | b'"', ..]),
         _ => false,
     };
-    json.then_some(foreign("JSON", "convert it to CSV"))
+    let of_lines = crate::table::are_json_lines(start);
+    (json && !of_lines).then_some(foreign(
+        "JSON",
+        "convert it to CSV, or to lines of an object each",
+    ))
 }
 
 /// What a file that is to be a text of rows is instead, by the same beginning.

@@ -20,14 +20,17 @@
 //! # Ok::<(), undrift_io::ReadError>(())
 //! ```
 
+mod cells;
 mod columns;
 mod counter;
 mod fields;
 mod header;
+mod json;
 pub(crate) mod lines;
 mod monitor;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod rewritten;
 mod stamps;
 #[cfg(test)]
 mod tests;
@@ -38,7 +41,6 @@ use std::path::{Path, PathBuf};
 
 pub use columns::Columns;
 pub(crate) use header::has_named_numbers;
-pub(crate) use monitor::Monitor;
 pub use wanted::{Angles, Column, Preview, Stamp, TableOptions};
 pub(crate) use wanted::{check_time_scale, three};
 
@@ -267,6 +269,13 @@ pub(crate) fn preview(source: TableSource, rows: usize) -> Result<Preview, ReadE
 /// Whether a file that starts so is Parquet.
 pub(crate) fn is_parquet(start: &[u8]) -> bool {
     start.starts_with(b"PAR1")
+}
+
+/// Whether a text that starts so has an object of JSON in each line.
+pub(crate) fn are_json_lines(start: &[u8]) -> bool {
+    let end = start.iter().rposition(|byte| *byte == b'\n');
+    let whole = start.get(..end.unwrap_or_default()).unwrap_or_default();
+    json::JsonLines::detect(whole.split(|byte| *byte == b'\n')).is_some()
 }
 
 /// A file of Parquet, or its bytes where there is no file.

@@ -75,9 +75,10 @@ fn complete(found: &[Inspection]) -> Result<(), Failure> {
             None => {
                 let names = found.iter().map(|log| log.file.display().to_string());
                 let names = Vec::from_iter(names).join(" and ");
-                let problem =
-                    format!("no {what} in {names}: specify their log too, inspect(imu, gnss)");
-                return Err(problem.into());
+                let mend = report::unknown_log(found, table);
+                let mend =
+                    mend.unwrap_or_else(|| "specify their log too, inspect(imu, gnss)".into());
+                return Err(format!("no {what} in {names}: {mend}").into());
             }
         }
     }

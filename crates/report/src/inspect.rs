@@ -80,6 +80,7 @@ fn known(known: &Known) -> String {
         Known::Guessed => "guessed",
         Known::StampStep => "guessed from the step of the time stamps",
         Known::NoTimes => "guessed: no time column; set the actual rate",
+        Known::RowsOfFixes => "guessed: no time column, the rows over the time that the fixes last; set the actual rate",
         Known::NoNumbers => "UNKNOWN: no number in the first rows",
         Known::Gravity(median) => return format!("guessed: the median magnitude is {median:.4}"),
         Known::NotGravity(median) => {
@@ -150,6 +151,7 @@ fn known(known: &Known) -> String {
         Known::Reversed => {
             "guessed: the gyros turn against the GNSS course unless specific force has the opposite sign"
         }
+        Known::ExchangedAxes => "guessed: only with its axes in this order do samples and fixes fit together",
         Known::ReversedAxes => {
             "from the motion: only with this sign of each axis do gyroscopes, accelerometers and fixes fit together"
         }
@@ -351,6 +353,33 @@ pub fn next(model: &Model, drive: &Path) -> String {
         "model = {model}   # {}\nnext: undrift tune {file} -o tuned.toml   # the noise of the sensor in its vehicle",
         known(&model.known)
     )
+}
+
+/// What to do about logs of which one shows nothing, where a drive needs such a table; `None` where all are known.
+pub fn unknown_log(inspections: &[Inspection], table: &str) -> Option<String> {
+    let log = inspections.iter().find(|log| log.parts.is_empty())?;
+    let name = log.file.to_string_lossy();
+    let name = visible(&name);
+    let (wanted, named) = match table {
+        "imu" => ("t, gx, gy, gz, ax, ay, az", "gyro and accel"),
+        _ => (
+            "t, lat, lon, height or t, ecef_x, ecef_y, ecef_z",
+            "position or ecef",
+        ),
+    };
+    let has = log.found.iter().find_map(|note| match note {
+        Note::Columns(names) => Some(format!(
+            "the columns of {name} are not known ({})",
+            visible(&names.join(", "))
+        )),
+        Note::UnknownColumns => Some(format!(
+            "{name} has no header, and its numbers do not show its columns"
+        )),
+        _ => None,
+    })?;
+    Some(format!(
+        "{has}: name them {wanted} in its header, or write [{table}] by hand with file, time and {named}"
+    ))
 }
 
 /// What is guessed in the drive file, a line each.

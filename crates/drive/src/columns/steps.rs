@@ -33,8 +33,41 @@ pub fn time_unit_of(column: &str, stamps: &[f64], longest: f64) -> Option<(&'sta
     let name = letters(column);
     match TICKS.iter().find(|(clock, _)| *clock == name) {
         Some((_, ticks)) => longest_unit(ticks, stamps, longest),
+        None if is_tick_clock(&name) => {
+            let step = ordinary_step(stamps)?;
+            let units = [("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)];
+            let usual = if longest > IMU_STEP {
+                USUAL_FIX_STEPS
+            } else {
+                USUAL_STEPS
+            };
+            let is_usual = |(_, factor): &(&str, f64)| usual.contains(&(step * factor));
+            units.into_iter().find(is_usual)
+        }
         None => time_unit(stamps, longest),
     }
+}
+
+/// Words for a clock whose ticks may be of any length, and the steps of samples \[s\] that show a usual unit: a tick of 0.1 ms
+/// or of a crystal of 32768 Hz leaves them.
+const TICK_CLOCKS: [&str; 9] = [
+    "tick",
+    "ticks",
+    "systick",
+    "tickcount",
+    "counts",
+    "clock",
+    "clockticks",
+    "cycles",
+    "timer",
+];
+const USUAL_STEPS: std::ops::RangeInclusive<f64> = 0.9e-3..=0.041;
+/// The same of fixes.
+const USUAL_FIX_STEPS: std::ops::RangeInclusive<f64> = 0.04..=10.0;
+
+/// Whether a column counts ticks of a clock by its name, in small letters: it is no time where their length is unknown.
+pub fn is_tick_clock(letters: &str) -> bool {
+    TICK_CLOCKS.contains(&letters)
 }
 
 /// Whether stamps count days. The mean step shows it: rows that are read in bursts are as close in seconds.

@@ -199,6 +199,18 @@ fn every_ending_and_spelling_is_the_unit_that_it_says() {
         ("_kn", Velocity, 1852.0 / 3600.0),
         ("_mm", Length, 1e-3),
         ("_cm", Length, 1e-2),
+        ("_mradps", AngularRate, 1e-3),
+        ("_mrad_s", AngularRate, 1e-3),
+        ("_mdps", AngularRate, 1e-3 * degree),
+        ("_mdeg_s", AngularRate, 1e-3 * degree),
+        ("_dph", AngularRate, degree / 3600.0),
+        ("_degph", AngularRate, degree / 3600.0),
+        ("_deg_h", AngularRate, degree / 3600.0),
+        ("_degs", AngularRate, degree),
+        ("_rads", AngularRate, 1.0),
+        ("_mps_2", Acceleration, 1.0),
+        ("_ms2", Acceleration, 1.0),
+        ("_mss", Acceleration, 1.0),
     ];
     let temperatures = ["_kelvin", "_celsius", "_degc", "_c"];
     let spellings = [
@@ -224,6 +236,11 @@ fn every_ending_and_spelling_is_the_unit_that_it_says() {
         ("sec", Time, 1.0),
         ("seconds", Time, 1.0),
         ("days", Time, 86_400.0),
+        ("millisecond", Time, 1e-3),
+        ("microsecond", Time, 1e-6),
+        ("microseconds", Time, 1e-6),
+        ("nanosecond", Time, 1e-9),
+        ("nanoseconds", Time, 1e-9),
     ];
     for (ending, _) in SUFFIXES {
         let known = endings.iter().any(|row| row.0 == ending) || temperatures.contains(&ending);
@@ -239,4 +256,80 @@ fn every_ending_and_spelling_is_the_unit_that_it_says() {
         // Roundings of the factor.
         assert!((factor / si - 1.0).abs() < 1e-15, "{name}: {factor}");
     }
+}
+
+#[test]
+fn names_of_other_programs_and_languages() {
+    let rate = Some("rad/s".to_owned());
+    for (name, expected) in [
+        ("gx_mdps", (Meaning::Gyro(0), Some("mdps".to_owned()))),
+        ("AcX", (Meaning::Accel(0), None)),
+        ("GyZ", (Meaning::Gyro(2), None)),
+        ("xacc", (Meaning::Accel(0), None)),
+        ("RAW_IMU.ygyro", (Meaning::Gyro(1), None)),
+        ("field.angular_velocity.x", (Meaning::Gyro(0), None)),
+        ("field.header.stamp", (Meaning::Time, None)),
+        ("imu0/linear_acceleration/z", (Meaning::Accel(2), None)),
+        ("gyro[1]", (Meaning::Gyro(1), None)),
+        ("gFx", (Meaning::Accel(0), None)),
+        (
+            "x-axis (deg/s)",
+            (Meaning::Gyro(0), Some("deg/s".to_owned())),
+        ),
+        ("Z (g)", (Meaning::Accel(2), Some("g".to_owned()))),
+        ("Drehrate x (rad/s)", (Meaning::Gyro(0), rate.clone())),
+        ("Vitesse angulaire y [rad/s]", (Meaning::Gyro(1), rate)),
+        ("Beschleunigung z", (Meaning::Accel(2), None)),
+        ("Länge (°)", (Meaning::Longitude, Some("deg".to_owned()))),
+        ("Höhe (m)", (Meaning::Height, Some("m".to_owned()))),
+        (
+            "altitude_above_seaLevel(feet)",
+            (Meaning::Height, Some("feet".to_owned())),
+        ),
+        ("hour + minute + second", (Meaning::Time, None)),
+    ] {
+        assert_eq!(meaning(name), Some(expected), "{name}");
+    }
+    for name in [
+        "pid.p",
+        "motor.x",
+        "gps.h",
+        "field.header.frame_id",
+        "field.orientation.x",
+        "x (m)",
+        "xa",
+        "imu.mag.x",
+    ] {
+        assert_eq!(meaning(name), None, "{name}");
+    }
+}
+
+#[test]
+fn parts_of_a_time_are_no_times_of_their_own() {
+    let names = ["day", "hour", "min", "sec", "day + hour + min + sec"].map(str::to_owned);
+    let found = meanings(&names);
+    assert!(found[..4].iter().all(Option::is_none), "{found:?}");
+    assert_eq!(found[4], Some((Meaning::Time, None)));
+    let alone = meanings(&["day".to_owned(), "sec".to_owned()]);
+    assert!(alone.iter().all(Option::is_some), "{alone:?}");
+}
+
+#[test]
+fn ticks_of_a_clock_are_a_time_where_their_steps_show_a_usual_unit() {
+    let stamps = |step: f64| -> Vec<f64> { (0..100).map(|k| step * f64::from(k)).collect() };
+    let unit = |name: &str, step: f64, longest: f64| {
+        let found = time_unit_of(name, &stamps(step), longest);
+        let unknown = is_of_unknown_ticks(name, &stamps(step), longest);
+        (found.map(|(unit, _)| unit), unknown)
+    };
+    // 100 Hz in ms and us; 0.1 ms and a crystal of 32768 Hz would be 10 Hz and 3 kHz.
+    assert_eq!(unit("Ticks", 10.0, IMU_STEP), (Some("ms"), false));
+    assert_eq!(unit("tick", 1e4, IMU_STEP), (Some("us"), false));
+    assert_eq!(unit("ticks", 100.0, IMU_STEP), (None, true));
+    assert_eq!(unit("ticks", 327.68, IMU_STEP), (None, true));
+    // Fixes each second.
+    assert_eq!(unit("ticks", 1000.0, FIX_STEP), (Some("ms"), false));
+    assert_eq!(unit("ticks", 32_768.0, FIX_STEP), (None, true));
+    // What is called a time is one.
+    assert_eq!(unit("time", 100.0, IMU_STEP), (Some("ms"), false));
 }

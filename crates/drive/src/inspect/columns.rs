@@ -2,11 +2,12 @@
 
 use super::{
     found::Found,
-    places,
+    numbers::{by_numbers, means, steady, time_by_numbers},
     units::{self, Force},
 };
 use crate::columns::{
-    FIX_STEP, IMU_STEP, Meaning, RECEIVED, meanings, ordinary_step, time_unit_of,
+    FIX_STEP, IMU_STEP, Meaning, RECEIVED, is_of_unknown_ticks, meanings, ordinary_step,
+    time_unit_of,
 };
 use toml::Value;
 use undrift_io::{Opened, ReadError, table::Preview};
@@ -17,8 +18,6 @@ pub(super) const NAMES: Known = Known::Name { several: true };
 
 /// Rows that are looked at.
 const ROWS: usize = 4000;
-/// Samples of which a mean is taken.
-const PART: usize = 25;
 
 /// The tables of a drive file that columns can serve.
 pub(super) fn parts(mut opened: Opened, notes: &mut Vec<Note>) -> Result<Vec<Part>, ReadError> {
@@ -35,7 +34,8 @@ pub(super) fn parts_of(mut table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
     let is_place = found.place[0].or(found.place[1]).is_some();
     if !is_place && [&found.gyro, &found.ecef].map(all) == [None; 2] {
         let by_numbers = by_numbers(&table);
-        if by_numbers.accel[0].is_some() || by_numbers.place[0].is_some() {
+        let shows = [by_numbers.accel[0], by_numbers.place[0], by_numbers.ecef[0]];
+        if shows.iter().any(Option::is_some) {
             found = by_numbers;
         }
     }
@@ -127,123 +127,18 @@ fn by_names(table: &Preview) -> Found {
     }
     // The clock of the sensor itself is the better one.
     found.time = found.time.or(received);
+    // A date with the time of day behind it.
+    if let (None, Some(date)) = (found.time, found.date)
+        && table.times.contains(&date)
+    {
+        (found.time, found.date) = (found.date, None);
+    }
     // Without roll and pitch a heading is that of a receiver.
     let [roll, pitch, heading] = found.attitude;
     if roll.or(pitch).is_none() && found.polar[0].is_some() {
         found.polar[1] = found.polar[1].or(heading);
     }
     found
-}
-
-/// The column that is the time by its numbers alone: the first of those without another meaning that only grows, and
-/// not by one from row to row, as a counter does.
-fn time_by_numbers(table: &Preview) -> Option<usize> {
-    let known = meanings(&table.names);
-    let unknown = |place: &usize| known.get(*place).is_none_or(Option::is_none);
-    let grows = |place: &usize| {
-        let column = |row: &Vec<f64>| row.get(*place).copied().unwrap_or(f64::NAN);
-        let stamps: Vec<f64> = table.rows.iter().map(column).collect();
-        let steps = || stamps.windows(2).map(|pair| pair[1] - pair[0]);
-        stamps.len() > 2 && steps().all(|step| step > 0.0) && steps().any(|step| step != 1.0)
-    };
-    let width = table.rows.first().map_or(0, Vec::len);
-    (0..width).filter(unknown).find(grows)
-}
-
-/// Finds the time by that it only grows, accelerometers by that gravity gives three columns a
-/// constant magnitude, gyros beside them, and places by their range.
-fn by_numbers(table: &Preview) -> Found {
-    let mut found = Found {
-        known: Known::Numbers { several: false },
-        ..Found::default()
-    };
-    let width = table.rows.first().map_or(0, Vec::len);
-    let column = |k: usize| -> Vec<f64> {
-        let value = |row: &Vec<f64>| row.get(k).copied().unwrap_or(f64::NAN);
-        table.rows.iter().map(value).collect()
-    };
-    let columns: Vec<Vec<f64>> = (0..width).map(column).collect();
-    found.time = columns
-        .iter()
-        .position(|c| c.len() > 2 && c.windows(2).all(|pair| pair[1] > pair[0]));
-    places::find(&columns, &mut found);
-    // Before the time or behind it.
-    let free = |from: usize| {
-        let mut three = from..from + 3;
-        three.end <= width && !three.any(|column| found.uses(column))
-    };
-    let beside = |accel: usize| {
-        let before = accel.checked_sub(3).filter(|before| free(*before));
-        before.or(Some(accel + 3).filter(|behind| free(*behind)))
-    };
-    let is_force = |samples: &[[f64; 3]]| !matches!(units::force(samples, None), Force::Unknown(_));
-    let force = (0..width).filter(|k| free(*k)).find_map(|k| {
-        let samples = three_of(&table.rows, [k, k + 1, k + 2]);
-        let steady = steady(&samples) || steady(&means(&samples));
-        Some((k, beside(k)?)).filter(|_| is_force(&samples) && steady)
-    });
-    if let Some((accel, gyro)) = force {
-        // Rates at rest may look like gravity, which is steadier.
-        let [force, rate] = [accel, gyro].map(|k| three_of(&table.rows, [k, k + 1, k + 2]));
-        let exchanged = is_force(&rate) && unsteadiness(&rate) < unsteadiness(&force);
-        let (accel, gyro) = if exchanged {
-            (gyro, accel)
-        } else {
-            (accel, gyro)
-        };
-        found.accel = [0, 1, 2].map(|axis| Some(accel + axis));
-        found.gyro = [0, 1, 2].map(|axis| Some(gyro + axis));
-        return found;
-    }
-    let within = |k: usize, limit: f64| {
-        columns.get(k).is_some_and(|c| {
-            let (low, high) = c
-                .iter()
-                .fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
-            low >= -limit
-                && high <= limit
-                && high - low < 5.0
-                && low.abs() > 1.0
-                && low.fract() != 0.0
-        })
-    };
-    let from = found.time.map_or(0, |time| time + 1);
-    if found.place[0].is_none()
-        && let Some(lat) =
-            (from..width.saturating_sub(2)).find(|&k| within(k, 90.0) && within(k + 1, 180.0))
-    {
-        found.place = [0, 1, 2].map(|k| Some(lat + k));
-    }
-    found
-}
-
-/// Means over a part of the rows, without vibration.
-fn means(samples: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let parts = samples.chunks_exact(PART);
-    let mean =
-        |part: &[[f64; 3]]| [0, 1, 2].map(|k| part.iter().map(|v| v[k]).sum::<f64>() / PART as f64);
-    parts.map(mean).collect()
-}
-
-/// Whether the magnitude varies by less than a third.
-fn steady(samples: &[[f64; 3]]) -> bool {
-    samples.len() > 2 && unsteadiness(samples) < 1.0 / 3.0
-}
-
-/// Between the magnitudes that one tenth and nine tenths of the samples do not exceed, over their median.
-fn unsteadiness(samples: &[[f64; 3]]) -> f64 {
-    let mut sizes: Vec<f64> = samples
-        .iter()
-        .map(|v| v.iter().map(|x| x * x).sum::<f64>().sqrt())
-        .collect();
-    sizes.sort_by(f64::total_cmp);
-    let at = |share: usize| {
-        sizes
-            .get(sizes.len() * share / 100)
-            .copied()
-            .unwrap_or(f64::NAN)
-    };
-    (at(90) - at(10)) / at(50)
 }
 
 pub(super) fn three_of(rows: &[Vec<f64>], places: [usize; 3]) -> Vec<[f64; 3]> {
@@ -336,12 +231,15 @@ impl Columns {
         let Some((place, known)) = named.or_else(by_numbers) else {
             return (Vec::new(), None);
         };
+        let stamps = self.stamps(place);
+        let name = self.table.names.get(place).map_or("", String::as_str);
+        if self.unit(place).is_none() && is_of_unknown_ticks(name, &stamps, longest) {
+            return (Vec::new(), None);
+        }
         let mut lines = vec![Line::new("time", self.name(place), known)];
         if let Some(date) = self.found.date {
             lines.push(Line::new("date", self.name(date), self.found.known.clone()));
         }
-        let stamps = self.stamps(place);
-        let name = self.table.names.get(place).map_or("", String::as_str);
         let guess = time_unit_of(name, &stamps, longest);
         let (unit, known) = match (self.unit(place), guess) {
             (Some(unit), _) => (unit, Known::Name { several: false }),

@@ -1,20 +1,21 @@
 //! How the IMU sits in its vehicle, by how it moves against the fixes.
 
+mod axes;
+
 use super::{
-    Content, Inspection, Known, Line, Motion, Note, Part, clocks, logs, sensor::GUESS, table,
-    units::COUNTS_OF_RATE,
+    Content, Inspection, Known, Line, Measured, Motion, Note, Part, clocks, logs, sensor::GUESS,
+    table, units::COUNTS_OF_RATE,
 };
 use crate::{
     drive::{AXLE_STD, Drive, DriveError, Logs, OTHER_CLOCK, Section, Table},
     engine::derived::with_velocities,
     mounting::{
-        EstimateError, FLOOR_TURNING, LONGEST_PASS, Mounting, MountingError, by_force,
-        is_force_reversed, turn_ratio,
+        EstimateError, FLOOR_TURNING, MountingError, by_force, is_force_reversed, turn_ratio,
     },
     navigate::{NavigateError, Wanted, navigate, resolve_mounting},
-    replay::Aid,
     vehicle::Profile,
 };
+use axes::{exchanged_axes, is_fitting, reversed_axes};
 use std::path::Path;
 use undrift_nav::{
     Vector3,
@@ -39,6 +40,10 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
     let (Some(imu), Some(gnss)) = (readable("imu"), readable("gnss")) else {
         return Motion::default();
     };
+    let fixes = inspections[gnss.0].parts[gnss.1].measured.clone();
+    if let Some(fixes) = fixes {
+        rate_of_rows(&mut inspections[imu.0].parts[imu.1], &fixes);
+    }
     let logs = logs(inspections, Path::new(""));
     let drive = |inspections: &[Inspection]| {
         let of = |(file, part): (usize, usize)| {
@@ -92,7 +97,10 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
     let fits = by_force.is_some() || resolved.as_ref().is_ok_and(|of| is_fitting(of.clone()));
     let reversed = match fits {
         true => None,
-        false => reversed_axes(&mut file.parts[imu.1], &drive),
+        false => {
+            let part = &mut file.parts[imu.1];
+            reversed_axes(part, &drive).or_else(|| exchanged_axes(part, &drive))
+        }
     };
     let found = match reversed {
         Some(mounting) => Ok(Some(mounting)),
@@ -135,6 +143,42 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
             }
         }
     }
+}
+
+/// Usual rates of inertial logs \[Hz\], and how near to one, as a share, a rate is that one.
+const RATES: [f64; 24] = [
+    5.0, 10.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0, 62.5, 75.0, 80.0, 100.0, 104.0, 120.0, 125.0,
+    150.0, 200.0, 208.0, 250.0, 300.0, 400.0, 500.0, 800.0, 1000.0,
+];
+const NEAR_RATE: f64 = 0.02;
+/// Fixes that show how long a log lasts, at least.
+const FIXES: u64 = 10;
+
+/// Takes the rate of a log without times from the fixes, which last as long.
+fn rate_of_rows(imu: &mut Part, fixes: &Measured) {
+    let guess = imu
+        .lines
+        .iter_mut()
+        .find(|line| line.known == Known::NoTimes);
+    let Some((line, measured)) = guess.zip(imu.measured.as_mut()) else {
+        return;
+    };
+    let rate = measured.records.saturating_sub(1) as f64 / (fixes.last_s - fixes.first_s);
+    let plausible = RATES[0]..=5.0 * RATES[RATES.len() - 1];
+    if fixes.records < FIXES || !plausible.contains(&rate) || measured.rate_hz <= 0.0 {
+        return;
+    }
+    let usual = RATES
+        .iter()
+        .min_by(|a, b| (*a / rate).ln().abs().total_cmp(&(*b / rate).ln().abs()));
+    let usual = usual.filter(|usual| (*usual / rate - 1.0).abs() < NEAR_RATE);
+    let rate = usual.copied().unwrap_or((10.0 * rate).round() / 10.0);
+    *line = Line::new("rate", format!("{rate} Hz"), Known::RowsOfFixes);
+    // The times are the rows over the rate.
+    let longer = measured.rate_hz / rate;
+    measured.first_s *= longer;
+    measured.last_s *= longer;
+    measured.rate_hz = rate;
 }
 
 /// Roll, pitch and yaw \[rad\] as a drive file has them, in degrees of so many digits.
@@ -259,90 +303,8 @@ fn other_sign(imu: &mut Part, drive: &Drive) -> bool {
     true
 }
 
-/// Signs of the axes of gyros and accelerometers that people get wrong, and that no rotation of the sensor makes right: one axis
-/// of either, all gyros, and one of both, as of left-handed axes, where all that differ by a rotation are one.
-const REVERSED: [[[f64; 3]; 2]; 8] = {
-    const AS_THEY_ARE: [f64; 3] = [1.0, 1.0, 1.0];
-    const X: [f64; 3] = [-1.0, 1.0, 1.0];
-    const Y: [f64; 3] = [1.0, -1.0, 1.0];
-    const Z: [f64; 3] = [1.0, 1.0, -1.0];
-    [
-        [X, AS_THEY_ARE],
-        [Y, AS_THEY_ARE],
-        [Z, AS_THEY_ARE],
-        [AS_THEY_ARE, X],
-        [AS_THEY_ARE, Y],
-        [AS_THEY_ARE, Z],
-        [[-1.0; 3], AS_THEY_ARE],
-        [Y, Y],
-    ]
-};
-
-/// NIS per degree of freedom of the velocities, or of positions alone, up to which samples and fixes fit together, and how many
-/// times as large it is with any other axis reversed.
-const FITTING: (f64, f64) = (2.0, 1.3);
-/// Share of rejected fixes up to which they do.
-const REJECTED: f64 = 0.02;
-
-/// The mounting of a drive where that was found, and the NIS per degree of freedom of the solution with it in the first
-/// [`LONGEST_PASS`] of the log; `None` where no mounting was found, or its units, axes, signs or times are implausible.
-fn fit((mut drive, mounting): (Drive, Option<Mounting>)) -> Option<(Mounting, f64)> {
-    let first = drive.open_imu().ok()?.next()?.ok()?.time;
-    let span = drive.imu.1.span.unwrap_or((first, f64::INFINITY));
-    drive.imu.1.span = Some((span.0, span.1.min(first + LONGEST_PASS)));
-    let summary = navigate(&drive, BiasModel::Arma, Wanted::default())
-        .ok()?
-        .summary;
-    let aids = [Aid::Velocity, Aid::Position].map(|aid| &summary.innovations[aid]);
-    let sums = aids.into_iter().find(|sums| sums.updates > 0)?;
-    let all = sums.updates + sums.rejected;
-    let fits = summary.implausible.is_empty() && sums.rejected as f64 <= REJECTED * all as f64;
-    Some((mounting?, sums.per_dof().filter(|_| fits)?))
-}
-
-/// Whether samples and fixes fit together with the mounting that was found.
-fn is_fitting(resolved: (Drive, Option<Mounting>)) -> bool {
-    fit(resolved).is_some_and(|(_, nis)| nis < FITTING.0)
-}
-
-/// Reverses axes of a log that does not fit together as it is where it does so with them reversed, and with no others.
-fn reversed_axes(imu: &mut Part, drive: &Drive) -> Option<Mounting> {
-    let with = |[gyro, accel]: &[[f64; 3]; 2]| {
-        let mut drive = drive.clone();
-        let format = &mut drive.imu.1;
-        let (gyro, accel) = (Vector3::from(*gyro), Vector3::from(*accel));
-        format.gyro_scale.component_mul_assign(&gyro);
-        format.accel_scale.component_mul_assign(&accel);
-        fit(resolve_mounting(&drive).ok()?)
-    };
-    let fits = REVERSED
-        .iter()
-        .filter_map(|signs| Some((signs, with(signs)?)));
-    let mut fits = Vec::from_iter(fits);
-    fits.sort_by(|(_, (_, a)), (_, (_, b))| a.total_cmp(b));
-    let (signs, (found, nis)) = *fits.first()?;
-    let next = fits.get(1).map_or(f64::INFINITY, |(_, (_, nis))| *nis);
-    if nis > FITTING.0 || next < FITTING.1 * nis {
-        return None;
-    }
-    let keys = [("gyro_unit", "rad/s"), ("accel_unit", "m/s^2")];
-    for ((key, si), signs) in keys.into_iter().zip(signs) {
-        if !signs.contains(&-1.0) {
-            continue;
-        }
-        let stated = imu.lines.iter().position(|line| line.key == key);
-        let stated = stated.map(|at| imu.lines.remove(at).value);
-        let unit = stated.as_ref().and_then(|unit| unit.as_str()).unwrap_or(si);
-        let reversed = match unit.strip_prefix('-') {
-            Some(unit) => unit.to_owned(),
-            None => format!("-{unit}"),
-        };
-        let units = signs.map(|sign| if sign < 0.0 { &*reversed } else { unit });
-        let line = Line::new(key, units.join(", "), Known::ReversedAxes);
-        imu.lines.push(line);
-    }
-    Some(found)
-}
+/// Units of gyros of which people know no more than the numbers.
+const THOUSANDTHS: [&str; 2] = ["mrad/s", "mdps"];
 
 /// Takes the other unit of the gyros where theirs was guessed by their scatter and they turn 57 times as fast or as
 /// slowly as the course.
@@ -350,7 +312,11 @@ fn other_unit(imu: &mut Part, drive: &Drive) -> bool {
     let guessed = imu.lines.iter_mut().find(|line| {
         let guess = matches!(
             line.known,
-            Known::LargeScatter(_) | Known::SmallScatter(_) | Known::Counts | Known::Name { .. }
+            Known::LargestRate(_)
+                | Known::LargeScatter(_)
+                | Known::SmallScatter(_)
+                | Known::Counts
+                | Known::Name { .. }
         );
         line.key == "gyro_unit" && guess
     });
@@ -375,6 +341,16 @@ fn other_unit(imu: &mut Part, drive: &Drive) -> bool {
         let Some(unit) = nearest.filter(|unit| **unit != COUNTS_OF_RATE[0]) else {
             return false;
         };
+        *line = Line::new("gyro_unit", *unit, Known::Turns(ratio));
+        return true;
+    }
+    // Thousandths, as microcontrollers and autopilots count.
+    let factor = |unit: &str| unit_factor(unit, Quantity::AngularRate).ok();
+    let fits_as = |unit: &&&str| {
+        let of = line.value.as_str().and_then(factor).zip(factor(unit));
+        of.is_some_and(|(now, then)| (0.7..1.4).contains(&(ratio * then / now)))
+    };
+    if let Some(unit) = THOUSANDTHS.iter().find(fits_as) {
         *line = Line::new("gyro_unit", *unit, Known::Turns(ratio));
         return true;
     }

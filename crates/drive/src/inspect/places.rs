@@ -55,18 +55,22 @@ impl Found {
 /// Finds latitude, longitude and height where they follow a path, and what is behind them.
 pub(super) fn find(columns: Table, found: &mut Found) {
     let has_time = |k: usize| found.time.is_some_and(|time| (k..k + 3).contains(&time));
-    let mut all = 0..columns.len().saturating_sub(2);
-    let place = all.find(|&k| !has_time(k) && is_path(columns, k));
-    let Some(lat) = place else { return };
-    found.place = [0, 1, 2].map(|k| Some(lat + k));
-    let path = path(columns, lat, found.time);
+    let all = 0..columns.len().saturating_sub(2);
+    let orders = |k: usize| [[k, k + 1, k + 2], [k + 1, k, k + 2]];
+    let mut all = all
+        .filter(|k| !has_time(*k))
+        .flat_map(orders)
+        .filter(|place| is_path(columns, *place));
+    let Some(place) = all.next() else { return };
+    found.place = place.map(Some);
+    let path = path(columns, place, found.time);
     find_velocity(columns, &path, found);
     find_accuracies(columns, found);
 }
 
-/// Whether latitude, longitude and height begin with a column.
-fn is_path(columns: Table, lat: usize) -> bool {
-    let [Some(north), Some(east), Some(height)] = [0, 1, 2].map(|k| columns.get(lat + k)) else {
+/// Whether columns are latitude, longitude and height.
+fn is_path(columns: Table, place: [usize; 3]) -> bool {
+    let [Some(north), Some(east), Some(height)] = place.map(|k| columns.get(k)) else {
         return false;
     };
     let rows = north.iter().zip(east).zip(height);
@@ -130,7 +134,7 @@ impl Moving {
 }
 
 /// The rows in which the positions move.
-fn path(columns: Table, lat: usize, time: Option<usize>) -> Vec<Moving> {
+fn path(columns: Table, place: [usize; 3], time: Option<usize>) -> Vec<Moving> {
     let stamps = time
         .and_then(|time| columns.get(time))
         .map_or(&[][..], Vec::as_slice);
@@ -138,10 +142,10 @@ fn path(columns: Table, lat: usize, time: Option<usize>) -> Vec<Moving> {
     let moved = |row: usize| {
         let at =
             |column: &[f64]| Some(column.get(row + ASIDE)? - column.get(row.checked_sub(ASIDE)?)?);
-        let of = |k: usize| at(columns.get(lat + k)?);
+        let of = |k: usize| at(columns.get(*place.get(k)?)?);
         let dt = at(stamps)? * scale;
         let radius = SEMI_MAJOR;
-        let parallel = radius * columns.get(lat)?.get(row)?.to_radians().cos();
+        let parallel = radius * columns.get(place[0])?.get(row)?.to_radians().cos();
         let v = [
             radius * of(0)?.to_radians(),
             parallel * of(1)?.to_radians(),

@@ -2,7 +2,7 @@
 
 use super::{RecordFormat, guess::Guess};
 use crate::{
-    columns::{IMU_STEP, Meaning, meaning, meanings, time_unit_of},
+    columns::{IMU_STEP, Meaning, is_of_unknown_ticks, meaning, meanings, time_unit_of},
     temperature,
 };
 use undrift_io::table::{Column, Preview, Stamp, TableOptions};
@@ -80,14 +80,18 @@ pub(super) fn find(beginning: &Preview, format: &RecordFormat) -> Result<RecordC
     for axis in &mut axes {
         axis.scale = scale(axis, format)?;
     }
-    let named = header
-        .iter()
-        .enumerate()
-        .find_map(|(k, name)| match meaning(name) {
-            Some((Meaning::Time, unit)) => Some((Column::Number(k + 1), unit)),
-            _ => None,
-        });
-    let time = named.or_else(|| Some((guess?.time?, None)));
+    let named =
+        header.iter().zip(meanings(header)).enumerate().find_map(
+            |(k, (_, meaning))| match meaning {
+                Some((Meaning::Time, unit)) => Some((Column::Number(k + 1), unit)),
+                _ => None,
+            },
+        );
+    let named = named.or_else(|| Some((guess?.time?, None)));
+    let time = named.filter(|(column, unit)| {
+        unit.is_some()
+            || !is_of_unknown_ticks(name(header, column), &values(beginning, column), IMU_STEP)
+    });
     let temperature = temperature::of_beginning(beginning);
     let zero = temperature.as_ref().map(|column| column.zero);
     let keyed = axes
@@ -106,11 +110,7 @@ pub(super) fn find(beginning: &Preview, format: &RecordFormat) -> Result<RecordC
         Some(unit) => unit_factor(&unit, Quantity::Time).unwrap_or(1.0),
         None => {
             let stamps = values(beginning, &column);
-            let name = match &column {
-                Column::Number(number) => header.get(number.wrapping_sub(1)),
-                Column::Name(name) => Some(name),
-            };
-            let name = name.map_or("", String::as_str);
+            let name = name(header, &column);
             time_unit_of(name, &stamps, IMU_STEP).map_or(1.0, |(_, factor)| factor)
         }
     });
@@ -133,6 +133,15 @@ pub(super) fn find(beginning: &Preview, format: &RecordFormat) -> Result<RecordC
         wanted,
         guessed,
     })
+}
+
+/// The name of a column; empty of one without.
+fn name<'a>(header: &'a [String], column: &'a Column) -> &'a str {
+    let name = match column {
+        Column::Number(number) => header.get(number.wrapping_sub(1)),
+        Column::Name(name) => Some(name),
+    };
+    name.map_or("", String::as_str)
 }
 
 /// The first numbers of a column.

@@ -55,6 +55,7 @@ impl Columns {
             header: self.0.names.clone(),
             names: self.0.names.clone(),
             rows: (0..rows.min(self.0.rows)).map(row).collect(),
+            ..Preview::default()
         }
     }
 }

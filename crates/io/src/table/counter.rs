@@ -1,6 +1,7 @@
-//! Times that are a counter of a limited number of bits, which starts again from its lowest value after its highest.
+//! Times that start again: those of a counter of a limited number of bits, from its lowest value after its highest, and
+//! seconds of the day or of the GPS week.
 
-use crate::time::DAY;
+use crate::time::{DAY, WEEK};
 
 /// Counters: the first number that is too high for one, how far it goes back there, and within how many usual steps of its
 /// ends a step back is that; `micros()` and the like, without and with sign.
@@ -10,6 +11,9 @@ const COUNTERS: [(f64, f64, f64); 4] = [
     (65_536.0, 65_536.0, 20.0),
     (32_768.0, 65_536.0, 20.0),
 ];
+/// Seconds of the day and of the GPS week; and within how many seconds of its ends a step back is the next.
+const CALENDARS: [f64; 2] = [DAY, WEEK];
+const MIDNIGHT: f64 = 600.0;
 /// What a program may have divided the counter by before it wrote it.
 const DIVISORS: [f64; 3] = [1.0, 1e3, 1e6];
 /// Day numbers of MATLAB are larger than this, and by so much larger than those of spreadsheets.
@@ -18,7 +22,7 @@ const MATLAB_DAYS: (f64, f64) = (700_000.0, 693_960.0);
 const STEPS: f64 = 200.0;
 
 /// Counts the numbers of a column on past the end of its counter.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Counter {
     last: Option<f64>,
     /// The last step forward.
@@ -28,6 +32,8 @@ pub(super) struct Counter {
     ends: Option<(f64, f64, f64)>,
     /// Added to the numbers.
     added: f64,
+    /// Factor to seconds.
+    scale: f64,
     /// The numbers are days: those of MATLAB are made those of spreadsheets, of which more is in a double.
     days: bool,
 }
@@ -45,8 +51,12 @@ impl Counter {
     /// Of a column with this factor to seconds.
     pub(super) fn new(scale: f64) -> Self {
         Self {
+            last: None,
+            step: 0.0,
+            ends: None,
+            added: 0.0,
+            scale,
             days: scale == DAY,
-            ..Self::default()
         }
     }
 
@@ -87,8 +97,13 @@ impl Counter {
         let all = DIVISORS.iter().flat_map(|divisor| {
             COUNTERS.map(|(top, length, steps)| (top / divisor, length / divisor, steps))
         });
+        let calendars = CALENDARS.map(|length| {
+            let length = length / self.scale;
+            (length, length, MIDNIGHT / self.scale)
+        });
         let (top, length, near) = all
             .map(|(top, length, steps)| (top, length, steps * self.step))
+            .chain(calendars.into_iter().filter(|_| !self.days))
             .find(|(top, length, near)| {
                 let (above, below) = (last > top - near, number < top - length + near);
                 let inside = last < *top && number >= top - length;
@@ -106,7 +121,7 @@ mod tests {
     use super::*;
 
     fn counted(numbers: impl IntoIterator<Item = f64>) -> Vec<f64> {
-        let mut counter = Counter::default();
+        let mut counter = Counter::new(1.0);
         let count = |number| counter.count(number).value;
         numbers.into_iter().map(count).collect()
     }
@@ -155,6 +170,29 @@ mod tests {
     }
 
     #[test]
+    fn seconds_of_the_day_and_of_the_week_go_on() {
+        for (length, scale) in [
+            (DAY, 1.0),
+            (WEEK, 1.0),
+            (1e3 * DAY, 1e-3),
+            (1e6 * WEEK, 1e-6),
+        ] {
+            let mut counter = Counter::new(scale);
+            // The first fix of the next day may be missing for minutes.
+            for (behind, step) in [(0.0, 0.02 / scale), (300.0 / scale, 1.0 / scale)] {
+                let first = length - 2.0 * step;
+                for (k, number) in [first, first + step, behind].into_iter().enumerate() {
+                    let found = counter.count(number);
+                    let added = if k == 2 { length } else { 0.0 };
+                    assert_eq!(found.value, number + added, "{length} {step}");
+                    assert_eq!(found.started, (k == 2).then_some(length));
+                }
+                counter = Counter::new(scale);
+            }
+        }
+    }
+
+    #[test]
     fn days_are_those_of_spreadsheets() {
         // datenum(2025, 7, 8) = 739806 and DATEVALUE("2025-07-08") = 45846.
         for (scale, expected) in [(DAY, 45_846.5), (1.0, 739_806.5)] {
@@ -165,8 +203,9 @@ mod tests {
     #[test]
     fn clocks_that_are_set_back_are_no_counters() {
         for numbers in [
-            [604_799.0, 604_799.5, 0.0, 0.5],
-            [86_399.0, 86_399.5, 0.0, 0.5],
+            [604_799.0, 604_799.5, 1000.0, 1000.5],
+            [86_399.0, 86_400.0, 0.0, 1.0],
+            [85_000.0, 85_001.0, 0.0, 1.0],
             [65_000.0, 65_001.0, 0.0, 1.0],
             [4.2e9, 4.2e9 + 1e4, 0.0, 1e4],
             [1.7e18, 1.7e18 + 1e7, 0.0, 1e7],

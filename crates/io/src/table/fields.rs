@@ -24,10 +24,14 @@ impl Delimiter {
         {
             return other;
         }
-        [b',', b';', b'\t']
-            .into_iter()
-            .find(|byte| line.contains(byte))
-            .map_or(Self::Blanks, Self::Byte)
+        let usual = [b',', b';', b'\t'];
+        let bars = line.split(|byte| *byte == b'|');
+        let bars = bars.filter(|field| !field.trim_ascii().is_empty()).count();
+        match usual.into_iter().find(|byte| line.contains(byte)) {
+            Some(byte) => Self::Byte(byte),
+            None if bars >= FIELDS => Self::Byte(b'|'),
+            None => Self::Blanks,
+        }
     }
 
     pub(crate) fn from_byte(byte: u8) -> Self {

@@ -391,6 +391,7 @@ pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError>
         header: if has_text { &own } else { &above }.clone(),
         names: if is_header { own } else { above },
         rows: Vec::new(),
+        times: Vec::new(),
     };
     let mut weeks = WeekClock::default();
     let is_angle = |name: &String| {
@@ -429,6 +430,19 @@ pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError>
             NextLine::End => break,
         }
     }
+    let row = if is_header {
+        behind.back().map(|(_, row)| row)
+    } else {
+        Some(&first)
+    };
+    let texts = row
+        .into_iter()
+        .flat_map(|row| Fields::new(row, delimiter).enumerate());
+    let is_time = |(place, field): &(usize, &[u8])| {
+        let text = number::parse(field).is_none() && angles.get(*place) != Some(&true);
+        text && of_time(field).is_some()
+    };
+    preview.times = texts.filter(is_time).map(|(place, _)| place).collect();
     // A comment that is no header has another number of words than there are columns.
     let width = preview.rows.first().map_or(0, Vec::len);
     if preview.names.len() != width && width > 0 {

@@ -6,7 +6,7 @@ use std::ops::Range;
 use memchr::memchr;
 
 use crate::source::Source;
-use crate::table::Monitor;
+use crate::table::rewritten::Rewritten;
 
 /// Longest line that is handed out \[bytes\]; longer ones are passed over without being held.
 pub(crate) const MAX_LINE: usize = 64 * 1024;
@@ -93,8 +93,8 @@ impl Window {
 pub(crate) struct Lines {
     window: Window,
     number: u64,
-    /// What makes rows of the lines of a serial monitor, the last such row, and the header before the first.
-    monitor: Option<Monitor>,
+    /// What makes rows of lines that are none, the last such row, and the header before the first.
+    rewritten: Option<Rewritten>,
     row: Vec<u8>,
     header: Option<Vec<u8>>,
 }
@@ -113,14 +113,13 @@ impl Lines {
         Self {
             window: Window::new(source, BUFFER),
             number: 0,
-            monitor: None,
+            rewritten: None,
             row: Vec::new(),
             header: None,
         }
     }
 
-    /// Of a table, whose lines may be those of a serial monitor: its beginning shows that, which is read first where it is not
-    /// given.
+    /// Of a table, whose lines may have to be made rows: its beginning shows that, which is read first where it is not given.
     pub(crate) fn of_table(source: Source, beginning: Option<&[u8]>) -> Self {
         let mut lines = Self::new(source);
         let to_read = beginning.map_or(MAX_LINE, |_| 0);
@@ -128,8 +127,8 @@ impl Lines {
             lines.window.refill();
         }
         let start = beginning.unwrap_or(lines.window.bytes());
-        lines.monitor = Monitor::detect(start.get(..MAX_LINE).unwrap_or(start));
-        lines.header = lines.monitor.as_ref().and_then(Monitor::header);
+        lines.rewritten = Rewritten::detect(start.get(..MAX_LINE).unwrap_or(start));
+        lines.header = lines.rewritten.as_ref().and_then(Rewritten::header);
         lines
     }
 
@@ -145,7 +144,7 @@ impl Lines {
 
     #[inline]
     pub(crate) fn bytes(&self, range: Range<usize>) -> &[u8] {
-        let line = match self.monitor {
+        let line = match self.rewritten {
             Some(_) => &self.row,
             None => self.window.part(range),
         };
@@ -165,7 +164,7 @@ impl Lines {
 
     #[inline]
     pub(crate) fn step(&mut self) -> NextLine {
-        match self.monitor {
+        match self.rewritten {
             None => self.next(),
             Some(_) => self.step_to_row(),
         }
@@ -179,9 +178,8 @@ impl Lines {
             return NextLine::Line(0..0);
         }
         let next = self.next();
-        if let (NextLine::Line(range), Some(monitor)) = (&next, &self.monitor) {
-            let line = self.window.part(range.clone());
-            self.row = monitor.row(line.strip_suffix(b"\r").unwrap_or(line));
+        if let (NextLine::Line(range), Some(rewritten)) = (&next, &self.rewritten) {
+            self.row = rewritten.row(self.window.part(range.clone()));
         }
         next
     }

@@ -20,7 +20,7 @@ const LONGEST: usize = 40;
 const RECEIVED: &[u8] = b"received";
 
 /// What is to be done with each line.
-pub(crate) struct Monitor {
+pub(super) struct Monitor {
     /// Each line begins with a time.
     timed: bool,
     /// The labels, in the order in which they come first; empty without.
@@ -29,7 +29,7 @@ pub(crate) struct Monitor {
 
 impl Monitor {
     /// What the beginning of a text shows; `None` of a table as usual.
-    pub(crate) fn detect(start: &[u8]) -> Option<Self> {
+    pub(super) fn detect(start: &[u8]) -> Option<Self> {
         let end = start.iter().rposition(|byte| *byte == b'\n')?;
         let lines = start.get(..end)?.split(|byte| *byte == b'\n');
         let lines = lines
@@ -62,7 +62,7 @@ impl Monitor {
     }
 
     /// The header that labels make.
-    pub(crate) fn header(&self) -> Option<Vec<u8>> {
+    pub(super) fn header(&self) -> Option<Vec<u8>> {
         if self.labels.is_empty() {
             return None;
         }
@@ -74,7 +74,7 @@ impl Monitor {
     }
 
     /// A line as a row; one that is unlike the others as it is.
-    pub(crate) fn row(&self, line: &[u8]) -> Vec<u8> {
+    pub(super) fn row(&self, line: &[u8]) -> Vec<u8> {
         let (stamp, rest) = match timed(line).filter(|_| self.timed) {
             Some((stamp, rest)) => (Some(stamp), rest),
             None => (None, line),

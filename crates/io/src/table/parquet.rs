@@ -120,6 +120,7 @@ pub(super) fn preview(bytes: Bytes, rows: usize) -> Result<Preview, ReadError> {
         header: names.clone(),
         names,
         rows: Vec::new(),
+        ..Preview::default()
     };
     if columns.is_empty() {
         return Ok(preview);

@@ -244,6 +244,8 @@ pub struct Preview {
     pub names: Vec<String>,
     /// The first rows, of every column; NaN where there is no number.
     pub rows: Vec<Vec<f64>>,
+    /// Places of the columns whose first field is a date with a time of day, or a time of day.
+    pub times: Vec<usize>,
 }
 
 impl Preview {

@@ -146,17 +146,23 @@ pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened
         .retain(|one| left_out.binary_search(&one.index).is_err());
     left_out.iter().for_each(|k| found.cleaned[*k] = f64::NAN);
     let bridged = bridge(&found.cleaned, 0.0);
+    // The mean of a window that is missing is that of its neighbours, with the scatter of fewer samples.
+    let mostly_there = |samples: std::ops::Range<usize>| {
+        let missing = found.cleaned.get(samples.clone()).unwrap_or_default();
+        2 * missing.iter().filter(|x| x.is_nan()).count() <= samples.len()
+    };
     let rule = MotionRule {
         window: (options.rate_hz.round() as usize).max(2),
         step: quantisation.map_or(0.0, |grid| grid.step),
         ..MotionRule::default()
     };
+    let motion = screening::motion::motion_where(&bridged, rule, mostly_there).ok();
     Ok(Screened {
         mean: plain.mean,
         removed,
         temperature,
         cleaned: found.cleaned,
-        motion: screening::motion(&bridged, rule).ok(),
+        motion,
         bridged,
         outliers: found.outliers,
         missing: left_out.len(),
@@ -243,6 +249,28 @@ mod tests {
         assert!(
             found.removed == Detrend::Constant && found.quantisation.is_none() && !found.coarse
         );
+    }
+
+    #[test]
+    fn long_losses_are_no_motion() {
+        // Every tenth second two to three are missing, of 50 samples each.
+        let mut record = white(40_000);
+        for start in (500..39_000).step_by(500) {
+            record[start..start + 100 + start % 51].fill(f64::NAN);
+        }
+        let found = screen(&record, Trend::Constant);
+        let motion = found.motion.unwrap();
+        assert!(
+            !motion.moving && motion.moving_windows.is_empty(),
+            "{motion:?}"
+        );
+        // And motion is still where it is.
+        for sample in &mut record[20_300..20_450] {
+            *sample += 5.0;
+        }
+        let moved = screen(&record, Trend::Constant).motion.unwrap();
+        let near = |place: &usize| (20_200..=20_500).contains(place);
+        assert!(moved.moving_windows.iter().any(near), "{moved:?}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Records without missing samples.
 
-/// Missing samples replaced by the straight line between their neighbours, at either end by the record's `mean`.
+/// Missing samples replaced by the straight line between their neighbours, across a long gap between the means of those on either
+/// side, that the error of one sample is not in all of it; at either end by the record's `mean`.
 pub(crate) fn bridge(cleaned: &[f64], mean: f64) -> Vec<f64> {
     let mut whole = cleaned.to_vec();
     let mut last: Option<usize> = None;
@@ -13,7 +14,13 @@ pub(crate) fn bridge(cleaned: &[f64], mean: f64) -> Vec<f64> {
         if let Some(from) = last
             && at - from > 1
         {
-            let (a, b) = (whole[from], whole[at]);
+            let (a, b) = match (at - from - 1) as f64 > LONG {
+                true => (
+                    mean_of(cleaned.get(..=from).unwrap_or_default().iter().rev()),
+                    mean_of(cleaned.get(at..).unwrap_or_default().iter()),
+                ),
+                false => (whole[from], whole[at]),
+            };
             for k in from + 1..at {
                 whole[k] = a + (b - a) * (k - from) as f64 / (at - from) as f64;
             }
@@ -29,6 +36,13 @@ pub(crate) fn bridge(cleaned: &[f64], mean: f64) -> Vec<f64> {
 
 /// Samples of a gap that is long.
 const LONG: f64 = 64.0;
+
+/// Mean of the samples that are there among the next ones, as many as a long gap has.
+fn mean_of<'a>(samples: impl Iterator<Item = &'a f64>) -> f64 {
+    let there = samples.take(LONG as usize).filter(|x| !x.is_nan());
+    let (sum, count) = there.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
+    sum / count
+}
 
 /// By how much straight lines over missing samples raise the level of white noise near zero frequency: a neighbour of a gap
 /// of g samples counts 1 + g/2 times, so that the variance of a long sum is Σw², not the samples'. A gap that is itself long, as of
@@ -103,5 +117,15 @@ mod tests {
         );
         assert_eq!(bridge(&[nan, nan], 2.0), [2.0, 2.0]);
         assert!(bridge(&[], 2.0).is_empty());
+        // 65 missing samples lie between the means of 64 on either side, 64 between their neighbours.
+        let around = |gap: usize| {
+            let side =
+                |edge: f64| -> Vec<f64> { (0..64).map(|k| edge * f64::from(k % 2)).collect() };
+            bridge(&[side(4.0), vec![nan; gap], side(8.0)].concat(), 0.0)
+        };
+        let long = around(65);
+        assert!((long[64] - (2.0 + 2.0 / 66.0)).abs() < 1e-12 && long[63] == 4.0);
+        let short = around(64);
+        assert!((short[64] - (4.0 - 4.0 / 65.0)).abs() < 1e-12);
     }
 }

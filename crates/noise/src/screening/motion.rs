@@ -65,6 +65,18 @@ pub struct Motion {
 /// A sample that is not finite, fewer than three windows, a window below 2 or a factor that
 /// is not positive.
 pub fn motion(x: &[f64], rule: MotionRule) -> Result<Motion, RecordError> {
+    motion_where(x, rule, |_| true)
+}
+
+/// The same of the windows that are known, by the positions of their samples.
+///
+/// # Errors
+/// As above, of fewer than three known windows too.
+pub(crate) fn motion_where(
+    x: &[f64],
+    rule: MotionRule,
+    known: impl Fn(std::ops::Range<usize>) -> bool,
+) -> Result<Motion, RecordError> {
     if rule.window < 2 || rule.factor.is_nan() || rule.factor <= 0.0 {
         return Err(RecordError::Argument(
             "the motion rule needs 2 samples a window and a positive factor",
@@ -72,13 +84,16 @@ pub fn motion(x: &[f64], rule: MotionRule) -> Result<Motion, RecordError> {
     }
     check(x, rule.window.saturating_mul(3))?;
     let width = rule.window as f64;
-    let summary: Vec<(f64, f64)> = x.chunks_exact(rule.window).map(mean_and_squares).collect();
+    let windows = x.chunks_exact(rule.window).enumerate();
+    let windows = windows.filter(|(k, _)| known(k * rule.window..(k + 1) * rule.window));
+    let (places, windows): (Vec<usize>, Vec<&[f64]>) = windows.unzip();
+    if windows.len() < 3 {
+        return Err(RecordError::Argument("too few windows have samples"));
+    }
+    let summary: Vec<(f64, f64)> = windows.iter().map(|w| mean_and_squares(w)).collect();
     let mut variances: Vec<f64> = summary.iter().map(|s| s.1 / (width - 1.0)).collect();
     let inside = upper_median(&mut variances);
-    let mut of_quarters: Vec<f64> = x
-        .chunks_exact(rule.window)
-        .filter_map(by_quarters)
-        .collect();
+    let mut of_quarters: Vec<f64> = windows.iter().filter_map(|w| by_quarters(w)).collect();
     let of_quarters = match of_quarters.is_empty() {
         true => 0.0,
         false => upper_median(&mut of_quarters) / QUARTERS_MEDIAN,
@@ -95,7 +110,7 @@ pub fn motion(x: &[f64], rule: MotionRule) -> Result<Motion, RecordError> {
         .iter()
         .enumerate()
         .filter(|(_, change)| **change > rule.factor * allowed)
-        .map(|(k, _)| (k + 1) * rule.window)
+        .filter_map(|(k, _)| Some(places.get(k + 1)? * rule.window))
         .collect();
     let moving = moving_windows.len() as f64 > rule.share * changes.len() as f64;
     Ok(Motion {

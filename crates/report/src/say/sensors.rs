@@ -92,6 +92,9 @@ pub(super) fn wrong_gravity(ratio: f64) -> String {
             0.02..0.09 => {
                 "imu.accel (gravity seems to be removed, as from a \"linear acceleration\": log the accelerometers with gravity)"
             }
+            0.115..0.6 | ..0.02 => {
+                "imu.accel (if its columns are those of the gyros, exchange imu.gyro and imu.accel), imu.accel_unit and imu.data"
+            }
             _ => "imu.accel, imu.accel_unit and imu.data",
         }
     )
@@ -127,7 +130,11 @@ pub(super) fn wrong_turn_rate(ratio: f64) -> String {
                 "the sign of the specific force (reversed: imu.accel_unit = \"-m/s^2\" or \"-g\") and of the gyros (one axis reversed: imu.gyro_unit = \"deg/s, deg/s, -deg/s\"), and imu.axes; `undrift inspect` on the logs tries them",
             0.01..0.03 => "imu.gyro_unit (the numbers look like deg/s)",
             34.0..97.0 => "imu.gyro_unit (the numbers look like rad/s)",
-            0.0006..0.0017 => "imu.gyro_unit (the numbers are a thousand times too large)",
+            0.0006..0.0017 => {
+                "imu.gyro_unit (the numbers are a thousand times too large: thousandths are \"mdps\" or \"mrad/s\")"
+            }
+            0.04..0.08 => "imu.gyro_unit (the numbers look like mrad/s)",
+            1.2e-5..2.5e-5 => "imu.gyro_unit (the numbers look like mdps)",
             _ => "imu.gyro_unit and imu.axes",
         }
     )

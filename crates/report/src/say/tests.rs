@@ -454,7 +454,7 @@ fn a_ratio_of_gravity_or_turns_hints_at_the_unit() {
         (
             0.115,
             "0.115",
-            "check imu.accel, imu.accel_unit and imu.data",
+            "check imu.accel (if its columns are those of the gyros, exchange imu.gyro and imu.accel), imu.accel_unit and imu.data",
         ),
         (
             0.0899,
@@ -464,17 +464,21 @@ fn a_ratio_of_gravity_or_turns_hints_at_the_unit() {
         (
             0.0199,
             "0.0199",
-            "check imu.accel, imu.accel_unit and imu.data",
+            "check imu.accel (if its columns are those of the gyros, exchange imu.gyro and imu.accel), imu.accel_unit and imu.data",
         ),
         (8.5, "8.50", "(the numbers look like m/s^2)"),
         (11.4, "11.4", "(the numbers look like m/s^2)"),
         (100.0, "100", "(the numbers look like mg or cm/s^2)"),
         (115.0, "115", "check imu.accel, imu.accel_unit and imu.data"),
-        (1e-7, "0", "check imu.accel, imu.accel_unit and imu.data"),
+        (
+            1e-7,
+            "0",
+            "check imu.accel (if its columns are those of the gyros, exchange imu.gyro and imu.accel), imu.accel_unit and imu.data",
+        ),
         (
             2e-6,
             "2.00e-6",
-            "check imu.accel, imu.accel_unit and imu.data",
+            "check imu.accel (if its columns are those of the gyros, exchange imu.gyro and imu.accel), imu.accel_unit and imu.data",
         ),
     ] {
         let text = gravity(ratio);
@@ -491,8 +495,12 @@ fn a_ratio_of_gravity_or_turns_hints_at_the_unit() {
         (57.3, "imu.gyro_unit (the numbers look like rad/s)"),
         (
             0.001,
-            "imu.gyro_unit (the numbers are a thousand times too large)",
+            "imu.gyro_unit (the numbers are a thousand times too large: thousandths are \"mdps\" or \"mrad/s\")",
         ),
+        (0.0573, "imu.gyro_unit (the numbers look like mrad/s)"),
+        (1.75e-5, "imu.gyro_unit (the numbers look like mdps)"),
+        (0.09, "imu.gyro_unit and imu.axes"),
+        (0.0599, "imu.gyro_unit (the numbers look like mrad/s)"),
         (0.5, "imu.gyro_unit and imu.axes"),
     ] {
         let text = say(&Finding::WrongTurnRate { ratio });

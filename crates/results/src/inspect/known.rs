@@ -27,6 +27,8 @@ pub enum Known {
     StampStep,
     /// Guessed, as there is no column of times.
     NoTimes,
+    /// Guessed, as there is no column of times: as many rows as the fixes last.
+    RowsOfFixes,
     /// There is no number in the first rows.
     NoNumbers,
     /// Guessed by the median magnitude, which gravity makes.
@@ -85,6 +87,8 @@ pub enum Known {
     Counts,
     /// Guessed by the turns of the course: with gravity as it is, the gyros turn against it.
     Reversed,
+    /// By the motion: the columns of one sensor in another order.
+    ExchangedAxes,
     /// By the motion: only with these axes reversed do gyros, accelerometers and fixes fit together.
     ReversedAxes,
     /// Guessed by the magnitude \[m/s²\] of the specific force, of a telephone whose accelerometers have the opposite sign.

@@ -67,7 +67,12 @@ impl<'a> From<&'a Spanned<DeValue<'a>>> for Value<'a> {
     fn from(value: &'a Spanned<DeValue<'a>>) -> Self {
         match value.get_ref() {
             DeValue::String(text) => Self::Text(text),
-            DeValue::Integer(number) => Self::Whole(number.as_str().into()),
+            DeValue::Integer(number) => match number.radix() {
+                10 => Self::Whole(number.as_str().into()),
+                // `0x32` is held without its prefix.
+                radix => i64::from_str_radix(&number.as_str().replace('_', ""), radix)
+                    .map_or(Self::Other, |number| Self::Whole(number.to_string().into())),
+            },
             DeValue::Float(number) => Self::Decimal(number.as_str().into()),
             DeValue::Boolean(on) => Self::Switch(*on),
             DeValue::Datetime(_) => Self::Other,

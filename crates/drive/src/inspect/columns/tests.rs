@@ -8,6 +8,7 @@ fn preview(names: &[&str], rows: Vec<Vec<f64>>) -> Preview {
         header: names.clone(),
         names,
         rows,
+        ..Preview::default()
     }
 }
 
@@ -359,4 +360,112 @@ fn the_time_of_arrival_is_the_time_where_the_sensor_has_none() {
     assert_eq!(time(&["time", "gx", "received"]), Some(0));
     assert_eq!(time(&["gx", "received"]), Some(1));
     assert_eq!(time(&["gx", "timestamp", "time"]), Some(1));
+}
+
+#[test]
+fn a_counter_of_rows_is_no_time_beside_one_and_counts_are_forces() {
+    let row = |k: u32| {
+        let noise = f64::from(k * 7919 % 13) - 6.0;
+        let t = f64::from(k);
+        vec![
+            t,
+            20.0 * t + 5.0,
+            noise,
+            100.0,
+            8192.0 + noise,
+            3.0 * noise,
+            -noise,
+            2.0,
+        ]
+    };
+    let (_, of_row) = lines(&[], (0..400).map(row).collect());
+    assert_eq!(value(&of_row, "time").as_deref(), Some("2"));
+    assert_eq!(value(&of_row, "accel").as_deref(), Some("[3, 4, 5]"));
+    assert_eq!(value(&of_row, "accel_unit").as_deref(), Some("LSB/8192 g"));
+    assert_eq!(value(&of_row, "gyro").as_deref(), Some("[6, 7, 8]"));
+    // Nothing else grows.
+    let (_, of_row) = lines(
+        &[],
+        (0..400)
+            .map(|k| [vec![f64::from(k)], row(k)[2..].to_vec()].concat())
+            .collect(),
+    );
+    assert_eq!(value(&of_row, "time").as_deref(), Some("1"));
+}
+
+#[test]
+fn places_about_the_centre_of_the_earth_and_with_the_longitude_first() {
+    let moving = |k: u32| 1.7 * f64::from(k) + 0.01 * f64::from(k * k % 7);
+    let row = |k: u32| {
+        vec![
+            f64::from(k) * 0.5,
+            4_177_000.5 + moving(k),
+            855_000.25,
+            4_728_000.125,
+        ]
+    };
+    let (table, found) = lines(&["t", "X", "Y", "Z"], (0..60).map(row).collect());
+    assert_eq!(
+        (table, value(&found, "ecef").as_deref()),
+        ("gnss", Some("[X, Y, Z]"))
+    );
+    let row = |k: u32| {
+        vec![
+            f64::from(k) * 0.5,
+            114.47 + 1e-5 * moving(k),
+            30.44 + 1e-5 * moving(k),
+            20.25,
+        ]
+    };
+    let (table, found) = lines(&[], (0..60).map(row).collect());
+    assert_eq!(
+        (table, value(&found, "position").as_deref()),
+        ("gnss", Some("[3, 2, 4]"))
+    );
+}
+
+#[test]
+fn dates_are_times_whatever_their_column_is_called() {
+    let rows = || {
+        (0..50)
+            .map(|k| vec![f64::from(k), 48.1 + 1e-5 * f64::from(k), 11.5, 500.0])
+            .collect()
+    };
+    for name in ["Datum", "wann"] {
+        let mut table = preview(&[name, "lat", "lon", "height"], rows());
+        table.times = vec![0];
+        let parts = parts_of(table, &mut Vec::new());
+        assert_eq!(
+            (parts[0].lines[0].key, parts[0].lines[0].value.as_str()),
+            ("time", Some(name))
+        );
+    }
+    // Steps of one are a counter's.
+    let parts = parts_of(
+        preview(&["wann", "lat", "lon", "height"], rows()),
+        &mut Vec::new(),
+    );
+    assert!(parts[0].lines.iter().all(|line| line.key != "time"));
+}
+
+#[test]
+fn ticks_of_unknown_length_are_no_times() {
+    let row = |k: u32| {
+        let noise = f64::from(k * 7919 % 13) - 6.0;
+        vec![
+            100.0 * f64::from(k),
+            noise,
+            noise,
+            1.0,
+            0.1,
+            0.1 * noise,
+            9.81,
+        ]
+    };
+    let names = ["ticks", "gx_dps", "gy_dps", "gz_dps", "ax", "ay", "az"];
+    let (_, found) = lines(&names, (0..400).map(row).collect());
+    assert_eq!(
+        (value(&found, "time"), value(&found, "rate").as_deref()),
+        (None, Some("100 Hz"))
+    );
 }

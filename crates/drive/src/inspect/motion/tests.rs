@@ -1,6 +1,7 @@
 //! Drives whose sensors are altered, and what the inspection makes of them.
 
 use super::super::inspect_held;
+use super::axes::fit;
 use super::*;
 use std::fmt::Write as _;
 use undrift_io::Memory;

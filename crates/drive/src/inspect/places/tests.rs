@@ -118,11 +118,14 @@ fn what_is_no_path() {
         table(&|k| [5.1, 6.9, 4.0].map(|x| x + 3e-4 * noise(k))),
         table(&|k| [5.1, 6.9, 4.0].map(|x| x + (0.05 * k as f64).sin() + 0.05 * noise(k))),
         table(&|k| [(1e-5 * k as f64 + 48.1) * 1e4, 115_000.0, 0.0].map(|x| x.round() / 1e4)),
-        table(&|k| [91.0 + 1.00001e-5 * k as f64, 11.5, 400.0]),
+        table(&|k| [91.0 + 1.00001e-5 * k as f64, 181.5, 400.0]),
         table(&|k| [48.0 + 1.00001e-5 * k as f64, 11.5, -4000.0]),
     ] {
         assert_eq!(found(&columns).place, [None; 3]);
     }
+    // Beyond 90 degrees the first is the longitude.
+    let longitude_first = table(&|k| [91.0 + 1.00001e-5 * k as f64, 11.5, 400.0]);
+    assert_eq!(found(&longitude_first).place, [2, 1, 3].map(Some));
     let still = table(&|k| [48.123_456_7 + 1e-7 * noise(k), 11.5, 400.0]);
     assert_eq!(found(&still).place, [1, 2, 3].map(Some));
 }

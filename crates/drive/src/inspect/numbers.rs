@@ -1,0 +1,151 @@
+//! What the columns of a table are by their numbers alone.
+
+use super::columns::three_of;
+use super::found::Found;
+use super::places;
+use super::units::{self, Force};
+use crate::columns::{Meaning, meanings};
+use undrift_io::table::Preview;
+use undrift_results::inspect::Known;
+
+/// Distances from the centre of the Earth of a place on it or in the air above \[m\].
+const RADII: std::ops::Range<f64> = 6.33e6..6.41e6;
+/// Samples of which a mean is taken.
+const PART: usize = 25;
+
+/// The column that is the time by its numbers alone: one of dates or times of day, else the first of those without another
+/// meaning that only grows, and not by one from row to row, as a counter does.
+pub(super) fn time_by_numbers(table: &Preview) -> Option<usize> {
+    let known = meanings(&table.names);
+    let unknown = |place: &usize| known.get(*place).is_none_or(Option::is_none);
+    if let Some(time) = table.times.iter().find(|place| unknown(place)) {
+        return Some(*time);
+    }
+    let grows = |place: &usize| {
+        let column = |row: &Vec<f64>| row.get(*place).copied().unwrap_or(f64::NAN);
+        let stamps: Vec<f64> = table.rows.iter().map(column).collect();
+        let steps = || stamps.windows(2).map(|pair| pair[1] - pair[0]);
+        stamps.len() > 2 && steps().all(|step| step > 0.0) && steps().any(|step| step != 1.0)
+    };
+    let width = table.rows.first().map_or(0, Vec::len);
+    (0..width).filter(unknown).find(grows)
+}
+
+/// Finds the time by that it only grows, accelerometers by that gravity gives three columns a
+/// constant magnitude, gyros beside them, and places by their range.
+pub(super) fn by_numbers(table: &Preview) -> Found {
+    let mut found = Found {
+        known: Known::Numbers { several: false },
+        ..Found::default()
+    };
+    let width = table.rows.first().map_or(0, Vec::len);
+    let column = |k: usize| -> Vec<f64> {
+        let value = |row: &Vec<f64>| row.get(k).copied().unwrap_or(f64::NAN);
+        table.rows.iter().map(value).collect()
+    };
+    let columns: Vec<Vec<f64>> = (0..width).map(column).collect();
+    let grows = |c: &&Vec<f64>| c.len() > 2 && c.windows(2).all(|pair| pair[1] > pair[0]);
+    // A counter of the rows only where nothing else grows.
+    let counts = |c: &Vec<f64>| c.windows(2).all(|pair| pair[1] - pair[0] == 1.0);
+    let growing = |c: &Vec<f64>| grows(&c) && !counts(c);
+    let time = columns.iter().position(growing);
+    found.time = time.or_else(|| columns.iter().position(|c| grows(&c)));
+    places::find(&columns, &mut found);
+    // What a name says to be something else.
+    let known = meanings(&table.names);
+    let is_other = |column: usize| match known.get(column) {
+        None | Some(None | Some((Meaning::Gyro(_) | Meaning::Accel(_), _))) => false,
+        Some(Some(_)) => true,
+    };
+    // Before the time or behind it.
+    let free = |from: usize| {
+        let mut three = from..from + 3;
+        three.end <= width && !three.any(|column| found.uses(column) || is_other(column))
+    };
+    let beside = |accel: usize| {
+        let before = accel.checked_sub(3).filter(|before| free(*before));
+        before.or(Some(accel + 3).filter(|behind| free(*behind)))
+    };
+    let is_force = |samples: &[[f64; 3]]| {
+        !matches!(units::force(samples, None), Force::Unknown(_))
+            || units::counts(samples).is_some()
+    };
+    let force = (0..width).filter(|k| free(*k)).find_map(|k| {
+        let samples = three_of(&table.rows, [k, k + 1, k + 2]);
+        let steady = steady(&samples) || steady(&means(&samples));
+        Some((k, beside(k)?)).filter(|_| is_force(&samples) && steady)
+    });
+    let earth_fixed = |k: &usize| {
+        let samples = three_of(&table.rows, [*k, k + 1, k + 2]);
+        let near = |v: &[f64; 3]| RADII.contains(&v.iter().map(|x| x * x).sum::<f64>().sqrt());
+        samples.len() > 2 && samples.iter().all(near)
+    };
+    if force.is_none()
+        && let Some(x) = (0..width).filter(|k| free(*k)).find(earth_fixed)
+    {
+        found.ecef = [0, 1, 2].map(|axis| Some(x + axis));
+        return found;
+    }
+    if let Some((accel, gyro)) = force {
+        // Rates at rest may look like gravity, which is steadier.
+        let [force, rate] = [accel, gyro].map(|k| three_of(&table.rows, [k, k + 1, k + 2]));
+        let exchanged = is_force(&rate) && unsteadiness(&rate) < unsteadiness(&force);
+        let (accel, gyro) = if exchanged {
+            (gyro, accel)
+        } else {
+            (accel, gyro)
+        };
+        found.accel = [0, 1, 2].map(|axis| Some(accel + axis));
+        found.gyro = [0, 1, 2].map(|axis| Some(gyro + axis));
+        return found;
+    }
+    let within = |k: usize, limit: f64| {
+        columns.get(k).is_some_and(|c| {
+            let (low, high) = c
+                .iter()
+                .fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(*x), h.max(*x)));
+            low >= -limit
+                && high <= limit
+                && high - low < 5.0
+                && low.abs() > 1.0
+                && low.fract() != 0.0
+        })
+    };
+    let from = found.time.map_or(0, |time| time + 1);
+    if found.place[0].is_none()
+        && let Some(lat) =
+            (from..width.saturating_sub(2)).find(|&k| within(k, 90.0) && within(k + 1, 180.0))
+    {
+        found.place = [0, 1, 2].map(|k| Some(lat + k));
+    }
+    found
+}
+
+/// Means over a part of the rows, without vibration.
+pub(super) fn means(samples: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let parts = samples.chunks_exact(PART);
+    let mean =
+        |part: &[[f64; 3]]| [0, 1, 2].map(|k| part.iter().map(|v| v[k]).sum::<f64>() / PART as f64);
+    parts.map(mean).collect()
+}
+
+/// Whether the magnitude varies by less than a third.
+pub(super) fn steady(samples: &[[f64; 3]]) -> bool {
+    samples.len() > 2 && unsteadiness(samples) < 1.0 / 3.0
+}
+
+/// Between the magnitudes that one tenth and nine tenths of the samples do not exceed, over their median.
+fn unsteadiness(samples: &[[f64; 3]]) -> f64 {
+    let mut sizes: Vec<f64> = samples
+        .iter()
+        .map(|v| v.iter().map(|x| x * x).sum::<f64>().sqrt())
+        .collect();
+    sizes.sort_by(f64::total_cmp);
+    let at = |share: usize| {
+        sizes
+            .get(sizes.len() * share / 100)
+            .copied()
+            .unwrap_or(f64::NAN)
+    };
+    (at(90) - at(10)) / at(50)
+}
