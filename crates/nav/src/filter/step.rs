@@ -4,10 +4,11 @@ use super::{Filter, FilterError};
 use crate::{mechanisation::Increments, sample::ImuSample};
 use core::fmt;
 
-/// Longest sample that a step takes \[s\]: one that spans a gap has no motion within it.
+/// Longest interval of a sample that a step accepts \[s\]: a sample that spans a gap says nothing of the motion within it. A gap is taken by
+/// [`Filter::inflate_over_gap`].
 pub const LONGEST_STEP: f64 = 10.0;
 
-/// Why a sample was refused; the filter is then as it was, but for [`StepError::Diverged`].
+/// Why a sample was refused; the filter is then unchanged, except after [`StepError::Diverged`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepError {
     /// Its time is not finite, or its length is not above 0 and at most [`LONGEST_STEP`].

@@ -88,6 +88,8 @@ impl<const N: usize> Filter<N> {
 
     /// Makes a parameter unknown again: no correction to its configured value, of this standard deviation [its unit],
     /// free of correlation.
+    ///
+    /// For a drive in which it has changed on the way: an antenna that was moved, a tyre that was replaced.
     pub fn renew(&mut self, kind: Parameter, std: f64) {
         let Some(at) = self.parameter_start(kind) else {
             return;
