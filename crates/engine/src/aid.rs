@@ -18,7 +18,7 @@ use undrift_nav::{
 /// Stamps closer than this \[s\] are the same instant.
 pub const STAMP_ROUNDING: f64 = 1e-6;
 
-/// A kind of measurement, as updates are counted ([`Summary::innovations`](crate::Summary::innovations)).
+/// A kind of measurement, by which updates are counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Aid {
     /// GNSS positions.

@@ -224,7 +224,7 @@ impl FixGate {
         self.unconfirm();
     }
 
-    /// Writes down what was being left out.
+    /// Ends the run of rejected fixes that is open, if any.
     pub(super) fn close(&mut self, summary: &mut Summary) {
         if let Some(mut open) = self.open.take() {
             if open.end > open.start {
@@ -234,7 +234,7 @@ impl FixGate {
         }
     }
 
-    /// Since when the solution has given way three times \[s\].
+    /// Time since which the solution was reset three times \[s\].
     pub(super) fn third_last(&self) -> f64 {
         self.resets[2]
     }

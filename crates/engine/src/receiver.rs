@@ -111,7 +111,7 @@ impl Receiver {
         }
     }
 
-    /// As new, but for what is known of the receiver's accuracy.
+    /// Starts for a new solution, but keeps what is known of the receiver's accuracy.
     pub(super) fn forget_solution(&mut self, time: f64, summary: &mut Summary) {
         let scales = (self.position.scale, self.velocity.scale);
         self.close(summary);
@@ -287,7 +287,7 @@ impl Receiver {
         self.frozen
     }
 
-    /// Whether position and velocity have both given way to fixes again and again.
+    /// Whether position and velocity have both been reset to fixes again and again.
     pub(super) fn is_hopeless(&self, time: f64) -> bool {
         let both = self
             .position
@@ -297,7 +297,7 @@ impl Receiver {
         time - both < THREE_TIMES
     }
 
-    /// Writes down what goes on at the end.
+    /// Ends what is open at the end of the log.
     pub(super) fn close(&mut self, summary: &mut Summary) {
         self.height.close(summary);
         for (i, channel) in [&mut self.position, &mut self.velocity]

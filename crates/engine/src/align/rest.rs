@@ -150,7 +150,7 @@ impl Rest {
         self.dvel = Vector3::zeros();
     }
 
-    /// Forgets all rest: it was none.
+    /// Forgets all rest: it turned out to be motion.
     pub(super) fn forget(&mut self) {
         self.interrupt();
         self.bias_blocks = 0;

@@ -5,13 +5,13 @@ use alloc::{
     string::{String, ToString},
 };
 
-/// How the first attitude was found, and how well.
+/// Source and accuracy of the first attitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Alignment {
-    /// Where the attitude comes from.
+    /// Source of the attitude.
     pub source: AttitudeSource,
-    /// Standard deviation of the tilt, the larger of the two \[rad\].
+    /// Standard deviation of the tilt, the larger of its two axes \[rad\].
     pub level_std: f64,
     /// Standard deviation of the heading \[rad\].
     pub heading_std: f64,
@@ -22,39 +22,39 @@ pub struct Alignment {
     pub force_excess: Option<f64>,
 }
 
-/// Where the first attitude comes from.
+/// Source of the first attitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum AttitudeSource {
-    /// It is given.
+    /// The settings state it ([`AlignSettings::attitude`](crate::align::AlignSettings::attitude)).
     Given,
-    /// Level and gyro bias from rest.
+    /// Level and gyro bias from the mean over a rest.
     Rest {
         /// Length of the rest \[s\].
         duration: f64,
-        /// Where the heading comes from.
+        /// Source of the heading, which rest does not show.
         heading: HeadingSource,
     },
-    /// Velocity changes.
+    /// All of it from velocity changes seen by sensors and GNSS.
     Motion {
-        /// Length of the window \[s\].
+        /// Length of the window of motion \[s\].
         duration: f64,
         /// Whether the gyro bias is known from a rest before.
         bias_at_rest: bool,
     },
 }
 
-/// Where the heading after a rest comes from.
+/// Source of the heading after a rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum HeadingSource {
-    /// It is given.
+    /// The settings state it ([`Heading::Given`](crate::align::Heading::Given)).
     Given,
-    /// The GNSS course.
+    /// The GNSS course once the vehicle moved.
     Course,
 }
 
-/// Why there was no alignment.
+/// Why there was no alignment, and what to set or to change; its text is for the user.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum AlignmentFailure {
@@ -148,7 +148,7 @@ pub enum MotionFailure {
     Misfit(f64),
 }
 
-/// Without speed there is no change of velocity either: one reason is enough.
+/// Text of a missing attitude. Without speed there is no change of velocity either: one reason is enough.
 fn of_attitude(rest: &RestFailure, motion: &MotionFailure) -> String {
     match (rest, motion) {
         (
@@ -160,7 +160,7 @@ fn of_attitude(rest: &RestFailure, motion: &MotionFailure) -> String {
 }
 
 impl MotionFailure {
-    /// How far the search came.
+    /// Stage that the search reached, to keep the failure that says most.
     pub(super) fn stage(&self) -> u8 {
         match self {
             Self::TooFew => 0,
