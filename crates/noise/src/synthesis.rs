@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift_nav::shaping::{MAX_ORDER, ShapingFilter};
 
-/// Draws the samples ε_0, ε_1, … of a shaping filter.
+/// Draws the samples ε_0, ε_1, … of a shaping filter, without end: an iterator, or one by one.
 ///
 /// ```
 /// use undrift_nav::shaping::ShapingFilter;
@@ -36,7 +36,7 @@ impl NoiseGenerator {
         Self::with_rng(filter, Xoshiro256PlusPlus::seed_from_u64(seed))
     }
 
-    /// As [`NoiseGenerator::new`], from a generator of the caller, e.g. one jumped ahead per axis.
+    /// A generator that draws from `rng` of the caller, for example one jumped ahead for each axis, so that axes are independent.
     pub fn with_rng(filter: &ShapingFilter, mut rng: Xoshiro256PlusPlus) -> Self {
         let initial = filter.initial_factor();
         let mut state = [0.0; MAX_ORDER];

@@ -17,10 +17,10 @@ pub(crate) const SCALES: Scales = Scales {
 /// is a random walk.
 pub const FLICKER_TAUS: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
 
-/// Most Gauss-Markov processes in one model.
+/// Largest number of Gauss-Markov processes in one model.
 pub const MAX_GAUSS_MARKOV: usize = 2;
 
-/// Why a composite model cannot be evaluated or fitted.
+/// Why a composite model cannot be evaluated on a record or fitted to it.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CompositeError {
     /// Fewer samples than needed (missing ones not counted).
@@ -132,8 +132,7 @@ pub fn flicker(b: f64) -> ([GaussMarkov; FLICKER_TAUS.len()], f64) {
 }
 
 impl CompositeTerms {
-    /// The terms with flicker noise as the sum that approximates it: all Gauss-Markov processes, and the random walk
-    /// [unit/√s].
+    /// All slow terms as Gauss-Markov processes and the coefficient of a random walk [unit/√s], flicker noise as the sum that approximates it.
     pub fn slow(&self) -> (Vec<GaussMarkov>, f64) {
         let mut processes: Vec<GaussMarkov> = self.gauss_markov.to_vec();
         processes.retain(|process| process.sigma != 0.0);
@@ -167,7 +166,7 @@ impl CompositeTerms {
         Ok(sum)
     }
 
-    /// Which terms are present.
+    /// The set of terms that are present, to fit them again.
     pub fn set(&self) -> TermSet {
         TermSet {
             white: self.white != 0.0,
@@ -178,7 +177,7 @@ impl CompositeTerms {
         }
     }
 
-    /// The same terms with every amplitude times `factor` (correlation times kept).
+    /// These terms with every amplitude times `factor` (correlation times kept): of a sensor that is as noisy by that factor.
     pub fn scaled(&self, factor: f64) -> Self {
         let process = |g: GaussMarkov| GaussMarkov {
             sigma: g.sigma * factor,
@@ -194,23 +193,29 @@ impl CompositeTerms {
     }
 }
 
-/// Which terms a fit may use.
+/// Terms that a fit may use.
+///
+/// ```
+/// use undrift_noise::composite::TermSet;
+/// let set = TermSet { white: true, random_walk: true, gauss_markov: 1, ..TermSet::default() };
+/// assert_eq!(set.parameters(), 4); // N, K, σ and τ.
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TermSet {
-    /// White noise.
+    /// Whether with white noise.
     pub white: bool,
-    /// Quantisation.
+    /// Whether with quantisation.
     pub quantisation: bool,
-    /// Random walk.
+    /// Whether with a random walk.
     pub random_walk: bool,
-    /// Flicker noise.
+    /// Whether with flicker noise.
     pub flicker: bool,
     /// Number of Gauss-Markov processes, at most [`MAX_GAUSS_MARKOV`].
     pub gauss_markov: usize,
 }
 
 impl TermSet {
-    /// Number of parameters.
+    /// Number of parameters, the level of a record not counted.
     pub fn parameters(&self) -> usize {
         self.amplitudes() + self.gauss_markov
     }

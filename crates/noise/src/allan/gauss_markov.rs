@@ -97,7 +97,8 @@ impl Ar1 {
     }
 }
 
-/// White noise, quantisation and one Gauss-Markov process fitted to an Allan variance.
+/// White noise, quantisation and one Gauss-Markov process fitted to an Allan variance: what a data sheet's "bias instability" amounts
+/// to as a model of a filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GaussMarkovFit {
     /// Quantisation Q [unit·s].
@@ -111,7 +112,7 @@ pub struct GaussMarkovFit {
     /// Squared residuals in units of their covariance, over the degrees of freedom; about 1 where
     /// the model holds.
     pub reduced_chi2: f64,
-    /// True where τc is at an end of the range searched: the record does not determine it.
+    /// Whether τc is at an end of the range searched: the record does not determine it.
     pub at_limit: bool,
 }
 
@@ -119,6 +120,21 @@ pub struct GaussMarkovFit {
 /// searching τc between a fifth of the shortest τ and five times the record, the other terms by
 /// non-negative weighted least squares at each; from the shortest τ on from which they describe the
 /// curve: below, a sensor's filter or resonance may add what neither term is.
+///
+/// ```
+/// use undrift_noise::{allan::{DeviationKind, Grid, deviations, fit_gauss_markov}, composite::{CompositeTerms, GaussMarkov}};
+/// use undrift_noise::synthesis::NoiseGenerator;
+/// let truth = CompositeTerms {
+///     white: 0.01,
+///     gauss_markov: [GaussMarkov { sigma: 0.01, tau_s: 20.0 }, GaussMarkov::default()],
+///     ..CompositeTerms::default()
+/// };
+/// let record: Vec<f64> = NoiseGenerator::new(&truth.to_shaping(0.01)?, 1).take(200_000).collect();
+/// let found = fit_gauss_markov(&deviations(&record, 100.0, DeviationKind::Overlapping, Grid::Octave)?)?;
+/// assert!((found.white / 0.01 - 1.0).abs() < 0.05 && !found.at_limit, "{found:?}");
+/// assert!((found.sigma / 0.01).ln().abs() < 0.3 && (found.tau_c_s / 20.0).ln().abs() < 0.6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// A curve that is not [`DeviationKind::Overlapping`], or fewer than 5 usable points.
@@ -129,7 +145,7 @@ pub fn fit_gauss_markov(curve: &Curve) -> Result<GaussMarkovFit, RecordError> {
     })
 }
 
-/// As [`fit_gauss_markov`], from `shortest_s` \[s\] on; quantisation only where that leaves out no τ.
+/// The fit of [`fit_gauss_markov`] with the averaging times from `shortest_s` \[s\] on; with quantisation only where that leaves out no τ.
 ///
 /// # Errors
 /// As [`fit_gauss_markov`], of the points that are left.

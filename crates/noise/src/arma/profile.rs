@@ -14,12 +14,12 @@ use super::search::Problem;
 use crate::quasi_newton::{Objective, Point, bfgs};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Which coefficient of an ARMA(1,1).
+/// Coefficient of an ARMA(1,1) whose interval is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Root {
-    /// φ.
+    /// The autoregressive one, φ: how long the slow part lasts.
     Ar,
-    /// θ.
+    /// The moving-average one, θ: with φ − θ, how large the slow part is.
     Ma,
 }
 
@@ -27,7 +27,7 @@ pub enum Root {
 /// time in samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProfileInterval {
-    /// At the optimum.
+    /// `log(1 − c)` at the optimum.
     pub estimate: f64,
     /// Lower end; −∞ where c = 1 is not contradicted.
     pub low: f64,

@@ -41,17 +41,17 @@ pub enum Parameter {
     Flicker,
     /// σ \[unit\] of the Gauss-Markov process of this index.
     Sigma(usize),
-    /// τ \[s\] of it.
+    /// τ \[s\] of the Gauss-Markov process of this index.
     Tau(usize),
 }
 
-/// What a record says of a parameter.
+/// Profile interval of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ParameterInterval {
-    /// The parameter.
+    /// Parameter that it is of.
     pub parameter: Parameter,
-    /// Its most likely value, in the parameter's unit as the ends.
+    /// Most likely value, in the parameter's unit, as the ends.
     pub estimate: f64,
     /// Lower end; 0 where the record does not bound it.
     pub low: f64,
@@ -93,7 +93,7 @@ pub fn intervals(
     intervals_of_several(&[record], interval, fit, level)
 }
 
-/// As [`intervals`], of a fit to several records.
+/// The intervals of [`intervals`] for a fit to several records ([`fit_several`](super::fit_several)), which are given again.
 ///
 /// # Errors
 /// As [`intervals`].
@@ -106,7 +106,7 @@ pub fn intervals_of_several(
     intervals_marginal(records, interval, fit, level, NO_MARGINAL)
 }
 
-/// As [`intervals_of_several`], of a fit with something else integrated out of the records.
+/// Does [`intervals_of_several`] for a fit with something else integrated out of the records.
 pub(crate) fn intervals_marginal(
     records: &[&[f64]],
     interval: f64,

@@ -22,6 +22,16 @@ pub const MOSTLY_SHOWN: f64 = 0.5;
 /// Standard deviation before rounding of samples on a grid of `step` \[unit\], by the shares of the levels: that of
 /// a normal distribution whose quantiles two edges are (median over windows without drift). `None` where no two edges have samples
 /// beyond them: the noise is then known together with the place of the mean only.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{screening::rounding::before_rounding, synthesis::NoiseGenerator};
+/// // Noise of 0.5 steps: rounding adds 1/12 of a step² to the variance of the samples, a sixth in deviation.
+/// let noise = NoiseGenerator::new(&ShapingFilter::white(0.05, 0.01)?, 1);
+/// let rounded: Vec<f64> = noise.take(40_000).map(f64::round).collect();
+/// assert!((before_rounding(&rounded, 1.0).expect("three levels") / 0.5 - 1.0).abs() < 0.05);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn before_rounding(x: &[f64], step: f64) -> Option<f64> {
     if !(step > 0.0 && step.is_finite()) {
         return None;
@@ -54,7 +64,7 @@ fn of_window(x: &[f64], step: f64) -> Option<f64> {
     Some(step * apart / (place(last) - place(first)))
 }
 
-/// The number of samples that differ from the most common value.
+/// Number of samples that differ from the most common value.
 pub fn off_the_mode(x: &[f64]) -> usize {
     let mut sorted = x.to_vec();
     sorted.sort_by(f64::total_cmp);

@@ -35,7 +35,7 @@ const NEARBY: [f64; 2] = [1.0 / 6.0, 1.0 / 36.0];
 /// More than this is noise.
 const MOST_FOUND: usize = 16;
 
-/// The shape of a disturbance, its times in values of the series.
+/// Shape of a disturbance, its times in values of the series.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// The level is another one: before `from` surely the old, from `to` on surely the new.
@@ -51,14 +51,14 @@ pub enum Shape {
     Cycle(f64),
 }
 
-/// A disturbance of a level.
+/// A disturbance of a level: a step, a warm-up or a slow cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disturbance {
-    /// Its shape.
+    /// Shape, with its times.
     pub shape: Shape,
-    /// Of a step its height, of a warm-up its value at the start, of a cycle the parts of sine and cosine \[unit\].
+    /// Coefficients of the shape \[unit\]: of a step its height, of a warm-up its value at the start, of a cycle the parts of sine and cosine.
     pub coefficients: [f64; 2],
-    /// Fall of −2 ln likelihood by it.
+    /// Fall of −2 ln likelihood by it: its evidence.
     pub fall: f64,
 }
 

@@ -5,6 +5,7 @@ use realfft::RealFftPlanner;
 use std::f64::consts::TAU;
 
 /// One-sided power spectral density.
+/// A plot shows its root [unit/√Hz], whose flat is `√2 N`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Density {
     /// Frequencies from 0 on, evenly spaced \[Hz\].
@@ -12,7 +13,7 @@ pub struct Density {
     /// Density [unit²/Hz]; its integral over frequency is the variance. That of white noise N
     /// [unit/√Hz, two-sided as in the Allan variance] is 2 N².
     pub density: Vec<f64>,
-    /// Segments averaged.
+    /// Number of segments averaged: the relative standard error of a density is about `1/√segments`.
     pub segments: usize,
 }
 

@@ -6,7 +6,7 @@ use super::{Adf, Kpss, PhillipsPerron};
 /// of the time (Schwert 1989, table 6: at 0.8 already in 30 to 100 % of series).
 const NEAR_CANCELLING: f64 = 0.8;
 
-/// What the tests say together at 5 %.
+/// Conclusion of the three tests together at 5 %.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Conclusion {
     /// The unit root is rejected and stationarity is not.
@@ -27,7 +27,7 @@ pub enum Conclusion {
 /// The conclusion and the sentence to print.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
-    /// What the tests say together.
+    /// Conclusion of the tests together.
     pub conclusion: Conclusion,
     /// The reasoning in one or two sentences.
     pub sentence: String,
