@@ -31,23 +31,23 @@ use undrift_noise::{
 };
 use undrift_results::Used;
 
-/// The axes of a record, identified.
+/// The axes of a record, or of several of one sensor, identified.
 pub struct Identified {
     /// Sample rate \[Hz\].
     pub rate_hz: f64,
-    /// What the time stamps say, where there are any.
+    /// Rate, jitter and gaps of the time stamps, where there are any.
     pub timing: Option<Timing>,
-    /// Rows of the record that were left out.
+    /// Number of rows of the record that were skipped.
     pub skipped_rows: u64,
-    /// The parts of recordings that were used, of those that were not used whole.
+    /// Parts of the recordings that were used, of those that were not used whole.
     pub used: Vec<Used>,
-    /// Name of each axis with what was found, or why nothing was.
+    /// Each axis by its name, with what was found or why nothing was.
     pub axes: Vec<(&'static str, Result<Axis, AxisError>)>,
     /// Whether the axes are those of a body in which the sensor's are turned.
     pub body_axes: bool,
-    /// For plots of each axis' samples, in the order of the axes; of several records those of the longest.
+    /// Data for plots of each axis's samples, in the order of the axes; of several records those of the longest.
     pub series: Vec<RecordSeries>,
-    /// What several records show beyond that.
+    /// What several records show beyond a common model: the spread of their constants, and records that differ.
     pub pool: Option<Pool>,
 }
 
@@ -55,9 +55,9 @@ pub struct Identified {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}{error}", record.iter().map(|record| format!("{record}: ")).collect::<String>())]
 pub struct AxisError {
-    /// The record that it is of, where there are several.
+    /// Name of the record, where there are several.
     pub record: Option<String>,
-    /// What is wrong.
+    /// The reason.
     pub error: IdentifyError,
 }
 
@@ -146,8 +146,8 @@ pub fn run(record: &Record, options: &Options<'_>, done: impl Fn() + Sync) -> Id
 }
 
 impl Identified {
-    /// The model file's contents: identified axes over those of `base`; what neither has is left
-    /// out. The standard deviation of the turn-on constant is that of the base, a preset or data sheet, but
+    /// The noise model: identified axes over those of `base`; an axis that neither has is
+    /// absent. The standard deviation of the turn-on constant is that of the base, a preset or data sheet, but
     /// at least the constant seen in the record; for [`Identified::without_turn_on`] the largest that the
     /// record's constants do not contradict. Several records give it themselves, see [`Pool::turn_on`].
     ///

@@ -33,12 +33,12 @@ pub const HORIZONTAL: usize = 3;
 pub struct Errors(pub [f64; 10]);
 
 impl Errors {
-    /// By component.
+    /// The errors by the names of their components; unknown ones are absent.
     pub fn numbers(&self) -> Numbers {
         by_name(COMPONENTS.into_iter().zip(self.0))
     }
 
-    /// Nothing known.
+    /// Errors without a reference: all NaN.
     pub const UNKNOWN: Self = Self([f64::NAN; 10]);
 
     fn new(dr: &Vector3, dv: Option<Vector3>, rpy: Option<Vector3>) -> Self {
@@ -59,7 +59,7 @@ impl Errors {
         ])
     }
 
-    /// Of a navigation state against the reference at the same time; velocity and attitude stay unknown where the reference has
+    /// Errors of a navigation state against the truth at the same time; velocity and attitude stay unknown where the truth has
     /// none.
     pub fn against_truth(nav: &NavState, truth: &TruthSample) -> Self {
         let dr = truth.position.offset_to(&nav.position);
@@ -68,13 +68,13 @@ impl Errors {
         Self::new(&dr, dv, rpy)
     }
 
-    /// Of the predicted antenna against a fix, with the lever arm \[m\] in body axes; the attitude stays unknown.
+    /// Errors of the predicted antenna against a fix, with the lever arm \[m\] in body axes; the attitude stays unknown.
     pub fn against_fix(filter: &dyn Estimator, fix: &GnssFix, lever_b: &Vector3) -> Self {
         let antenna = filter.antenna_position(lever_b);
         Self::of_antenna(&antenna, &filter.antenna_velocity(lever_b), fix)
     }
 
-    /// Of an antenna's position and velocity [m/s] against a fix; the attitude stays unknown.
+    /// Errors of an antenna's position and velocity [m/s] against a fix; the attitude stays unknown.
     pub fn of_antenna(antenna: &Geodetic, velocity: &Vector3, fix: &GnssFix) -> Self {
         let dr = match fix.position {
             Some((Position::Geodetic(measured), _)) => measured.offset_to(antenna),
@@ -85,7 +85,7 @@ impl Errors {
         Self::new(&dr, dv, None)
     }
 
-    /// These, with those of `others` in place of unknown components.
+    /// These errors, with those of `others` in place of unknown components.
     #[must_use]
     pub fn or(self, others: Self) -> Self {
         Self(std::array::from_fn(|i| match self.0[i].is_finite() {
@@ -94,7 +94,7 @@ impl Errors {
         }))
     }
 
-    /// Component by component, the larger magnitude; unknown only where both are.
+    /// The larger magnitude of each component; unknown only where both are.
     pub fn max_abs(self, other: Self) -> Self {
         Self(std::array::from_fn(|i| {
             self.0[i].abs().max(other.0[i].abs())
@@ -107,7 +107,7 @@ impl Errors {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Predicted(pub [Matrix3; 3]);
 
-/// The groups of components in [`Predicted`]: name, and index of the first of three in [`Errors`].
+/// Groups of components in [`Predicted`]: name, and index of the first of three in [`Errors`].
 pub const GROUPS: [(&str, usize); 3] = [("position", 0), ("velocity", 4), ("attitude", 7)];
 
 impl Predicted {
@@ -117,7 +117,7 @@ impl Predicted {
         Self([0, 3, 6].map(|at| p.fixed_view::<3, 3>(at, at).into_owned()))
     }
 
-    /// Of the difference to a fix, which has noise of its own.
+    /// Covariances of the difference to a fix, which has noise of its own.
     #[must_use]
     pub fn against_fix(mut self, fix: &GnssFix) -> Self {
         let noise = [fix.position.map(|p| p.1), fix.velocity.map(|v| v.1)];
@@ -171,7 +171,7 @@ impl Predicted {
     }
 }
 
-/// How many errors lie inside one, two and three predicted standard deviations, by group of [`GROUPS`]: each
+/// Counts of errors inside one, two and three predicted standard deviations, by group of [`GROUPS`]: each
 /// component counts by itself. Of normal errors with the right covariance 0.683, 0.954 and 0.997 of all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Coverage {
@@ -239,7 +239,7 @@ pub fn max(values: &[Errors]) -> Errors {
     by_component(values, |sizes| sizes.iter().copied().fold(0.0, f64::max))
 }
 
-/// The truth between two of its samples: position by the cubic through positions and velocities
+/// The truth at `time` \[s\] between two of its samples: position by the cubic through positions and velocities
 /// where there are velocities, else straight; velocity straight; attitude by the shortest turn.
 pub fn interpolate(a: &TruthSample, b: &TruthSample, time: f64) -> TruthSample {
     let span = b.time - a.time;
@@ -288,7 +288,7 @@ pub struct TruthCursor<I> {
 }
 
 impl<I: Iterator<Item = TruthSample>> TruthCursor<I> {
-    /// Over samples in order of time.
+    /// Starts at the first of samples in order of time.
     pub fn new(mut samples: I) -> Self {
         let after = samples.next();
         Self {
@@ -314,7 +314,7 @@ impl<I: Iterator<Item = TruthSample>> TruthCursor<I> {
             .then(|| interpolate(&before, &after, time))
     }
 
-    /// The reader below.
+    /// The iterator of the samples, as far as it was not read.
     pub fn into_inner(self) -> I {
         self.samples
     }

@@ -36,7 +36,7 @@ const BIAS_WALK: f64 = 0.1;
 /// Heights of the standard atmosphere's lowest layer \[m\].
 const HEIGHTS: (f64, f64) = (-1000.0, 11_000.0);
 
-/// A log of one number: its file and layout.
+/// A log of one number: its file, and the columns or stream and units of it.
 pub type Source = (PathBuf, ScalarFormat);
 
 /// Reads a log's table of the drive file.
@@ -67,17 +67,17 @@ pub(super) fn about(log: ScalarLog) -> About {
     }
 }
 
-/// The logs of a drive by sensor, got by `scalars[log]`.
+/// The logs of a drive by sensor: `scalars[ScalarLog::Odometer]`, `None` where the drive has no such log.
 #[derive(Clone, Debug, Default)]
 pub struct Scalars([Option<Source>; ScalarLog::ALL.len()]);
 
 impl Scalars {
-    /// Those of all sensors in order.
+    /// The logs of all sensors, in the order of [`ScalarLog::ALL`].
     pub fn iter(&self) -> impl Iterator<Item = &Option<Source>> {
         self.0.iter()
     }
 
-    /// As [`Scalars::iter`], to be changed.
+    /// The logs of all sensors, in the order of [`ScalarLog::ALL`], to be changed.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut Option<Source>> {
         self.0.iter_mut()
     }
@@ -98,12 +98,13 @@ impl IndexMut<ScalarLog> for Scalars {
 }
 
 impl Drive {
-    /// The drive with wheel speeds in memory, forward positive \[m/s\], in order of time.
+    /// This drive with wheel speeds in memory, forward positive \[m/s\], in order of time; the wheel at the IMU unless
+    /// [`Constraints::odometer_lever`](crate::vehicle::Constraints::odometer_lever) is set.
     pub fn with_odometer(self, speeds: &[Scalar]) -> Self {
         self.with_scalars(ScalarLog::Odometer, speeds)
     }
 
-    /// The drive with barometric heights in memory \[m\], in order of time.
+    /// This drive with barometric heights in memory, up positive \[m\], in order of time.
     pub fn with_barometer(self, heights: &[Scalar]) -> Self {
         self.with_scalars(ScalarLog::Barometer, heights)
     }

@@ -1,4 +1,4 @@
-//! The text of a configuration file, and its tables.
+//! Text of a configuration file, and its tables.
 
 use super::error::ConfigError;
 use std::{
@@ -8,7 +8,7 @@ use std::{
 use toml::{Spanned, de::DeTable};
 use undrift_io::foreign::{self, Foreign};
 
-/// Line of a byte offset, from 1.
+/// Line of the byte `offset` in `text`, from 1.
 pub fn line_at(text: &str, offset: usize) -> usize {
     text.as_bytes()
         .iter()
@@ -18,7 +18,7 @@ pub fn line_at(text: &str, offset: usize) -> usize {
         + 1
 }
 
-/// The text of a configuration file and what messages call it.
+/// Reads a configuration file: its text, and its name in messages.
 ///
 /// # Errors
 /// A file that cannot be read, is too large or no text.
@@ -144,7 +144,7 @@ fn already(text: &str, start: usize) -> String {
     }
 }
 
-/// The tables of a configuration file's text; `file` is what messages call it.
+/// Parses the tables of a configuration file's text; `file` is its name in messages. [`Section::top`](super::Section::top) reads them.
 ///
 /// # Errors
 /// Text that is not TOML, with its line.

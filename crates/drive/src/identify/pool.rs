@@ -19,9 +19,9 @@ const LAID_DOWN: f64 = 0.087;
 /// Probability of taking a sensor that was not moved for one that was.
 const MOVED: f64 = 0.05;
 
-/// What several records show beyond their common model.
+/// What several records of one sensor show beyond their common model.
 pub struct Pool {
-    /// Names and samples of the records.
+    /// Names and numbers of samples of the records.
     pub records: Vec<(String, usize)>,
     /// The axes that were identified, by name.
     pub axes: Vec<(&'static str, noise::Pool)>,
@@ -31,7 +31,7 @@ pub struct Pool {
     pub tilt: f64,
 }
 
-/// The standard deviation of a turn-on constant that several records determine.
+/// Standard deviation of a turn-on constant that several records determine.
 #[derive(Clone, Copy, Debug)]
 pub struct Determined {
     /// For a filter \[unit\].

@@ -1,4 +1,4 @@
-//! What a recording is identified with, and how it is made ready for that.
+//! Settings of an identification, and how a recording is made ready for it.
 
 use super::{NotStatic, part::Part, rest::static_part};
 use crate::record::Record;
@@ -9,7 +9,7 @@ use undrift_results::{self as results, Number, Omitted, Used};
 /// Most that a stated rate may be off the time stamps, relative.
 const RATE_TOLERANCE: f64 = 0.01;
 
-/// Why a recording makes no model.
+/// Why a recording makes no model; its text says what to change.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RecordingError {
     /// Nothing gives the sample rate.
@@ -53,16 +53,16 @@ pub enum RecordingError {
     NoAxis,
 }
 
-/// What is asked of an identification.
+/// Settings of an identification; the default finds the rate and the part at rest by itself.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
-    /// Sample rate \[Hz\]; by the time stamps if absent.
+    /// Sample rate \[Hz\]; that of the time stamps if absent.
     pub rate_hz: Option<f64>,
-    /// The part of a recording to use, from and to \[s\] after its first sample; all of it if absent.
+    /// Part of a recording to use, from and to \[s\] after its first sample; all of it if absent.
     pub span: Option<(f64, f64)>,
     /// Largest n of ARMA(2n, 2n−1) that the Pandit-Wu search may choose.
     pub n_max: usize,
-    /// What is taken out first; temperature is not, of a record without one.
+    /// Trend that is removed first; that of temperature is not, of a record without one.
     pub trend: Trend,
 }
 
@@ -92,15 +92,15 @@ impl Settings {
 /// A recording ready to be identified: evenly sampled, NaN where a sample is missing.
 #[derive(Clone, Debug)]
 pub struct Prepared {
-    /// What results call it.
+    /// Name of the recording in results.
     pub name: String,
-    /// Its samples.
+    /// The samples.
     pub record: Record,
     /// Sample rate \[Hz\].
     pub rate_hz: f64,
-    /// Why it is not a static recording, if so; it is whole then.
+    /// Reason why it is not a static recording, if so; it is whole then.
     pub not_static: Option<NotStatic>,
-    /// The part that is used, where that is not all.
+    /// Part that is used, where that is not all.
     pub used: Option<Used>,
 }
 
@@ -200,7 +200,7 @@ pub(super) fn common_rate(records: &[Prepared]) -> Result<f64, RecordingError> {
     Ok(longest.rate_hz)
 }
 
-/// Where a model comes from: recordings, called `name`, at a rate \[Hz\], with the hashes of their files.
+/// Provenance of a model: recordings, called `name`, at a rate \[Hz\], with the hashes of their files.
 ///
 /// # Errors
 /// If a file cannot be read.

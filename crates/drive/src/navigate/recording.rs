@@ -1,4 +1,4 @@
-//! What a run was like over time, for plots.
+//! Curves of a run over time, for plots.
 
 use crate::{
     consistency::COMPONENT_NAMES,
@@ -164,7 +164,7 @@ impl Recording {
         }
     }
 
-    /// All of it, with where the solution and the fixes disagree; what nothing was added to is missing.
+    /// The curves as a result, with the windows in which solution and fixes disagree; what nothing was added to is missing.
     pub fn series(&self, windows: &Windows) -> NavigateSeries {
         let innovations = |part: usize| {
             let mut curves = named(&INNOVATIONS, &self.innovations[part]);

@@ -1,25 +1,25 @@
-//! Where the outages lie.
+//! Times of the outages.
 
 use crate::replay::Outage;
 use std::path::PathBuf;
 
-/// Where the outages lie, from the times of the fixes.
+/// Times of the outages, from those of the fixes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Schedule {
     /// `count` of them, evenly from `start` [s after the first fix] to the end of the fixes.
     Count {
-        /// After the first fix \[s\].
+        /// Start of the first outage after the first fix \[s\].
         start: f64,
-        /// How many.
+        /// Number of outages.
         count: usize,
     },
     /// From `start` [s after the first fix] on, one every `every` \[s\], at most `count`.
     Every {
-        /// After the first fix \[s\].
+        /// Start of the first outage after the first fix \[s\].
         start: f64,
-        /// From start to start \[s\].
+        /// Time from the start of one outage to that of the next \[s\].
         every: f64,
-        /// At most this many, as many as fit if `None`.
+        /// Number of outages at most; as many as fit if `None`.
         count: Option<usize>,
     },
     /// At these times in the log's own time base \[s\].
@@ -48,7 +48,7 @@ impl Schedule {
         }
     }
 
-    /// What serves where nothing is asked for: as many outages of `length` \[s\] as fit, a third of the time without GNSS;
+    /// The schedule where none is asked for: as many outages of `length` \[s\] as fit, a third of the time without GNSS;
     /// the first `start` \[s\] after the first fix or, without it, after [`FIRST`], sooner where the fixes `span` \[s\] little.
     pub fn usual(length: f64, start: Option<f64>, span: f64) -> Self {
         Self::Every {
@@ -65,7 +65,7 @@ pub const FIRST: f64 = 60.0;
 /// More outages than this are a mistake.
 const MOST_OUTAGES: usize = 100_000;
 
-/// Why outages cannot be laid out.
+/// Why outages cannot be laid out; its text names the argument to change.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ScheduleError {
     /// There is nothing to count the outages from.
