@@ -29,7 +29,7 @@ pub enum Meaning {
     EcefVelocity(usize),
     /// Velocity north, east, down (0, 1, 2).
     Velocity(usize),
-    /// Velocity up.
+    /// Velocity upwards.
     VelocityUp,
     /// Speed over ground.
     Speed,

@@ -57,7 +57,7 @@ pub struct Identified {
 pub struct AxisError {
     /// Name of the record, where there are several.
     pub record: Option<String>,
-    /// The reason.
+    /// Reason why it has no model.
     pub error: IdentifyError,
 }
 

@@ -184,7 +184,7 @@ pub enum Hindsight {
     /// What has come so far, as while driving: what a real-time run would have given.
     #[default]
     Causal,
-    /// From the first sample on what all of the fixes show of their errors, and the mounting; else what has come so far.
+    /// What has come so far, and from the first sample on what all of the fixes show of their errors, and the mounting.
     LookAhead,
     /// All of it: smoothed, for the best solution after the drive.
     Smooth,

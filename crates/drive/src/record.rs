@@ -198,7 +198,7 @@ fn with_temperature(record: Record, must: bool) -> Result<Record, ReadError> {
 const NO_TEMPERATURE: &str =
     "no temperature column: the header needs \"temp\", \"temperature\" or a name ending in \"_C\"";
 
-/// That forces between samples are no record of their noise.
+/// Reason why forces between samples are no record of their noise.
 const INTERPOLATED: &str = "specific forces that are interpolated to the times of the gyroscopes have less noise than the sensor";
 
 /// Reads a record whose columns and units are known.

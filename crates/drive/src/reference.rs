@@ -127,7 +127,7 @@ impl Predicted {
         self
     }
 
-    /// The same of the components of [`Errors`], in their units; `q_nb` is the attitude.
+    /// Covariances of the components of [`Errors`], in their units; `q_nb` is the attitude.
     fn of_components(&self, q_nb: &Quaternion) -> [Matrix3; 3] {
         let rpy = to_rpy(q_nb);
         let ((sin_y, cos_y), (sin_p, cos_p)) = (rpy.z.sin_cos(), rpy.y.sin_cos());

@@ -55,7 +55,7 @@ pub struct Node {
     pub sensor_error_std: [f64; AXES],
     /// Angular rate against the navigation frame as the filter had it, body axes [rad/s].
     pub omega_nb_b: Vector3,
-    /// By how much smoothing found the fixes' positions to hold later than the filter believed \[s\].
+    /// Time that smoothing found the fixes' positions to hold later than the filter believed \[s\].
     late: f64,
     /// The receiver's clock against the samples'; the zero where no time offset is estimated.
     pub receiver_clock: ReceiverClock,

@@ -11,13 +11,13 @@ use undrift_nav::{
 
 /// Time from the first to the last of the positions that a velocity is derived from \[s\].
 const SPAN: f64 = 2.0;
-/// The same where it takes longer to have [`LEAST`] of them, at most \[s\].
+/// Longest such time, where it takes longer to have [`LEAST`] of them \[s\].
 const LONGEST: f64 = 5.0;
 /// Positions that a velocity is derived from, at least.
 const LEAST: usize = 5;
 /// What the scatter of the positions does not show, one standard deviation \[m/s\].
 const FLOOR: f64 = 0.1;
-/// By how much a vehicle may have slowed down since the time of a derived velocity \[m/s²\].
+/// Deceleration that a vehicle may have had since the time of a derived velocity \[m/s²\].
 pub(crate) const BRAKING: f64 = 2.0;
 
 /// Place of the antenna at a fix, of a baseline that of its base plus the baseline; `None` of a fix without a position.
@@ -49,7 +49,7 @@ pub(crate) struct DerivedVelocity {
     pub(crate) time: f64,
     /// Over ground, north, east, down [m/s].
     pub(crate) v_n: Vector3,
-    /// Its covariance [m²/s²].
+    /// Covariance of the velocity [m²/s²].
     pub(crate) covariance: Matrix3,
 }
 

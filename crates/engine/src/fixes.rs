@@ -65,9 +65,9 @@ impl FixStudy {
     }
 }
 
-/// Of χ²(1), the median.
+/// Median of χ² with one degree of freedom.
 const MEDIAN: f64 = 0.455;
-/// From the median absolute deviation to the standard deviation.
+/// Ratio of the standard deviation to the median absolute deviation of normal values.
 const MAD: f64 = 1.4826;
 
 /// Fixes that a study looks at: an hour and a half at 4 Hz.
@@ -83,14 +83,13 @@ const FACTOR: f64 = 2.0;
 /// Velocities that the positions show to be better than this share of their stated standard deviations are taken as
 /// that good.
 const MODEST: f64 = 0.5;
-/// For so long they have to move faster than [`MOVES`] to show it: what a receiver gets wrong in motion does not show at
-/// rest \[s\].
+/// Motion faster than [`MOVES`] that it takes to show it \[s\]: what a receiver gets wrong in motion does not show at rest.
 const MOVING: f64 = 60.0;
 /// Least share of their stated standard deviations that velocities are taken to have.
 const LEAST_VELOCITY: f64 = 0.1;
 /// Share of the variance of such velocities that lasts, as in a receiver that smooths.
 const VELOCITY_SHARE: f64 = 0.6;
-/// For how long it lasts \[s\].
+/// Correlation time of that part \[s\].
 const VELOCITY_TIME: f64 = 3.0;
 /// White variance below this share of the stated one: the rest of the error lasts.
 const WHITE_SHARE: f64 = 0.8;
@@ -100,8 +99,8 @@ const MOST_SHARE: f64 = 0.99;
 const SHORTEST: f64 = 5.0;
 /// The velocities' own error makes the differences grow sooner, by about this factor.
 const SOONER: f64 = 2.0;
-/// For how long the rest of the error of positions lasts that have no velocities beside them: minutes, as of multipath,
-/// atmosphere and orbits (Groves 2013, section 9.3) \[s\].
+/// Correlation time of the rest of the error of positions that have no velocities beside them \[s\]: minutes, as of multipath,
+/// atmosphere and orbits (Groves 2013, section 9.3).
 const UNSEEN_TIME: f64 = 100.0;
 /// Longest correlation time that fixes are taken to have \[s\]: longer ones are treated as equal.
 pub const LONGEST_CORRELATION: f64 = 1000.0;

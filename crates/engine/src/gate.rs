@@ -36,7 +36,7 @@ const SENSELESS: f64 = 400.0;
 const WEAKEN: f64 = 5.0;
 /// NIS relative to the usual from which a fix is rejected.
 const REJECT: f64 = 30.0;
-/// The same while the solution is unconfirmed, where rejecting a right fix costs most: one in a million of right ones has
+/// [`REJECT`] while the solution is unconfirmed, where rejecting a right fix costs most: one in a million of right ones has
 /// 30.7 of 3.
 const REJECT_UNCONFIRMED: f64 = 10.2;
 /// The solution is unconfirmed after this long without a fix \[s\].

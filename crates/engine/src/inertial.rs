@@ -25,7 +25,7 @@ const SPIKE_APART: f64 = 0.3;
 const ALONE: f64 = 1.5;
 /// On such an axis a repeated value this many times further from the previous one is the end of its range.
 const JUMP_STEPS: f64 = 5.0;
-/// By what part the usual distance to the neighbours' mean follows each sample.
+/// Share by which the usual distance to the neighbours' mean follows each sample.
 const STEP_GAIN: f64 = 0.05;
 /// The replacement of a spike is uncertain by this many usual distances.
 const REPLACED_STEPS: f64 = 5.0;
@@ -54,7 +54,7 @@ const FORCE: f64 = 1.0;
 #[derive(Clone)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Inertial {
-    /// From the sensor's axes to the body's.
+    /// Rotation from the sensor's axes to the body's.
     rotation: Matrix3,
     before: Option<[f64; AXES]>,
     pending: Option<(ImuSample, [f64; AXES])>,

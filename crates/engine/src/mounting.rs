@@ -32,7 +32,7 @@ const MIN_SPEED_SLOW: f64 = 0.7;
 const HEADING_STD: f64 = 0.05;
 /// Driving that makes one value: errors of the attitude, bends and bumps live for about that long \[s\].
 const BLOCK: f64 = 5.0;
-/// Values needed.
+/// Blocks needed for an estimate.
 const MIN_BLOCKS: usize = 6;
 /// Variance of the velocity's error, 0.1 m/s, times its correlation time, 5 s, over that of the lever before the drive, 2 m.
 const LEVER: f64 = 0.0125;
@@ -112,17 +112,17 @@ const WANDER: f64 = 0.2;
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct Block {
-    /// Length \[s\].
+    /// Length of the motion in it \[s\].
     span: f64,
-    /// Of products of the velocity, of velocity and angular rate, of the angular rate; in sensor axes.
+    /// Sums of products of the velocity, of velocity and angular rate, of the angular rate; in sensor axes.
     velocity: Matrix3,
     mixed: Matrix3,
     rate: Matrix3,
-    /// Of the velocity, reversed where it is against those before.
+    /// Sum of the velocity, reversed where it is against those before.
     along: Vector3,
-    /// Of the direction of down.
+    /// Sum of the direction of down.
     down: Vector3,
-    /// Of the heading's variance.
+    /// Sum of the heading's variance.
     variance: f64,
     /// Time moving with `along` less time against it \[s\].
     ahead: f64,
@@ -293,9 +293,9 @@ impl Blocks {
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct MountingEstimator {
-    /// Of driving fast and straight, by unit vectors.
+    /// Blocks of driving fast and straight, by unit vectors.
     straight: Blocks,
-    /// Of all driving, by velocities.
+    /// Blocks of all driving, by velocities.
     all: Blocks,
 }
 

@@ -18,7 +18,7 @@ use undrift_nav::{
     sample::{GnssFix, ImuSample, Scalar},
 };
 
-/// From one snapshot to the next \[s\]: a late measurement runs at most this much more again than it is late by.
+/// Time between two snapshots \[s\]: a late measurement runs at most this much more again than it is late by.
 const SNAPSHOT_SPAN: f64 = 0.2;
 
 /// Why a sample or a measurement was refused. Nothing of it is used, and the navigator may be pushed the next one, but after
@@ -100,7 +100,7 @@ pub struct Navigator {
     pub(crate) measured: Measured,
     /// How far from the IMU's time base a fix may be stamped late \[s\]: see [`Navigator::ahead`].
     ahead: f64,
-    /// By how much a measurement may come late \[s\].
+    /// Longest delay with which a measurement is accepted \[s\].
     pub(crate) horizon: f64,
     /// Samples within the horizon, and how many went before them.
     pub(crate) samples: VecDeque<ImuSample>,

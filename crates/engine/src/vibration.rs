@@ -67,7 +67,7 @@ const GAP: f64 = 1.5;
 pub struct Vibration {
     /// Time over which the noise is averaged \[s\].
     memory: f64,
-    /// By how much the standard deviation beyond the model's is multiplied, axis by axis.
+    /// Factors on the standard deviation beyond the model's, axis by axis [–].
     factors: [f64; AXES],
     /// Samples in a mean, and its length \[s\]; zero samples: too slow a log to look.
     each: usize,

@@ -118,7 +118,7 @@ pub struct LocalEarth {
 }
 
 impl LocalEarth {
-    /// At `position`; one sine and one cosine.
+    /// Radii, gravity, sine and cosine at `position`; one sine and one cosine are computed.
     #[inline]
     pub fn at(position: &Geodetic) -> Self {
         let (sin_lat, cos_lat) = (sin(position.lat), cos(position.lat));

@@ -397,7 +397,7 @@ impl Arma {
         (interval * self.rate_hz - 1.0).abs() < SAME_RATE
     }
 
-    /// As a shaping filter at an interval \[s\]; rates closer than 0.1 % are taken as the same.
+    /// The shaping filter at an interval \[s\]; rates closer than 0.1 % are taken as the same.
     fn at(&self, interval: f64) -> Result<ShapingFilter, ShapingError> {
         if self.is_at(interval) {
             return ShapingFilter::arma(&self.ar, &self.ma, self.sigma, interval);
@@ -434,7 +434,7 @@ impl Arma {
         Some((white, slow))
     }
 
-    /// The same with a root of φ at 1 moved to the correlation time [`UNIT_ROOT_TAU`].
+    /// This ARMA with a root of φ at 1 moved to the correlation time [`UNIT_ROOT_TAU`].
     fn with_stationary_root(&self) -> Self {
         let mut stationary = self.clone();
         let sum: f64 = self.ar.iter().sum();

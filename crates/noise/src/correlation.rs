@@ -108,7 +108,7 @@ fn direct(x: &[f64], mean: f64, lags: usize) -> Vec<f64> {
     sums.iter().map(|s| s.value()).collect()
 }
 
-/// The same by FFT: cross spectra of each stretch with itself continued by `lags` samples.
+/// The products by FFT: cross spectra of each stretch with itself continued by `lags` samples.
 fn by_fft(x: &[f64], mean: f64, lags: usize) -> Vec<f64> {
     // No circular overlap: a stretch and its continuation by `lags` fit in `size`.
     let size = (4 * lags).next_power_of_two().max(4096);

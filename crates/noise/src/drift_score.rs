@@ -190,7 +190,7 @@ pub fn pooled(parts: &[Vec<HorizonScore>]) -> Vec<HorizonScore> {
     (0..horizons).map(pool).collect()
 }
 
-/// See [`HorizonScore::standard_error`].
+/// Standard error of a score, as [`HorizonScore::standard_error`] says.
 fn standard_error(rms: f64, windows: f64, batches: &[f64]) -> f64 {
     // d rms = d(rms²) / (2 rms)
     let from_batches = match rms > 0.0 {

@@ -72,7 +72,7 @@ impl<'a> Objective<'a> {
         }
     }
 
-    /// With a gradient in place of differences.
+    /// This objective with a gradient in place of differences.
     pub(crate) fn with_gradient(self, gradient: &'a Gradient<'a>) -> Self {
         Self {
             gradient: Some(gradient),
@@ -297,7 +297,7 @@ pub(crate) fn bfgs(
     here
 }
 
-/// Longest backtracking.
+/// Halvings of a step at most before a line search gives up.
 const TRIES: usize = 25;
 /// Sufficient decrease of the step that is taken, as a share of the slope's.
 const SUFFICIENT: f64 = 1e-4;

@@ -33,7 +33,7 @@ pub(crate) struct Innovations<const N: usize> {
     pub(crate) gain: Vector<N>,
     /// Driving noise of a missing sample.
     pub(crate) q: Matrix<N>,
-    /// P∞.
+    /// P∞, the covariance of the prediction once it has settled.
     pub(crate) p: Matrix<N>,
 }
 

@@ -218,7 +218,7 @@ pub struct Regressors {
 }
 
 impl Regressors {
-    /// Of `record` \[unit\], NaN where a sample is missing, with a finite temperature [°C] for every sample, taken every
+    /// Averages `record` \[unit\], NaN where a sample is missing, with a finite temperature [°C] for every sample, taken every
     /// `interval` \[s\].
     ///
     /// # Errors
@@ -309,7 +309,7 @@ impl Regressors {
         least.ok_or(TemperatureError::NoFit)
     }
 
-    /// Of the models that the likelihood does not tell apart the one under which the last coefficient is least certain.
+    /// The model, of those that the likelihood does not tell apart, under which the last coefficient is least certain.
     fn most_cautious(
         &self,
         regressors: usize,

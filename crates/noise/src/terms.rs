@@ -91,7 +91,7 @@ pub struct CompositeTerms {
     pub gauss_markov: [GaussMarkov; MAX_GAUSS_MARKOV],
 }
 
-/// Those that are there, as a list.
+/// Serialises the processes that are there, as a list.
 fn list<S: Serializer>(processes: &[GaussMarkov], to: S) -> Result<S::Ok, S::Error> {
     to.collect_seq(processes.iter().filter(|process| process.sigma > 0.0))
 }

@@ -202,7 +202,7 @@ impl ModelCurve {
         }
     }
 
-    /// See [`model_variance`].
+    /// Wavelet variance at `m` samples, by [`model_variance`].
     fn at(&self, m: usize) -> f64 {
         let scale_s = m.max(1) as f64 * self.interval;
         let processes = self.processes.iter();

@@ -35,13 +35,13 @@ pub struct InnovationStatistics {
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Lagged {
     count: u64,
-    /// At lags 0 … [`LAGS`].
+    /// Sums of products at lags 0 … [`LAGS`].
     products: [f64; LAGS + 1],
     recent: VecDeque<f64>,
 }
 
 impl InnovationStatistics {
-    /// Nothing yet.
+    /// Statistics of no update.
     pub fn new() -> Self {
         Self::default()
     }
@@ -90,7 +90,7 @@ impl InnovationStatistics {
         }
     }
 
-    /// Updates.
+    /// Number of updates.
     pub fn updates(&self) -> u64 {
         self.updates
     }

@@ -34,9 +34,9 @@ pub struct Pool {
 /// Standard deviation of a turn-on constant that several records determine.
 #[derive(Clone, Copy, Debug)]
 pub struct Determined {
-    /// For a filter \[unit\].
+    /// Standard deviation for a filter \[unit\].
     pub sigma: f64,
-    /// Of two or three records, whose scatter bounds it from above alone.
+    /// Whether it is a bound of two or three records, whose scatter bounds it from above alone.
     is_bound: bool,
 }
 
@@ -258,7 +258,7 @@ impl Pool {
         text
     }
 
-    /// As a result.
+    /// The pool as a result.
     pub(super) fn result(&self) -> results::Pool {
         let axes = self
             .axes

@@ -27,7 +27,7 @@ pub struct RecordSeries {
 }
 
 impl RecordSeries {
-    /// Of samples at a rate \[Hz\] that lie on a grid of `step`, if they do.
+    /// Reduces samples at a rate \[Hz\] that lie on a grid of `step`, if they do.
     pub(super) fn new(samples: &[f64], rate_hz: f64, step: Option<f64>) -> Self {
         let mut record = Envelope::new(RECORD);
         for (k, value) in samples.iter().enumerate() {
@@ -84,7 +84,7 @@ impl RecordSeries {
         }
     }
 
-    /// With what was found of the axis.
+    /// The data as a result, with what was found of the axis.
     pub(super) fn result(&self, axis: &Axis) -> AxisSeries {
         let centres = (0..self.density.len()).map(|bar| self.first + bar as f64 * self.width);
         AxisSeries {

@@ -22,9 +22,9 @@ pub enum RecordingError {
         "--rate is {stated} Hz but the time stamps give {stamps:.3} Hz; omit it or correct the stamps"
     )]
     WrongRate {
-        /// As stated \[Hz\].
+        /// Stated rate \[Hz\].
         stated: f64,
-        /// Of the stamps \[Hz\].
+        /// Rate of the stamps \[Hz\].
         stamps: f64,
     },
     /// The part to use begins after the end.

@@ -33,7 +33,7 @@ const ALIKE: f64 = 0.7;
 
 /// Motion from one fix to a later one.
 struct Span {
-    /// Its end \[s\].
+    /// End of the span \[s\].
     time: f64,
     length: f64,
     /// Speeds at both ends [m/s], and the angle by which the course turns right \[rad\].

@@ -124,7 +124,7 @@ impl Report {
 /// Share of the inertial log below which the solution covers a small part of it.
 const LEAST_COVERED: f64 = 0.5;
 
-/// Of position and velocity the one that the model predicts worse.
+/// Of the findings on position and velocity the one that the model predicts worse.
 fn one_model(mut found: Vec<Finding>) -> Vec<Finding> {
     let factor = |of: &Finding| match of {
         Finding::OptimisticModel { factor, .. } => Some(*factor),

@@ -35,7 +35,7 @@ use undrift_nav::{
     sample::{GnssFix, TruthSample},
 };
 
-/// From one NEES to the next \[s\].
+/// Time between two values of the NEES \[s\].
 const NEES_SPAN: f64 = 1.0;
 
 /// A truth reader that ends at its first error and keeps it.
@@ -95,7 +95,7 @@ pub(super) struct Recorder {
     compared: [u64; COMPONENTS.len()],
     /// While the filter runs for a smoother.
     history: Option<History>,
-    /// Of the filter's errors against its covariance, and when next \[s\].
+    /// Sums of the filter's errors against its covariance, and the time of the next \[s\].
     consistency: Consistency,
     next_nees: f64,
     /// Where they are asked for.

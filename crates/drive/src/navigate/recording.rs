@@ -50,8 +50,8 @@ pub struct Recording {
     sensors: [Envelope; AXES],
     sensor_deviations: [Envelope; AXES],
     errors: [Envelope; COMPONENTS.len()],
-    /// Of position and velocity: whitened innovations and NIS over its degrees of freedom, and NIS
-    /// over the same of what was left out.
+    /// Whitened innovations of position and velocity and NIS over its degrees of freedom, and NIS
+    /// over its degrees of freedom of what was rejected.
     innovations: [[Envelope; INNOVATIONS.len()]; 2],
     left_out: [Envelope; 2],
     /// Time \[s\], latitude, longitude \[deg\] and standard deviations north and east \[m\] of the fixes used,

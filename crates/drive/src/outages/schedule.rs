@@ -13,7 +13,7 @@ pub enum Schedule {
         /// Number of outages.
         count: usize,
     },
-    /// From `start` [s after the first fix] on, one every `every` \[s\], at most `count`.
+    /// One every `every` \[s\] from `start` [s after the first fix] on, at most `count`.
     Every {
         /// Start of the first outage after the first fix \[s\].
         start: f64,
@@ -22,7 +22,7 @@ pub enum Schedule {
         /// Number of outages at most; as many as fit if `None`.
         count: Option<usize>,
     },
-    /// At these times in the log's own time base \[s\].
+    /// At these starts, in the log's own time base \[s\].
     At(Vec<f64>),
 }
 
@@ -130,7 +130,7 @@ pub enum ScheduleError {
     LongerThanFixes {
         /// Length \[s\].
         length: f64,
-        /// From the first fix to the last \[s\].
+        /// Time from the first fix to the last \[s\].
         span: f64,
     },
     /// An outage reaches beyond the fixes.
@@ -156,7 +156,7 @@ pub enum ScheduleError {
     BeyondTruth {
         /// First and last time of the truth \[s\].
         truth: [f64; 2],
-        /// The outage.
+        /// The outage that reaches beyond.
         outage: Outage,
     },
 }

@@ -60,7 +60,7 @@ pub fn rounded(time: f64) -> f64 {
 }
 
 impl Stamps {
-    /// With one more, later stamp \[s\].
+    /// These stamps with one more, later stamp \[s\].
     pub(crate) fn and(before: Option<Self>, time: f64) -> Self {
         before.map_or(
             Self {

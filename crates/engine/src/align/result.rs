@@ -17,7 +17,7 @@ pub struct Alignment {
     pub heading_std: f64,
     /// Standard deviation of the gyro bias, the largest of the axes \[rad/s\].
     pub gyro_bias_std: f64,
-    /// By how much the specific force at rest is larger than gravity \[m/s²\], where that is more than the accelerometers' noise
+    /// Excess of the specific force at rest over gravity \[m/s²\], where that is more than the accelerometers' noise
     /// model has: the filter then starts with so large constant errors.
     pub force_excess: Option<f64>,
 }
@@ -84,7 +84,7 @@ pub enum RestFailure {
         "the vehicle never reached {min_speed:.1} m/s (at most {fastest:.1} m/s), so the course gives no heading: set initial.min_speed or initial.heading"
     )]
     TooSlow {
-        /// That speed \[m/s\].
+        /// Speed above which the course is the heading \[m/s\].
         min_speed: f64,
         /// The highest speed \[m/s\].
         fastest: f64,
@@ -102,7 +102,7 @@ pub enum RestFailure {
         "no fix after a rest was faster than {min_speed:.1} m/s, so the course gives no heading (set initial.heading or initial.attitude)"
     )]
     NoFastFix {
-        /// That speed \[m/s\].
+        /// Speed above which the course is the heading \[m/s\].
         min_speed: f64,
     },
     /// Nothing gives the heading.
@@ -123,7 +123,7 @@ pub enum MotionFailure {
         "alignment in motion needs speeding up, braking or turning: the velocity changed by at most {change:.1} m/s within {within:.0} s"
     )]
     TooSteady {
-        /// By how much at most \[m/s\] …
+        /// Largest change of the velocity \[m/s\] …
         change: f64,
         /// … within so long \[s\].
         within: f64,

@@ -69,11 +69,11 @@ pub(super) struct Minimum {
 
 /// Everything but the guess.
 pub(super) struct Problem<'a> {
-    /// In order of time; the first one is the start.
+    /// Segments in order of time; the first one is the start.
     pub(super) segments: &'a [Segment],
     /// Gyro bias about which they are linear [rad/s].
     pub(super) reference: Vector3,
-    /// About where.
+    /// Approximate place, for gravity and the Earth's rate.
     pub(super) place: Geodetic,
     /// IMU → antenna, body axes \[m\].
     pub(super) lever_arm: Vector3,

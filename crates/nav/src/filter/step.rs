@@ -11,11 +11,11 @@ pub const LONGEST_STEP: f64 = 10.0;
 /// Why a sample was refused; the filter is then unchanged, except after [`StepError::Diverged`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepError {
-    /// Its time is not finite, or its length is not above 0 and at most [`LONGEST_STEP`].
+    /// The sample's time is not finite, or its length is not above 0 and at most [`LONGEST_STEP`].
     Invalid {
         /// End of the sample \[s\].
         time: f64,
-        /// Its length \[s\].
+        /// Length of the sample \[s\].
         dt: f64,
     },
     /// An increment is not finite.
@@ -26,10 +26,10 @@ pub enum StepError {
         reached: f64,
         /// End of the sample \[s\].
         time: f64,
-        /// Its length \[s\].
+        /// Length of the sample \[s\].
         dt: f64,
     },
-    /// Its increments would move the solution out of the range that [`Filter::check`] asks for.
+    /// The sample's increments would move the solution out of the range that [`Filter::check`] asks for.
     OutOfRange,
     /// The solution has diverged: start a new filter.
     Diverged,

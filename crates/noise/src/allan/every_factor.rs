@@ -87,7 +87,7 @@ pub(super) fn energies(
 
 /// Energies by FFT, and what bounds their errors.
 struct Energies {
-    /// At m = 0, 1, …
+    /// Energies at m = 0, 1, …
     energies: Vec<f64>,
     /// Bound of the error by rounding in the FFTs.
     rounding: f64,

@@ -253,7 +253,7 @@ pub(crate) struct Problem {
     measured: DVector<f64>,
     /// Points by columns: variance of each unit term.
     shapes: DMatrix<f64>,
-    /// Of the points under the IEEE terms.
+    /// Covariance of the points under the IEEE terms.
     covariance: Covariance,
     /// Covariance of the points over the product of their variances, where no IEEE terms give it.
     relative: DMatrix<f64>,

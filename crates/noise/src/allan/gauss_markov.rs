@@ -64,7 +64,7 @@ impl Ar1 {
         }
     }
 
-    /// See [`ar1_variance`].
+    /// Allan variance at `m` samples, by [`ar1_variance`].
     pub(crate) fn variance(&self, m: usize) -> f64 {
         let width = m.max(1) as f64;
         let (decay, phi) = (self.decay, 1.0 - self.decay);

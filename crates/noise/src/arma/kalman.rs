@@ -204,7 +204,7 @@ pub(super) fn with_gaps(
     likelihood(samples, mean, centre, (phi, theta), unit_root, order)
 }
 
-/// The same by the filter, one sample after the other, whose digits last where roots crowd at 1.
+/// Does [`with_gaps`] by the filter, one sample after the other, whose digits last where roots crowd at 1.
 pub(super) fn filtered(
     samples: &[f64],
     mean: Mean,

@@ -16,7 +16,7 @@ pub(super) const TOLERANCE: f64 = 1e-5;
 const SAME: f64 = 1e-4;
 /// An optimum of the approximate likelihood so far below the best does not become the best.
 const HOPELESS: f64 = 30.0;
-/// The same after a few steps by the exact likelihood.
+/// [`HOPELESS`] after a few steps by the exact likelihood.
 const NEAR: f64 = 5.0;
 /// Local optima handed to the next order.
 const KEPT: usize = 4;
@@ -226,7 +226,7 @@ fn line_starts(n: usize, lower: &[Point], p: usize, candidates: &mut Vec<Vec<f64
     }
 }
 
-/// Of a long record: the candidates that are best on its first part. All of them otherwise.
+/// The candidates that are best on the first part of a long record; all of them for a short one.
 fn glance(problem: &Problem, candidates: Vec<Vec<f64>>, p: usize, budget: f64) -> Vec<Vec<f64>> {
     if problem.samples.len() <= 2 * GLANCE {
         return candidates;

@@ -44,7 +44,7 @@ pub fn select(
     select_with_starts(samples, p_max, q_max, options, &[])
 }
 
-/// As [`select`]; `made` are fits of the same record and mean, which are taken where no neighbour is likelier.
+/// Does [`select`]; `made` are fits of the same record and mean, which are used where no neighbour is likelier.
 pub(crate) fn select_with_starts(
     samples: &[f64],
     p_max: usize,

@@ -39,7 +39,7 @@ pub(super) struct Narrow {
 }
 
 impl Whittle {
-    /// Of a record about `centre`; missing samples are bridged by the one before. None of a short record.
+    /// The periodogram of a record about `centre`; missing samples are bridged by the one before. `None` of a short record.
     pub(super) fn new(record: &[f64], centre: f64, differenced: bool) -> Option<Self> {
         let record = &record[..record.len().min(MOST)];
         let mut last = 0.0;

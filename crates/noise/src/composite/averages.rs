@@ -56,7 +56,7 @@ impl<'a> Averages<'a> {
         }
     }
 
-    /// With something integrated out beside the levels.
+    /// These averages with something integrated out beside the levels.
     pub(crate) fn marginal(self, marginal: Marginal<'a>) -> Self {
         Self { marginal, ..self }
     }

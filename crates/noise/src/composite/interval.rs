@@ -218,7 +218,7 @@ struct Profile<'a> {
 }
 
 impl Profile<'_> {
-    /// In the order of the coordinates: logarithms of the parameters themselves.
+    /// The parameters in the order of the coordinates, whose logarithms those are.
     fn parameters(&self) -> Vec<Parameter> {
         let set = &self.set;
         let amplitudes = [

@@ -31,9 +31,9 @@ pub(crate) struct Predictor<const N: usize> {
     r: f64,
     /// F, q without the correlation with the sample's own noise; none where r = 0.
     freed: Option<Freed<N>>,
-    /// Predicted state.
+    /// Predicted state before the next sample.
     pub(crate) x: [f64; N],
-    /// Its covariance \[unit²\].
+    /// Covariance of the predicted state \[unit²\].
     pub(crate) p: [[f64; N]; N],
     /// Gain of the next sample.
     pub(crate) gain: [f64; N],

@@ -22,7 +22,7 @@ pub(super) struct Task<'a> {
     pub(super) sums: &'a RunningSums,
 }
 
-/// Of a record about its constant, up to each sample.
+/// Sums of a record about its constant, up to each sample.
 pub(super) struct RunningSums {
     values: Vec<f64>,
     missing: Vec<u32>,
@@ -65,7 +65,7 @@ struct Batch {
 
 /// One horizon while the pass runs.
 pub(super) struct Horizon<const N: usize> {
-    /// Samples.
+    /// Samples to the horizon.
     length: usize,
     /// H (I + F + … + F^{k−1}).
     row: [f64; N],

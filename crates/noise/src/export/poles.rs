@@ -20,7 +20,7 @@ const UNIT_ROOT: f64 = 1e-9;
 pub(super) struct Parts {
     /// Density at frequency 0 of all that is no bias, N² [unit²·s]; not above zero where that is anti-persistent.
     pub(super) white: f64,
-    /// The bias.
+    /// The bias, as processes and a random walk.
     pub(super) slow: Slow,
     /// Frequencies of complex pairs of poles that are no bias \[Hz\].
     pub(super) pairs: Vec<f64>,

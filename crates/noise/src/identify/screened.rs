@@ -39,7 +39,7 @@ pub(super) struct Screened {
     pub(super) temperature: Option<Result<Estimate, TemperatureError>>,
     /// NaN where an outlier was.
     pub(super) cleaned: Vec<f64>,
-    /// The same with straight lines over what is missing.
+    /// The cleaned record with straight lines over what is missing.
     pub(super) bridged: Vec<f64>,
     pub(super) outliers: Vec<Outlier>,
     /// Samples that were missing.

@@ -79,7 +79,7 @@ impl Disturbance {
 }
 
 impl Shape {
-    /// Its values for coefficients of 1.
+    /// Values of its two parts at a time, for coefficients of 1.
     fn parts(self, time: f64) -> [f64; 2] {
         match self {
             Self::Step { to, .. } => [f64::from(time > to as f64), 0.0],
@@ -145,7 +145,7 @@ struct Noise {
 }
 
 impl Noise {
-    /// Of a drive and a correlation time in averages.
+    /// The noise of a drive and a correlation time in averages.
     fn new(drive: f64, memory: f64, present: &[bool]) -> Self {
         let left = (-1.0 / memory).exp();
         // An average of a walk is later than its end by a third of its steps: as much negative white noise.

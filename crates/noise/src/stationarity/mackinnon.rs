@@ -81,7 +81,7 @@ pub fn p_tau(tau: f64, deterministic: Deterministic) -> f64 {
     normal_cdf(z)
 }
 
-/// Φ(z).
+/// Distribution function Φ of the standard normal.
 pub(crate) fn normal_cdf(z: f64) -> f64 {
     0.5 * erfc(-z / std::f64::consts::SQRT_2)
 }

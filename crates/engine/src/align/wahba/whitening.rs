@@ -26,8 +26,9 @@ pub(super) struct Linearised<const S: usize> {
     pub(super) q_nb: Quaternion,
     /// The filter's states.
     pub(super) state: [f64; S],
-    /// Their errors: the wander's covariance, and the effect of the parameters, column by column.
+    /// Covariance of the states' wander by the sensors' white noise.
     pub(super) wander: [[f64; S]; S],
+    /// Effect of the parameters on the states, column by column.
     pub(super) effect: [[f64; S]; 9],
 }
 
@@ -52,12 +53,12 @@ pub(super) fn add<const S: usize>(column: &mut [f64; S], from: usize, part: &[f6
     }
 }
 
-/// What a segment does to errors of the states.
+/// Effect of a segment on errors of the states.
 pub(super) struct Transition {
     pub(super) dt: f64,
-    /// From attitude to velocity and to position.
+    /// Effect of an attitude error on velocity and on position.
     pub(super) lean: [Matrix3; 2],
-    /// The axes along.
+    /// Rotation that carries the axes along.
     pub(super) back: Matrix3,
 }
 

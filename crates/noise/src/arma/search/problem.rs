@@ -39,7 +39,7 @@ impl Problem<'_> {
         }
     }
 
-    /// The same without the unit root.
+    /// The coefficients without the unit root.
     pub(super) fn plain(z: &[f64], p: usize) -> Coefficients {
         (from_search(&z[..p]), from_search(&z[p..]))
     }
@@ -119,7 +119,7 @@ impl Problem<'_> {
         self.gradient_bridged(z, p)
     }
 
-    /// The same, of a record with gaps that of its bridged one: near enough for a search far from its end.
+    /// The gradient; of a record with gaps that of its bridged one, near enough for a search far from its end.
     pub(super) fn gradient_bridged(&self, z: &[f64], p: usize) -> Option<Vec<f64>> {
         let (phi, theta) = self.coefficients(z, p);
         if phi.len().max(theta.len()) < 2 {

@@ -21,18 +21,18 @@ const START: f64 = 5.0;
 /// A spectrum B + H/(1 + (2(f − f₀)/w)²) about its centre, in the scale of the periodogram.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Resonance {
-    /// f₀ \[1/sample\].
+    /// f₀, its centre \[1/sample\].
     frequency: f64,
-    /// w \[1/sample\].
+    /// w, its full width at half its height \[1/sample\].
     width: f64,
-    /// H [unit²].
+    /// H, its height [unit²].
     height: f64,
-    /// B [unit²].
+    /// B, the level beside it [unit²].
     background: f64,
 }
 
 impl Resonance {
-    /// By scoring from a peak: log S + P/S summed over the bins about it is least.
+    /// Fits it from a peak by scoring: log S + P/S summed over the bins about it is least.
     pub(super) fn fitted(of: &Periodogram, peak: &Peak) -> Self {
         let reach = (REACH * peak.width.max(of.frequency(1.0))).min(0.5 * peak.frequency);
         let last = of.power.len() - 2;

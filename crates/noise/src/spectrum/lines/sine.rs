@@ -12,11 +12,11 @@ const RESTART: usize = 256;
 /// a cos(2πf(k − c)) + b sin(2πf(k − c)), c the middle of the record.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sine {
-    /// f \[1/sample\].
+    /// Frequency f \[1/sample\].
     pub(super) frequency: f64,
-    /// a \[unit\].
+    /// Coefficient a of the cosine \[unit\].
     cosine: f64,
-    /// b \[unit\].
+    /// Coefficient b of the sine \[unit\].
     sine: f64,
     /// Variance of the white noise, from the power near the line [unit²].
     pub(super) background: f64,
