@@ -200,7 +200,7 @@ impl ScalarLog {
 /// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
 /// let constraints = Profile::Car.constraints();
 /// let mut navigator = Navigator::new(Settings { constraints, ..Settings::new(sensors) });
-/// let mut measurements = Measurement::of_fixes(&log.gnss);
+/// let mut measurements = Measurement::from_fixes(&log.gnss);
 /// for row in log.truth.iter().step_by(25) {
 ///     let speed = row.v_n.expect("simulated").norm(); // A car that drives forward.
 ///     measurements.push(Measurement::Odometer(Scalar { time: row.time, value: speed, std: 0.1 }));
@@ -232,7 +232,7 @@ pub enum Measurement {
 
 impl Measurement {
     /// Each fix as a measurement, in the same order.
-    pub fn of_fixes(fixes: &[GnssFix]) -> Vec<Self> {
+    pub fn from_fixes(fixes: &[GnssFix]) -> Vec<Self> {
         fixes.iter().copied().map(Self::Gnss).collect()
     }
 
@@ -440,11 +440,14 @@ mod tests {
     #[test]
     fn numbers_by_their_names() {
         let lever_arm = Vector3::new(1.0, 2.0, 3.0);
-        let of = |name| Aiding::scalar(name, 4.0, lever_arm);
-        assert_eq!(of("course"), Some(Aiding::Course(4.0)));
+        let aiding = |name| Aiding::scalar(name, 4.0, lever_arm);
+        assert_eq!(aiding("course"), Some(Aiding::Course(4.0)));
         let speed = 4.0;
-        assert_eq!(of("odometer"), Some(Aiding::Odometer { speed, lever_arm }));
-        assert_eq!(of("barometer"), Some(Aiding::Barometer(4.0)));
-        assert_eq!(of("position"), None);
+        assert_eq!(
+            aiding("odometer"),
+            Some(Aiding::Odometer { speed, lever_arm })
+        );
+        assert_eq!(aiding("barometer"), Some(Aiding::Barometer(4.0)));
+        assert_eq!(aiding("position"), None);
     }
 }

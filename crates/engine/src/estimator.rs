@@ -240,11 +240,13 @@ pub trait Estimator: Send + Sync {
     fn receiver_clock(&self) -> Option<ReceiverClock> {
         let (offset, offset_std) = self.time_offset(Parameter::TimeOffset)?;
         let (sensors, p) = (self.sensors(), self.covariance());
-        let of = (self.parameters(), sensors.states(), self.since_start());
+        let parameters = (self.parameters(), sensors.states(), self.since_start());
         Some(ReceiverClock {
             offset,
             offset_std,
-            position_std: position_std_on_receiver_clock(of, &self.nav().v_n, |i, j| p[(i, j)]),
+            position_std: position_std_on_receiver_clock(parameters, &self.nav().v_n, |i, j| {
+                p[(i, j)]
+            }),
             interval: sensors.axis(0).interval,
         })
     }

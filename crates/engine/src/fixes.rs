@@ -180,7 +180,7 @@ fn study_track(track: &Track) -> Option<FixStudy> {
     let velocity_late = differences.remove_latency(&track.velocity);
     let jitter = differences.jitter(&track.velocity);
     let axes = differences.gammas(1)?;
-    let (axis, one) = of_axes(&axes, jitter > 0.0);
+    let (axis, one) = median_or_least(&axes, jitter > 0.0);
     // By the trapezoidal rule γ has a quarter of a velocity's variance times dt², over the variance of a position.
     let from_velocities = Vector3::from_fn(|i, _| {
         let pairs = track.stated_velocity.iter().zip(&differences.variance);
@@ -234,7 +234,7 @@ fn study_positions(track: &Track, interval: f64) -> Option<FixStudy> {
     let places: Vec<(f64, Vector3)> = places.collect();
     let stated = track.stated.iter().sum::<Vector3>() / track.stated.len() as f64;
     let white = white_variance(&places)?.component_div(&stated);
-    let (_, white) = of_axes(&white.into(), false);
+    let (_, white) = median_or_least(&white.into(), false);
     let mut errors = FixErrors {
         known: true,
         ..FixErrors::default()
@@ -254,7 +254,7 @@ fn study_positions(track: &Track, interval: f64) -> Option<FixStudy> {
 }
 
 /// The axis with the median of the values, or the least, and its value.
-fn of_axes(values: &[f64; 3], least: bool) -> (usize, f64) {
+fn median_or_least(values: &[f64; 3], least: bool) -> (usize, f64) {
     let mut axes = [0, 1, 2];
     axes.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
     let axis = axes[usize::from(!least)];
@@ -298,7 +298,7 @@ impl Differences<'_> {
 
     /// Median over the axes of [`Differences::gammas`], or the least of them.
     fn gamma(&self, lag: usize, least: bool) -> Option<f64> {
-        Some(of_axes(&self.gammas(lag)?, least).1)
+        Some(median_or_least(&self.gammas(lag)?, least).1)
     }
 
     /// Half the mean square of the differences over the stated variance, north, east, down.

@@ -110,7 +110,7 @@ impl FixGate {
     }
 
     /// A gate of the height of positions alone.
-    pub(super) fn of_height(time: f64) -> Self {
+    pub(super) fn for_height(time: f64) -> Self {
         Self {
             height: true,
             ..Self::new(Part::Position, time)

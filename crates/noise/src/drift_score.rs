@@ -171,14 +171,14 @@ pub fn pooled(parts: &[Vec<HorizonScore>]) -> Vec<HorizonScore> {
     let horizons = parts.iter().map(Vec::len).max().unwrap_or(0);
     let pool = |h: usize| {
         let long = || parts.iter().filter_map(move |part| part.get(h));
-        let of = |value: fn(&HorizonScore) -> f64| long().map(value);
+        let values = |value: fn(&HorizonScore) -> f64| long().map(value);
         let origins: usize = long().map(|score| score.origins).sum();
-        let mean = |value: fn(&HorizonScore) -> f64| of(value).sum::<f64>() / origins as f64;
+        let mean = |value: fn(&HorizonScore) -> f64| values(value).sum::<f64>() / origins as f64;
         let rms = mean(|s| s.origins as f64 * s.rms * s.rms).sqrt();
-        let windows: f64 = of(|s| s.windows).sum();
+        let windows: f64 = values(|s| s.windows).sum();
         let batches: Vec<f64> = long().flat_map(|score| score.batches.clone()).collect();
         HorizonScore {
-            horizon_s: of(|s| s.horizon_s).fold(0.0, f64::max),
+            horizon_s: values(|s| s.horizon_s).fold(0.0, f64::max),
             rms,
             standard_error: standard_error(rms, windows, &batches),
             predicted_rms: mean(|s| s.origins as f64 * s.predicted_rms * s.predicted_rms).sqrt(),

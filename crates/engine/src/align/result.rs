@@ -68,7 +68,7 @@ pub enum AlignmentFailure {
     #[error("the fixes have no velocity and are too sparse to derive one; set initial.velocity")]
     NoVelocity,
     /// Neither rest nor motion gave the attitude.
-    #[error("{}", of_attitude(.0, .1))]
+    #[error("{}", no_attitude(.0, .1))]
     NoAttitude(RestFailure, MotionFailure),
 }
 
@@ -149,7 +149,7 @@ pub enum MotionFailure {
 }
 
 /// Text of a missing attitude. Without speed there is no change of velocity either: one reason is enough.
-fn of_attitude(rest: &RestFailure, motion: &MotionFailure) -> String {
+fn no_attitude(rest: &RestFailure, motion: &MotionFailure) -> String {
     match (rest, motion) {
         (
             RestFailure::TooSlow { .. } | RestFailure::NeverMoved { .. },

@@ -44,19 +44,19 @@ pub(super) enum Initial<'a> {
 pub(super) fn sized(states: usize, start: Initial) -> Result<Box<dyn Estimator>, FilterError> {
     match states {
         // Four columns go at a time: one that is left costs nearly as much.
-        ..=16 => of_size::<16>(start),
-        17..=21 => of_size::<21>(start),
+        ..=16 => build_sized::<16>(start),
+        17..=21 => build_sized::<21>(start),
         // The browser's page has no room for one more.
         #[cfg(not(target_family = "wasm"))]
-        22..=24 => of_size::<24>(start),
-        22..=28 => of_size::<28>(start),
-        29..=33 => of_size::<33>(start),
-        34..=45 => of_size::<45>(start),
-        _ => of_size::<73>(start),
+        22..=24 => build_sized::<24>(start),
+        22..=28 => build_sized::<28>(start),
+        29..=33 => build_sized::<33>(start),
+        34..=45 => build_sized::<45>(start),
+        _ => build_sized::<73>(start),
     }
 }
 
-fn of_size<const N: usize>(start: Initial) -> Result<Box<dyn Estimator>, FilterError> {
+fn build_sized<const N: usize>(start: Initial) -> Result<Box<dyn Estimator>, FilterError> {
     let filter = match start {
         Initial::New(nav, std, sensors, parameters) => {
             Filter::<N>::new(nav, std, *sensors, parameters)

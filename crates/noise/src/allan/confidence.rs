@@ -397,10 +397,10 @@ mod tests {
                 "{m}: {found} {exact}"
             );
         }
-        let of = |kind, alpha| edf(kind, alpha, 500, 1);
+        let freedom = |kind, alpha| edf(kind, alpha, 500, 1);
         for alpha in -2..=2 {
-            let plain = of(DeviationKind::Overlapping, alpha);
-            assert_eq!(of(DeviationKind::Modified, alpha), plain);
+            let plain = freedom(DeviationKind::Overlapping, alpha);
+            assert_eq!(freedom(DeviationKind::Modified, alpha), plain);
         }
     }
 

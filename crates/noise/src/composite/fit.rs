@@ -391,7 +391,7 @@ fn fast_terms(
 ) -> (f64, f64) {
     let most = (2 * options.max_points.max(100)).div_ceil(records.len());
     let first = |record: &&[f64]| record[..record.len().min(most)].to_vec();
-    let head = Averages::of_samples(records.iter().map(first).collect(), interval);
+    let head = Averages::from_samples(records.iter().map(first).collect(), interval);
     let with = |z: &[f64]| CompositeTerms {
         white: z[0].exp(),
         quantisation: z[1].exp(),

@@ -464,13 +464,15 @@ mod tests {
 
     #[test]
     fn an_interval_is_determined_at_both_ends() {
-        let of = |low, high| ParameterInterval {
+        let interval = |low, high| ParameterInterval {
             parameter: Parameter::White,
             estimate: 1.0,
             low,
             high,
         };
-        assert!(of(0.5, 2.0).is_determined());
-        assert!(!of(0.0, 2.0).is_determined() && !of(0.5, f64::INFINITY).is_determined());
+        assert!(interval(0.5, 2.0).is_determined());
+        assert!(
+            !interval(0.0, 2.0).is_determined() && !interval(0.5, f64::INFINITY).is_determined()
+        );
     }
 }

@@ -36,13 +36,15 @@ pub fn before_rounding(x: &[f64], step: f64) -> Option<f64> {
     if !(step > 0.0 && step.is_finite()) {
         return None;
     }
-    let windows = x.chunks_exact(WINDOW).filter_map(|w| of_window(w, step));
+    let windows = x
+        .chunks_exact(WINDOW)
+        .filter_map(|w| deviation_in_window(w, step));
     let mut found: Vec<f64> = windows.collect();
     found.sort_by(f64::total_cmp);
     (found.len() >= WINDOWS).then(|| found[found.len() / 2])
 }
 
-fn of_window(x: &[f64], step: f64) -> Option<f64> {
+fn deviation_in_window(x: &[f64], step: f64) -> Option<f64> {
     let origin = *x.first()?;
     let (first, second) = x.split_at(x.len() / 2);
     let ((a, u), (b, v)) = (mean_and_squares(first), mean_and_squares(second));
@@ -156,7 +158,7 @@ mod tests {
             (0.5, 0.0),
             (0.25, 3.0),
         ] {
-            let found = of_window(&rounded(&window(place, 0.7), step), step).unwrap();
+            let found = deviation_in_window(&rounded(&window(place, 0.7), step), step).unwrap();
             // The shares below the edges are whole thousandths, of half of that beyond the last edges' five at least.
             assert!((found / 0.7 - 1.0).abs() < 0.02, "{step} {place}: {found}");
         }
@@ -172,7 +174,7 @@ mod tests {
             for k in 0..high {
                 x[k * 300 + 11] = 2.0;
             }
-            of_window(&x, 1.0)
+            deviation_in_window(&x, 1.0)
         };
         let exact = -1.0 / (2.0 * Normal::standard().inverse_cdf(5.0 / WINDOW as f64));
         assert!((levels(5, 5).unwrap() - exact).abs() < 1e-12);
@@ -190,7 +192,7 @@ mod tests {
             for v in &mut x[WINDOW / 2..] {
                 *v += errors * error;
             }
-            of_window(&rounded(&x, 1.0), 1.0)
+            deviation_in_window(&rounded(&x, 1.0), 1.0)
         };
         // Rounding adds 1/12 to the variance of 4, and moves the means by little.
         assert!(of(2.8).is_some() && of(-2.8).is_some());
@@ -203,7 +205,7 @@ mod tests {
             let windows: Vec<Vec<f64>> = deviations.iter().map(|s| window(0.1, *s)).collect();
             rounded(&windows.concat(), 1.0)
         };
-        let each = |deviation: f64| of_window(&all(&[deviation]), 1.0).unwrap();
+        let each = |deviation: f64| deviation_in_window(&all(&[deviation]), 1.0).unwrap();
         assert_eq!(before_rounding(&all(&[0.6, 1.2]), 1.0), None);
         assert_eq!(
             before_rounding(&all(&[1.2, 0.6, 0.8]), 1.0),

@@ -111,7 +111,7 @@ impl Shape {
     }
 
     /// The shape in a series whose values are `width` averages each.
-    fn of_values(self, width: usize) -> Self {
+    fn in_values(self, width: usize) -> Self {
         match self {
             Self::Step { to, .. } => Self::Step {
                 from: (to - 1) * width,
@@ -176,18 +176,22 @@ impl Noise {
     /// The innovations of a series over their standard deviations.
     fn whitened(&self, series: &[f64]) -> Vec<f64> {
         let mut state = 0.0;
-        let of = |(value, &(weight, gain)): (&f64, &(f64, f64))| {
+        let whitened_value = |(value, &(weight, gain)): (&f64, &(f64, f64))| {
             let error = if weight > 0.0 { value - state } else { 0.0 };
             state = self.left * state + gain * error;
             weight * error
         };
-        series.iter().zip(&self.weights).map(of).collect()
+        series
+            .iter()
+            .zip(&self.weights)
+            .map(whitened_value)
+            .collect()
     }
 
     /// The products of a whitened series with whitened steps at every place.
     fn with_steps(&self, whitened: &[f64]) -> Vec<f64> {
         let (mut carried, mut sum) = (0.0, 0.0);
-        let of = |(value, &(weight, gain)): (&f64, &(f64, f64))| {
+        let product = |(value, &(weight, gain)): (&f64, &(f64, f64))| {
             let error = if weight > 0.0 {
                 weight * value + gain * carried
             } else {
@@ -198,7 +202,7 @@ impl Noise {
             sum
         };
         let back = whitened.iter().zip(&self.weights).rev();
-        let mut products: Vec<f64> = back.map(of).collect();
+        let mut products: Vec<f64> = back.map(product).collect();
         products.reverse();
         products
     }
@@ -208,14 +212,14 @@ impl Noise {
         // Of an error u at a place, what follows is a u² + 2 b u + c.
         let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
         let returned = 1.0 - self.left;
-        let of = |&(weight, gain): &(f64, f64)| {
+        let square = |&(weight, gain): &(f64, f64)| {
             let kept = self.left - gain;
             c += returned * (a * returned + 2.0 * b);
             b = kept * (a * returned + b);
             a = weight * weight + kept * kept * a;
             a + 2.0 * b + c
         };
-        let mut squares: Vec<f64> = self.weights.iter().rev().map(of).collect();
+        let mut squares: Vec<f64> = self.weights.iter().rev().map(square).collect();
         squares.reverse();
         squares
     }
@@ -292,22 +296,22 @@ impl Search<'_> {
         let mut least = vec![f64::INFINITY; shapes.len()];
         let mut step = (0, f64::INFINITY);
         for noise in &self.noises {
-            let of = self.whitened(noise, known);
-            without = without.min(self.cost(noise, of.squares, 0.0));
+            let whitened = self.whitened(noise, known);
+            without = without.min(self.cost(noise, whitened.squares, 0.0));
             for (least, columns) in least.iter_mut().zip(&columns) {
-                let mut basis = of.basis.clone();
+                let mut basis = whitened.basis.clone();
                 let mut explained = 0.0;
                 for column in columns {
                     if let Some(column) = normalised(noise.whitened(column), &basis) {
-                        explained += dot(&column, &of.rest).powi(2);
+                        explained += dot(&column, &whitened.rest).powi(2);
                         basis.push(column);
                     }
                 }
-                *least = least.min(self.cost(noise, of.squares, explained));
+                *least = least.min(self.cost(noise, whitened.squares, explained));
             }
             if with_steps {
-                let (at, explained) = likeliest_step(noise, &of);
-                let cost = self.cost(noise, of.squares, explained);
+                let (at, explained) = likeliest_step(noise, &whitened);
+                let cost = self.cost(noise, whitened.squares, explained);
                 if cost < step.1 {
                     step = (at, cost);
                 }
@@ -335,13 +339,13 @@ impl Search<'_> {
             return vec![0.0; columns.len()];
         };
         let series = noise.whitened(self.averages);
-        let of = |at: usize| {
+        let coefficient = |at: usize| {
             let others = [&columns[..at], &columns[at + 1..]].concat();
             let others = self.whitened(noise, &others).basis;
             let own = orthogonal(noise.whitened(&columns[at]), &others);
             dot(&own, &series) / dot(&own, &own)
         };
-        (0..columns.len()).map(of).collect()
+        (0..columns.len()).map(coefficient).collect()
     }
 }
 
@@ -364,7 +368,7 @@ fn likeliest_step(noise: &Noise, of: &Whitened) -> (usize, f64) {
 
 /// Averages of `width` values each, NaN where half of them or more are missing.
 fn averages(series: &[f64], width: usize) -> Vec<f64> {
-    let of = |block: &[f64]| {
+    let average = |block: &[f64]| {
         let (sum, count) = block
             .iter()
             .filter(|x| !x.is_nan())
@@ -374,7 +378,7 @@ fn averages(series: &[f64], width: usize) -> Vec<f64> {
             false => f64::NAN,
         }
     };
-    series.chunks_exact(width).map(of).collect()
+    series.chunks_exact(width).map(average).collect()
 }
 
 /// The disturbances of a level whose means are taken at even intervals, NaN where one is missing, beside what goes with each of
@@ -409,8 +413,8 @@ pub fn disturbances(means: &[f64], known: &[Vec<f64>]) -> Vec<Disturbance> {
         let drives = drives.map(|quarters| 10f64.powf(0.25 * f64::from(quarters)));
         let memory = share * count as f64;
         let present = &present;
-        let of = move |drive| Noise::new(drive, memory, present);
-        none.into_iter().chain(drives).map(of)
+        let noise = move |drive| Noise::new(drive, memory, present);
+        none.into_iter().chain(drives).map(noise)
     });
     let search = Search {
         averages: &series,
@@ -454,7 +458,7 @@ pub fn disturbances(means: &[f64], known: &[Vec<f64>]) -> Vec<Disturbance> {
             Shape::Step { .. } | Shape::WarmUp(_) => [next(), 0.0],
         };
         Disturbance {
-            shape: shape.of_values(width),
+            shape: shape.in_values(width),
             coefficients,
             fall,
         }

@@ -127,24 +127,24 @@ mod tests {
         root: Option<f64>,
     ) -> Verdict {
         // Between the critical values of 5 % and of the others, which decide nothing.
-        let of = |five: f64| Critical {
+        let critical = |five: f64| Critical {
             one: 2.0 * five,
             five,
             ten: 0.5 * five,
         };
         let adf = Adf {
             statistic: if adf_rejects { -3.0 } else { -2.8 },
-            critical: of(-2.9),
+            critical: critical(-2.9),
             ..Adf::default()
         };
         let perron = PhillipsPerron {
             z_tau: if pp_rejects { -3.0 } else { -2.8 },
-            critical: of(-2.9),
+            critical: critical(-2.9),
             ..PhillipsPerron::default()
         };
         let kpss = Kpss {
             statistic: if kpss_rejects { 0.5 } else { 0.4 },
-            critical: of(0.46),
+            critical: critical(0.46),
             ..Kpss::default()
         };
         verdict(&adf, &kpss, &perron, root)

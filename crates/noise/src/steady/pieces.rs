@@ -87,7 +87,7 @@ impl<const N: usize> Tables<N> {
 
     /// The sums over a short piece.
     pub(super) fn summary(&self, piece: &[f64], centre: f64) -> Summary<N> {
-        let mut of = Summary {
+        let mut sums = Summary {
             squares: 0.0,
             level: 0.0,
             b: [0.0; N],
@@ -95,16 +95,16 @@ impl<const N: usize> Tables<N> {
         };
         for ((y, row), error) in piece.iter().zip(&self.rows).zip(&self.errors) {
             let y = y - centre;
-            let v = y - dot(&self.h, &of.end);
-            of.squares += v * v;
-            of.level += v * error;
+            let v = y - dot(&self.h, &sums.end);
+            sums.squares += v * v;
+            sums.level += v * error;
             for i in 0..N {
-                of.b[i] += v * row[i];
+                sums.b[i] += v * row[i];
             }
-            let next = apply(&self.closed, &of.end);
-            of.end = std::array::from_fn(|i| next[i] + self.gain[i] * y);
+            let next = apply(&self.closed, &sums.end);
+            sums.end = std::array::from_fn(|i| next[i] + self.gain[i] * y);
         }
-        of
+        sums
     }
 
     /// The sums over the pieces of a block.

@@ -29,13 +29,13 @@ fn a_temperature_is_read_with_its_unit() {
 #[test]
 fn a_missing_temperature_is_the_last_and_a_tenth_may_be_missing() {
     let nan = f64::NAN;
-    let of = [nan, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
+    let temperature = [nan, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
     assert_eq!(
-        held(&of),
+        held(&temperature),
         Ok(vec![1.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0])
     );
-    assert_eq!(held(&of[..9]), Err(TemperatureError::Missing));
-    let mut two = [of, of].concat();
+    assert_eq!(held(&temperature[..9]), Err(TemperatureError::Missing));
+    let mut two = [temperature, temperature].concat();
     two[0] = 7.0;
     two[19] = f64::INFINITY;
     let found = held(&two).unwrap();
@@ -53,8 +53,8 @@ fn steps() -> Vec<f64> {
 #[test]
 fn an_effect_without_noise_is_found_as_it_is() {
     let temperature = steps();
-    let of = |t: &f64| 7.0 + 0.3 * (t - 20.0) - 0.2 * (t - 20.0).powi(2);
-    let record: Vec<f64> = temperature.iter().map(of).collect();
+    let bias = |t: &f64| 7.0 + 0.3 * (t - 20.0) - 0.2 * (t - 20.0).powi(2);
+    let record: Vec<f64> = temperature.iter().map(bias).collect();
     let regressors = Regressors::new(&record, &temperature, 0.5).unwrap();
     let found = regressors.plain().unwrap();
     assert!((found.slope - 0.3).abs() < 1e-9 && (found.quadratic + 0.2).abs() < 1e-9);
@@ -83,14 +83,14 @@ fn a_record_is_averaged_to_a_thousand_blocks_and_the_temperature_has_to_change()
             .map(|k| 20.0 + change * k as f64 / (n - 1) as f64)
             .collect()
     };
-    let of = |n: usize, change: f64| Regressors::new(&vec![1.0; n], &ramp(n, change), 0.1);
+    let regressors = |n: usize, change: f64| Regressors::new(&vec![1.0; n], &ramp(n, change), 0.1);
     for (n, block) in [(900, 1), (1000, 1), (1001, 2), (3500, 4)] {
-        let found = of(n, 10.0).unwrap().averages;
+        let found = regressors(n, 10.0).unwrap().averages;
         assert_eq!((found.block, found.rows.len()), (block, n / block), "{n}");
         assert_eq!(found.interval, 0.1);
     }
-    assert!(of(500, 0.5 + 1e-9).is_ok());
-    let Err(TemperatureError::Steady { change_k }) = of(500, 0.49) else {
+    assert!(regressors(500, 0.5 + 1e-9).is_ok());
+    let Err(TemperatureError::Steady { change_k }) = regressors(500, 0.49) else {
         panic!()
     };
     assert!((change_k - 0.49).abs() < 1e-9);

@@ -86,11 +86,11 @@ impl Resonance {
     }
 
     fn deviance(&self, bands: &[(f64, f64, f64)]) -> f64 {
-        let of = |(f, power, bins): &(f64, f64, f64)| {
+        let deviance = |(f, power, bins): &(f64, f64, f64)| {
             let density = self.density(*f);
             bins * (density.ln() + power / density)
         };
-        bands.iter().map(of).sum()
+        bands.iter().map(deviance).sum()
     }
 
     /// Fisher's scoring: the step of f₀/w, ln w, ln H and ln B.
@@ -255,11 +255,11 @@ mod tests {
     #[test]
     fn a_notch_is_no_broader_than_half_of_the_room_about_it() {
         // So high a resonance that its flat notch would be broader than 0.065.
-        let of = Resonance { height: 1e6, ..OF };
+        let resonance = Resonance { height: 1e6, ..OF };
         let mut whole = vec![0.0; 6000];
         whole[3000] = 1.0;
         let mut record = whole.clone();
-        of.notch(&whole, &mut record);
+        resonance.notch(&whole, &mut record);
         // The response decays as e^(−π w k): of what is left after 100 samples only the slowest, the poles.
         let energy = |from: usize| record[3000 + from..].iter().map(|x| x * x).sum::<f64>();
         let decay = 0.5 * (energy(1) / energy(101)).ln() / (100.0 * PI);

@@ -119,8 +119,8 @@ mod tests {
     use super::*;
 
     fn sine(samples: usize, frequency: f64, amplitude: f64, phase: f64) -> Vec<f64> {
-        let of = |k: usize| amplitude * (TAU * frequency * k as f64 + phase).cos();
-        (0..samples).map(of).collect()
+        let sample = |k: usize| amplitude * (TAU * frequency * k as f64 + phase).cos();
+        (0..samples).map(sample).collect()
     }
 
     #[test]
