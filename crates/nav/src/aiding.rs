@@ -13,6 +13,34 @@
 //!
 //! Each returns an [`Observation`] for [`Filter::update`], with the covariance of the measurement given there. Rows are stated for
 //! `[δr, δv, ψ, sensors' states]`, then what parameters add where they are estimated.
+//!
+//! A car whose position is not measured any more keeps its speed and course by its wheels:
+//!
+//! ```
+//! use undrift_nav::{Quaternion, Vector3, earth::Geodetic, mechanisation::NavState, sample::ImuSample};
+//! use undrift_nav::{filter::{Filter, Gate, InitialStd}, parameters::Parameters, shaping::ShapingFilter};
+//! use nalgebra::{Matrix1, Matrix2};
+//!
+//! // Northwards at 20 m/s, which the filter knows to 2 m/s only.
+//! let nav = NavState {
+//!     time: 0.0,
+//!     position: Geodetic::from_degrees(47.0, 8.0, 400.0),
+//!     v_n: Vector3::new(18.0, 0.5, 0.0),
+//!     q_nb: Quaternion::identity(),
+//! };
+//! let std = InitialStd { position: Vector3::repeat(1.0), velocity: Vector3::repeat(2.0), attitude: Vector3::repeat(0.005) };
+//! let sensors = [ShapingFilter::white(1e-3, 0.01)?; 6];
+//! let mut filter = Filter::<9>::new(nav, &std, sensors, Parameters::none())?;
+//! filter.step(&ImuSample::from_rates(0.01, 0.01, [0.0; 3], [0.0, 0.0, -9.8073]))?;
+//!
+//! let axle = Vector3::new(-1.2, 0.0, 0.4); // From the IMU to the rear axle [m].
+//! let wheel = filter.observe_odometer(20.0, &axle);
+//! filter.update(&wheel, &Matrix1::new(0.1 * 0.1), &Gate::OPEN)?;
+//! let no_slip = filter.observe_non_holonomic(&axle);
+//! filter.update(&no_slip, &Matrix2::from_diagonal_element(0.1 * 0.1), &Gate::OPEN)?;
+//! assert!((filter.nav().v_n - Vector3::new(20.0, 0.0, 0.0)).norm() < 0.2); // [m/s]
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod barometer;
 mod course;

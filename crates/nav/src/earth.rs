@@ -81,6 +81,12 @@ fn radii_of_sin(s: f64) -> (f64, f64) {
 /// Normal gravity at latitude `lat` \[rad\] and ellipsoidal `height` \[m\], along down [m/s²], the Earth's rotation included: Somigliana with
 /// the second-order height term, NIMA TR8350.2 eq. 4-1 and 4-3. True gravity differs from it by some 0.3 mm/s² (30 mGal), in
 /// mountains by several times that.
+///
+/// ```
+/// use undrift_nav::earth::gravity;
+/// assert!((gravity(45f64.to_radians(), 0.0) - 9.8062).abs() < 1e-4);
+/// assert!((gravity(0.0, 0.0) - gravity(0.0, 1000.0) - 3.09e-3).abs() < 1e-5); // 0.31 mGal a metre.
+/// ```
 #[inline]
 pub fn gravity(lat: f64, height: f64) -> f64 {
     let s = sin(lat);
@@ -211,6 +217,14 @@ impl Geodetic {
 
     /// Vector from `self` to `other` in the north-east-down frame at `self` \[m\], exact: a straight line, so that a point far away lies
     /// below the horizon. A baseline of RTK is this vector from the base.
+    ///
+    /// ```
+    /// use undrift_nav::{Vector3, earth::Geodetic};
+    /// let base = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    /// let rover = base.displaced(&Vector3::new(10_000.0, 0.0, 0.0));
+    /// let baseline = base.ned_to(&rover);
+    /// assert!((baseline.x - 10_000.0).abs() < 1.0 && (baseline.z - 7.8).abs() < 0.1); // 8 m below the horizon.
+    /// ```
     pub fn ned_to(&self, other: &Geodetic) -> Vector3 {
         self.ned_from_ecef() * (other.to_ecef() - self.to_ecef())
     }
@@ -250,6 +264,13 @@ impl Geodetic {
 }
 
 /// An angle \[rad\] wrapped to (−π, π].
+///
+/// ```
+/// use undrift_nav::earth::wrap_pi;
+/// // From a heading of 350° to one of 10° it is 20° to the right.
+/// let turn = wrap_pi(10f64.to_radians() - 350f64.to_radians());
+/// assert!((turn.to_degrees() - 20.0).abs() < 1e-9);
+/// ```
 #[inline]
 pub fn wrap_pi(angle: f64) -> f64 {
     use core::f64::consts::{PI, TAU};

@@ -57,6 +57,14 @@ impl Increments {
     /// With angular rate and specific force linear in time over both intervals, lengths t₁ and t₂,
     /// coning is `c Δθ₁ × Δθ₂` and sculling `c (Δθ₁ × Δv₂ + Δv₁ × Δθ₂)` with
     /// `c = t₂² / (6 t₁ (t₁ + t₂))`, which is 1/12 for equal intervals. Savage 1998.
+    ///
+    /// ```
+    /// use undrift_nav::{Vector3, mechanisation::{Increments, RawIncrements}};
+    /// // A body that rolls in one sample and pitches in the next has yawed, too: coning.
+    /// let roll = RawIncrements { dt: 0.01, dtheta: Vector3::new(0.01, 0.0, 0.0), dvel: Vector3::zeros() };
+    /// let pitch = Increments::from_raw(0.01, Vector3::new(0.0, 0.01, 0.0), Vector3::zeros(), Some(&roll));
+    /// assert!((pitch.rotation.z - 1e-4 / 12.0).abs() < 1e-12); // [rad]
+    /// ```
     #[inline]
     pub fn from_raw(
         dt: f64,
@@ -169,6 +177,16 @@ impl NavState {
     /// The state with a small error removed: `dr` \[m\], `dv` [m/s] and `psi` \[rad\], north-east-down, are estimate less truth, with
     /// `Ĉ_b^n = (I − [ψ×]) C_b^n`: the attitude turns by `+ψ` in `n`. First order in the position, exact in the rotation. Groves
     /// section 14.1.1.
+    ///
+    /// ```
+    /// use undrift_nav::{Quaternion, Vector3, earth::Geodetic, mechanisation::NavState};
+    /// let place = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    /// let nav = NavState { time: 0.0, position: place, v_n: Vector3::zeros(), q_nb: Quaternion::identity() };
+    /// // Estimated 3 m too far north, and 0.01 rad off about down.
+    /// let corrected = nav.without_error(&Vector3::new(3.0, 0.0, 0.0), &Vector3::zeros(), &Vector3::new(0.0, 0.0, 0.01));
+    /// assert!((place.offset_to(&corrected.position).x + 3.0).abs() < 1e-6);
+    /// assert!((undrift_nav::attitude::to_rpy(&corrected.q_nb).z - 0.01).abs() < 1e-12);
+    /// ```
     #[inline]
     pub fn without_error(&self, dr: &Vector3, dv: &Vector3, psi: &Vector3) -> Self {
         let mut q_nb = attitude::from_rotation_vector(psi) * self.q_nb;

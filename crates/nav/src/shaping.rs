@@ -185,6 +185,16 @@ impl ShapingFilter {
     ///
     /// # Errors
     /// As [`ShapingFilter::white`], of `sigma`; for a `tau` that is not positive and finite too.
+    ///
+    /// ```
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// let bias = ShapingFilter::gauss_markov(1e-4, 100.0, 0.01)?;
+    /// let mut lags = vec![0.0; 10_001]; // Up to the correlation time.
+    /// bias.autocovariance(&mut lags);
+    /// assert!((lags[0] / 1e-8 - 1.0).abs() < 1e-12);
+    /// assert!((lags[10_000] / lags[0] - (-1.0_f64).exp()).abs() < 1e-9);
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn gauss_markov(sigma: f64, tau: f64, interval: f64) -> Result<Self, ShapingError> {
         let sigma = not_negative(sigma, "the Gauss-Markov standard deviation")?;
         if !(tau > 0.0 && tau.is_finite()) {
@@ -326,6 +336,16 @@ impl ShapingFilter {
     ///
     /// # Errors
     /// [`ShapingError::IntervalsDiffer`]; [`ShapingError::TooManyStates`] where both do not fit one axis.
+    ///
+    /// ```
+    /// use undrift_nav::shaping::{ShapingError, ShapingFilter};
+    /// // A walk that starts at a turn-on constant: one state for both.
+    /// let walk = ShapingFilter::random_walk(1e-5, 0.01)?.plus(&ShapingFilter::constant(1e-3, 0.01)?)?;
+    /// assert_eq!((walk.order, walk.p0[0][0]), (1, 1e-6));
+    /// let other_rate = ShapingFilter::white(1e-3, 0.005)?;
+    /// assert_eq!(walk.plus(&other_rate), Err(ShapingError::IntervalsDiffer));
+    /// # Ok::<(), ShapingError>(())
+    /// ```
     pub fn plus(&self, other: &Self) -> Result<Self, ShapingError> {
         if self.interval != other.interval {
             return Err(ShapingError::IntervalsDiffer);

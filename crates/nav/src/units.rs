@@ -319,6 +319,17 @@ fn factor(unit: &str, quantity: Quantity) -> Result<(f64, bool), UnitError> {
 ///
 /// # Errors
 /// No finite number at the start, or as [`unit_factor`].
+///
+/// ```
+/// use undrift_nav::units::{Quantity, UnitErrorKind, parse};
+/// assert!((parse("25 deg/h", Quantity::AngularRate)? - 1.212e-4).abs() < 1e-7);
+/// assert_eq!(parse("0.5 mg", Quantity::Acceleration)?, 0.5e-3 * 9.80665);
+/// // The same dimension is not enough: an angle is not a pure number here.
+/// let error = parse("5 1/s", Quantity::AngularRate).unwrap_err();
+/// assert_eq!(error.kind, UnitErrorKind::WrongDimension(Some(Quantity::Frequency)));
+/// assert_eq!(parse("5", Quantity::AngularRate).unwrap_err().kind, UnitErrorKind::NoUnit);
+/// # Ok::<(), undrift_nav::units::UnitError>(())
+/// ```
 pub fn parse(text: &str, quantity: Quantity) -> Result<f64, UnitError> {
     let error = |kind| UnitError {
         expected: quantity,

@@ -86,6 +86,27 @@ impl<const N: usize> Filter<N> {
     ///
     /// # Errors
     /// [`FilterError::TooManyStates`] where `N` does not hold the states.
+    ///
+    /// ```
+    /// # use undrift_nav::{Quaternion, Vector3, earth::Geodetic, mechanisation::NavState};
+    /// # use undrift_nav::{filter::{Filter, InitialStd}, shaping::ShapingFilter};
+    /// use undrift_nav::{filter::Lasting, parameters::{Parameter, Parameters, Prior}};
+    /// # let place = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    /// # let nav = NavState { time: 0.0, position: place, v_n: Vector3::zeros(), q_nb: Quaternion::identity() };
+    /// # let std = InitialStd { position: Vector3::repeat(1.0), velocity: Vector3::repeat(0.1), attitude: Vector3::repeat(0.01) };
+    /// # let filter = Filter::<9>::new(nav, &std, [ShapingFilter::white(1e-3, 0.01)?; 6], Parameters::none())?;
+    /// // The positions have turned out to err alike for a minute, by 1.5 m, which the solution has followed.
+    /// let positions = Lasting {
+    ///     prior: Prior { std: 1.0, time: 60.0, ..Prior::default() },
+    ///     grown: Vector3::repeat(1.0),
+    ///     shared: Vector3::repeat(1.5),
+    /// };
+    /// let (x, p) = (*filter.estimates(), *filter.covariance());
+    /// let filter = Filter::<12>::with_lasting(filter.carried(), &x, &|i, j| p[(i, j)], &[Some(positions), None])?;
+    /// assert_eq!(filter.parameter_start(Parameter::PositionError), Some(9));
+    /// assert!((filter.nav_std()[0] - (1.0_f64 + 1.5 * 1.5).sqrt()).abs() < 1e-12); // [m]
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn with_lasting(
         carried: Carried,
         x: &[f64],

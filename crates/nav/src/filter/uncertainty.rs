@@ -97,6 +97,21 @@ impl<const N: usize> Filter<N> {
     /// Adds uncertainty for `duration` \[s\] without samples in which the body may have turned with `rate` [rad/s] and accelerated with
     /// `accel` [m/s²], one standard deviation each axis: angle `rate · T`, velocity `accel · T`, position `½ accel · T²`, the last two
     /// fully correlated. The next sample has no coning or sculling with the one before the gap.
+    ///
+    /// ```
+    /// # use undrift_nav::{Quaternion, Vector3, earth::Geodetic, mechanisation::NavState};
+    /// # use undrift_nav::{filter::{Filter, InitialStd}, parameters::Parameters, shaping::ShapingFilter};
+    /// # let place = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    /// # let nav = NavState { time: 0.0, position: place, v_n: Vector3::zeros(), q_nb: Quaternion::identity() };
+    /// # let std = InitialStd { position: Vector3::zeros(), velocity: Vector3::zeros(), attitude: Vector3::zeros() };
+    /// # let mut filter = Filter::<9>::new(nav, &std, [ShapingFilter::white(1e-3, 0.01)?; 6], Parameters::none())?;
+    /// // Four seconds in which the vehicle may have braked with 2 m/s² and turned with 0.2 rad/s.
+    /// filter.inflate_over_gap(4.0, 0.2, 2.0);
+    /// let std = filter.nav_std();
+    /// assert_eq!((std[0], std[3]), (16.0, 8.0)); // [m], [m/s]
+    /// assert!((std[8] - 0.8).abs() < 1e-12); // [rad]
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn inflate_over_gap(&mut self, duration: f64, rate: f64, accel: f64) {
         let (v, a) = (accel * duration, rate * duration);
         let r = 0.5 * v * duration;

@@ -46,6 +46,13 @@ pub enum Outcome {
 impl Outcome {
     /// Factor on the measurement's covariance: 1 of one used as it was, above 1 of one down-weighted, infinite of one
     /// rejected, which counts as if it had not been made.
+    ///
+    /// ```
+    /// use undrift_nav::filter::Outcome;
+    /// assert_eq!(Outcome::Used.factor(), 1.0);
+    /// assert_eq!(Outcome::Weakened(4.0).factor(), 4.0); // As with twice the standard deviation.
+    /// assert!(Outcome::Rejected.factor().is_infinite());
+    /// ```
     pub fn factor(self) -> f64 {
         match self {
             Self::Used => 1.0,
