@@ -116,6 +116,16 @@ pub struct Adjoint {
 /// is the vehicle's attitude against the body's as the non-holonomic constraint sees it
 /// ([`undrift_nav::filter::Filter::c_bv`]), ψ + C_v^n δ its error. For whoever has a covariance without its filter, as a
 /// smoother; else [`Estimator::vehicle_attitude`].
+///
+/// ```
+/// use undrift_engine::estimator::vehicle_attitude;
+/// use undrift_nav::{Quaternion, attitude::to_rpy};
+/// // The vehicle points 2° to the right of the IMU, by a mounting whose states (pitch, yaw) are 9 and 10.
+/// let p = |i: usize, j: usize| if i == j { 1e-4 } else { 0.0 };
+/// let (q_nv, std) = vehicle_attitude(&Quaternion::identity(), Some((9, [0.0, 2f64.to_radians()])), p);
+/// assert!((to_rpy(&q_nv).z.to_degrees() - 2.0).abs() < 1e-9);
+/// assert!((std[2] - 2e-4_f64.sqrt()).abs() < 1e-9); // Of the IMU's heading and of the mounting [rad].
+/// ```
 pub fn vehicle_attitude(
     q_nb: &Quaternion,
     mounted: Option<(usize, [f64; 2])>,
@@ -156,6 +166,14 @@ impl ReceiverClock {
     /// Time by which the samples seem to be late \[s\], or early where it is negative, beyond one standard deviation: data come late by
     /// filters and buffers. Fixes that come late are the receiver's delay, and the samples' clock is right; of a log below
     /// 50 Hz the samples may be early by less than an interval.
+    ///
+    /// ```
+    /// use undrift_engine::estimator::ReceiverClock;
+    /// let clock = ReceiverClock { offset: 0.08, offset_std: 0.02, position_std: [1.0; 3], interval: 0.01 };
+    /// assert!((clock.lateness() - 0.06).abs() < 1e-12); // Late for sure by so much [s].
+    /// // Fixes that are late do not make samples early.
+    /// assert_eq!(ReceiverClock { offset: -0.08, ..clock }.lateness(), 0.0);
+    /// ```
     pub fn lateness(&self) -> f64 {
         let beyond = (self.offset.abs() - self.offset_std).max(0.0);
         let is_slow = self.interval * SLOW > 1.0;

@@ -62,6 +62,20 @@ pub struct Mounting {
 
 impl Mounting {
     /// Roll, pitch, yaw \[rad\] of the rotation from the sensor's to the vehicle's axes, as `imu.mounting` of a drive file takes them.
+    ///
+    /// ```
+    /// use undrift_engine::mounting::Mounting;
+    /// use undrift_nav::{Vector3, attitude::from_rpy};
+    /// // The sensor lies upside down.
+    /// let upside_down = Mounting {
+    ///     q_vb: from_rpy(&Vector3::new(180f64.to_radians(), 0.0, 0.0)),
+    ///     std: Vector3::repeat(0.01),
+    ///     duration: 60.0,
+    ///     straight: true,
+    /// };
+    /// assert!((upside_down.rpy().x.abs().to_degrees() - 180.0).abs() < 1e-9);
+    /// assert!((upside_down.matrix() * Vector3::z() + Vector3::z()).norm() < 1e-12);
+    /// ```
     pub fn rpy(&self) -> Vector3 {
         to_rpy(&self.q_vb)
     }

@@ -151,6 +151,18 @@ impl Navigator {
     /// Time beyond a sample's end that fixes which hold within it may be stamped \[s\]: with an estimated latency a stamp may
     /// be late by up to this. From a log, push fixes that are stamped up to this much later before the sample. Ten prior
     /// standard deviations of the time offset; 0 where none is estimated.
+    ///
+    /// ```
+    /// use undrift_engine::{Navigator, settings::Settings};
+    /// use undrift_nav::{parameters::{Parameter, Parameters, Prior}, shaping::ShapingFilter};
+    /// let settings = Settings {
+    ///     parameters: Parameters::none().with(Parameter::TimeOffset, Prior::constant(0.05)), // [s]
+    ///     ..Settings::new([ShapingFilter::white(1e-3, 0.01)?; 6])
+    /// };
+    /// // From a log, push the fixes stamped up to half a second after a sample before that sample.
+    /// assert_eq!(Navigator::new(settings).ahead(), 0.5);
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn ahead(&self) -> f64 {
         self.ahead
     }
@@ -213,6 +225,29 @@ impl Navigator {
     ///
     /// # Errors
     /// As [`Navigator::fix`].
+    ///
+    /// ```
+    /// use undrift_engine::{Aid, Navigator, Scalar, settings::Settings, vehicle::Profile};
+    /// # use undrift_nav::shaping::ShapingFilter;
+    /// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+    /// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+    /// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+    /// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+    /// let mut navigator = Navigator::new(Settings { constraints: Profile::Car.constraints(), ..Settings::new(sensors) });
+    /// for fix in &log.gnss {
+    ///     navigator.fix(*fix)?;
+    /// }
+    /// // `log.truth` has the speed that a wheel would read, ten times a second.
+    /// for row in log.truth.iter().step_by(5) {
+    ///     let value = row.v_n.expect("simulated").norm();
+    ///     navigator.odometer(Scalar { time: row.time, value, std: 0.1 })?;
+    /// }
+    /// for sample in &log.imu {
+    ///     navigator.imu(*sample)?;
+    /// }
+    /// assert!(navigator.summary().innovations[Aid::Odometer].updates > 100);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn odometer(&mut self, speed: Scalar) -> Result<bool, PushError> {
         self.measure(Measurement::Odometer(speed))
     }
@@ -321,6 +356,27 @@ impl Navigator {
     ///
     /// # Errors
     /// [`EndError::NotAligned`] with what was missing; [`EndError::Filter`].
+    ///
+    /// ```
+    /// use undrift_engine::{Navigator, settings::Settings};
+    /// # use undrift_nav::shaping::ShapingFilter;
+    /// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+    /// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+    /// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+    /// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+    /// let mut navigator = Navigator::new(Settings::new(sensors));
+    /// for fix in &log.gnss {
+    ///     navigator.fix(*fix)?;
+    /// }
+    /// for sample in &log.imu {
+    ///     navigator.imu(*sample)?;
+    /// }
+    /// // All fixes were pushed, and nobody observes the last sample.
+    /// let summary = navigator.end(std::iter::empty(), &mut ())?;
+    /// assert!(summary.restarts.is_empty() && summary.sample_faults.is_empty());
+    /// assert!(summary.covariance.is_some_and(|health| health.least_eigenvalue > 0.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn end(
         mut self,
         later: impl Iterator<Item = f64>,

@@ -49,6 +49,16 @@ impl Outage {
 /// A span over which the solution may have gone wrong, as a pass over the log has found, with the error possible at its end, one
 /// standard deviation of each axis. In a second pass ([`Settings::doubts`]) the covariance grows over the span, so that a smoother
 /// spreads the error over it rather than at one instant.
+///
+/// ```
+/// use undrift_engine::settings::{Doubt, Settings};
+/// use undrift_nav::shaping::ShapingFilter;
+/// // A first pass followed fixes at 130 s after it had rejected them from 118 s on.
+/// let doubt = Doubt { start: 118.0, end: 130.0, position: 8.0, velocity: 0.7, tilt: 0.01 };
+/// let settings = Settings { doubts: vec![doubt], ..Settings::new([ShapingFilter::white(1e-3, 0.01)?; 6]) };
+/// assert_eq!(settings.doubts.len(), 1);
+/// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Doubt {

@@ -77,6 +77,20 @@ impl Innovations {
 
     /// NIS per degree of freedom: about 1 where stated and predicted covariances are right, above where they are too small. `None` without
     /// updates.
+    ///
+    /// ```
+    /// use undrift_engine::Innovations;
+    /// use undrift_nav::filter::{Outcome, Update};
+    /// let mut sums = Innovations::default();
+    /// assert_eq!(sums.per_dof(), None);
+    /// let update = Update {
+    ///     nis: 12.0, dof: 3, whitened: [2.0; 3], score: 0.0, information: 1.0, outcome: Outcome::Used,
+    /// };
+    /// sums.add(update);
+    /// assert_eq!(sums.per_dof(), Some(4.0)); // Standard deviations half of what they should be.
+    /// sums.add(Update { outcome: Outcome::Rejected, ..update });
+    /// assert_eq!((sums.updates, sums.rejected), (1, 1));
+    /// ```
     pub fn per_dof(&self) -> Option<f64> {
         (self.dof_sum > 0).then(|| self.nis_sum / self.dof_sum as f64)
     }

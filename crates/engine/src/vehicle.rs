@@ -99,6 +99,12 @@ impl Profile {
     pub const ALL: [Self; 4] = [Self::None, Self::Car, Self::Aircraft, Self::Pedestrian];
 
     /// Its name in a drive file: `vehicle = "car"`.
+    ///
+    /// ```
+    /// use undrift_engine::vehicle::Profile;
+    /// let car = Profile::ALL.into_iter().find(|profile| profile.name() == "car");
+    /// assert_eq!(car, Some(Profile::Car));
+    /// ```
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",

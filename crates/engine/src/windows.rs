@@ -231,6 +231,27 @@ impl Windows {
     }
 
     /// Agreement of a part over all windows together.
+    ///
+    /// ```
+    /// use undrift_engine::{Part, WindowPart, Windows};
+    /// use undrift_nav::filter::{Outcome, Update};
+    /// let update = |whitened: [f64; 3]| Update {
+    ///     nis: whitened.iter().map(|x| x * x).sum(),
+    ///     dof: 3,
+    ///     whitened,
+    ///     score: 0.0,
+    ///     information: 1.0,
+    ///     outcome: Outcome::Used,
+    /// };
+    /// let mut windows = Windows::default();
+    /// for k in 0..20 {
+    ///     let error = if k < 5 { 6.0 } else { 0.5 }; // A quarter lies far outside.
+    ///     windows.add(Part::Position, f64::from(k), &update([error, 0.0, 0.0]));
+    /// }
+    /// let position = windows.overall(WindowPart::Position);
+    /// assert_eq!((position.innovations, position.inside, position.share()), (20, 15, Some(0.75)));
+    /// assert_eq!(windows.disagreements(WindowPart::Position).count(), 1); // Less than 80 %.
+    /// ```
     pub fn overall(&self, part: WindowPart) -> Agreement {
         let mut all = Agreement::default();
         self.iter()

@@ -130,6 +130,14 @@ impl Default for FixErrors {
 impl FixErrors {
     /// These errors with what is stated in place of what the fixes showed: the correlation where it is off or given, then the
     /// factors of [`FixErrors::scaled`].
+    ///
+    /// ```
+    /// use undrift_engine::settings::fix_errors::{Correlated, Correlation, FixErrors, FromFixes};
+    /// let shown = FixErrors { correlated: Some(Correlated { share: 0.9, time: 40.0 }), ..FixErrors::default() };
+    /// let white = FromFixes { correlation: Correlation::Off, ..FromFixes::default() };
+    /// assert!(shown.under(&white).correlated.is_none());
+    /// assert_eq!(shown.under(&FromFixes::default()), shown); // Nothing is stated: as shown.
+    /// ```
     pub fn under(mut self, stated: &FromFixes) -> Self {
         match stated.correlation {
             Correlation::Auto => {}
@@ -205,6 +213,16 @@ impl FixErrors {
 
     /// These errors with the standard deviations of their white and correlated parts multiplied by the factors; shares change
     /// accordingly.
+    ///
+    /// ```
+    /// use undrift_engine::settings::fix_errors::{Correlated, FixErrors, StdFactors};
+    /// let correlated = Some(Correlated { share: 0.5, time: 60.0 });
+    /// let errors = FixErrors { correlated, ..FixErrors::default() };
+    /// // Twice the white part: four parts of the variance against one.
+    /// let louder = errors.scaled(&StdFactors { white: [2.0, 1.0], ..StdFactors::ONE });
+    /// assert!((louder.correlated.expect("as before").share - 0.2).abs() < 1e-12);
+    /// assert!((louder.position_factor - 2.5_f64.sqrt()).abs() < 1e-12);
+    /// ```
     pub fn scaled(&self, factors: &StdFactors) -> Self {
         let mut errors = *self;
         let parts = [&mut errors.correlated, &mut errors.velocity_correlated];
@@ -224,6 +242,15 @@ impl FixErrors {
     }
 
     /// `parameters` with the states that the time-correlated parts need: [`Parameter::PositionError`] and [`Parameter::VelocityError`].
+    ///
+    /// ```
+    /// use undrift_engine::settings::fix_errors::{Correlated, FixErrors};
+    /// use undrift_nav::parameters::{Parameter, Parameters};
+    /// let errors = FixErrors { correlated: Some(Correlated { share: 0.9, time: 40.0 }), ..FixErrors::default() };
+    /// let parameters = errors.with_states(Parameters::none());
+    /// assert_eq!(parameters.states(), 3); // Of the positions, north, east, down.
+    /// assert_eq!(parameters.prior(Parameter::PositionError).map(|prior| prior.time), Some(40.0)); // [s]
+    /// ```
     pub fn with_states(&self, mut parameters: Parameters) -> Parameters {
         for (kind, part) in [
             (Parameter::PositionError, self.correlated),
