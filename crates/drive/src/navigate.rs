@@ -135,6 +135,17 @@ pub const NODE_SPAN: f64 = 1.0;
 /// # Errors
 /// [`NavigateError::NoModel`] for a drive without a model; a model that makes no filter of this kind; an
 /// inertial log that cannot be read or is at another rate than stated.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{BiasModel, Drive, ImuModel, navigate::settings, vehicle::Profile};
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// # let log = simulate(&Trajectory::car(10.0, 1), 50.0, None, &GnssNoise::default(), 1)?;
+/// let drive = Drive { model: ImuModel::preset("adis16465"), ..Drive::from_samples(&log.imu, &log.gnss) };
+/// let settings = settings(&drive.with_vehicle(Profile::Car), BiasModel::Arma)?;
+/// assert!(settings.constraints.non_holonomic.is_some() && (settings.sensors[0].interval - 0.02).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateError> {
     let model = drive.model.as_ref().ok_or(NavigateError::NoModel)?;
     let stated = stated(drive);

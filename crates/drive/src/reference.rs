@@ -173,6 +173,17 @@ impl Predicted {
 
 /// Counts of errors inside one, two and three predicted standard deviations, by group of [`GROUPS`]: each
 /// component counts by itself. Of normal errors with the right covariance 0.683, 0.954 and 0.997 of all.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::reference::{Coverage, Errors};
+/// let mut coverage = Coverage::default();
+/// let (mut errors, mut std) = (Errors::UNKNOWN, Errors::UNKNOWN);
+/// (errors.0[0], std.0[0]) = (1.5, 1.0); // North: between one and two standard deviations.
+/// coverage.add(&errors, &std);
+/// assert_eq!(coverage.shares(0), Some([0.0, 1.0, 1.0])); // Of positions.
+/// assert_eq!(coverage.shares(1), None); // Of velocities nothing is known.
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Coverage {
     inside: [[u64; 3]; 3],
@@ -241,6 +252,22 @@ pub fn max(values: &[Errors]) -> Errors {
 
 /// The truth at `time` \[s\] between two of its samples: position by the cubic through positions and velocities
 /// where there are velocities, else straight; velocity straight; attitude by the shortest turn.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{Vector3, nav::{earth::Geodetic, sample::TruthSample}, reference::interpolate};
+/// let position = Geodetic::from_degrees(47.0, 8.0, 400.0);
+/// let a = TruthSample { time: 10.0, position, v_n: Some(Vector3::new(8.0, 0.0, 0.0)), rpy: None };
+/// let b = TruthSample {
+///     time: 11.0,
+///     position: position.displaced(&Vector3::new(9.0, 0.0, 0.0)),
+///     v_n: Some(Vector3::new(10.0, 0.0, 0.0)), // It speeds up by 2 m/s².
+///     ..a
+/// };
+/// let middle = interpolate(&a, &b, 10.5);
+/// assert!((position.offset_to(&middle.position).x - (8.0 * 0.5 + 0.25)).abs() < 1e-6);
+/// assert_eq!(middle.v_n.map(|v| v.x), Some(9.0));
+/// ```
 pub fn interpolate(a: &TruthSample, b: &TruthSample, time: f64) -> TruthSample {
     let span = b.time - a.time;
     let s = if span > 0.0 {
@@ -281,6 +308,15 @@ fn displaced_towards(a: &Geodetic, b: &Geodetic, chord: &Vector3, offset: &Vecto
 
 /// The truth at any time, from samples in order of time; asked in order of time, so that only two
 /// samples are held.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{nav::{earth::Geodetic, sample::TruthSample}, reference::TruthCursor};
+/// let at = |time: f64| TruthSample { time, position: Geodetic::from_degrees(47.0, 8.0, 400.0), v_n: None, rpy: None };
+/// let mut truth = TruthCursor::new([0.0, 1.0, 5.0].map(at).into_iter());
+/// assert!(truth.at(0.25).is_some());
+/// assert!(truth.at(3.0).is_none()); // In a gap of 4 s.
+/// ```
 pub struct TruthCursor<I> {
     samples: I,
     before: Option<TruthSample>,

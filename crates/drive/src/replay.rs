@@ -141,6 +141,16 @@ impl From<PushError> for ReplayError {
 }
 
 /// Merges two streams, each in order of time; of one time the first comes first. Errors are passed on in place.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::replay::{Measurement, Scalar, merge};
+/// let speed = |time: f64| Ok::<_, ()>(Measurement::Odometer(Scalar { time, value: 5.0, std: 0.1 }));
+/// let height = |time: f64| Ok(Measurement::Barometer(Scalar { time, value: 400.0, std: 1.0 }));
+/// let merged = merge([0.0, 1.0].map(speed).into_iter(), [0.5, 1.0].map(height).into_iter());
+/// let times: Vec<f64> = merged.map(|measurement| measurement.map_or(f64::NAN, |m| m.time())).collect();
+/// assert_eq!(times, [0.0, 0.5, 1.0, 1.0]);
+/// ```
 pub fn merge<E>(
     first: impl Iterator<Item = Result<Measurement, E>>,
     second: impl Iterator<Item = Result<Measurement, E>>,

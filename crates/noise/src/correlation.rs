@@ -32,6 +32,13 @@ const BLOCK: usize = 2048;
 ///
 /// # Errors
 /// Fewer than lags + 1 samples (2 at least), a sample that is not finite, a constant record.
+///
+/// ```
+/// use undrift_noise::correlation::autocovariance;
+/// let gamma = autocovariance(&[1.0, -1.0, 1.0, -1.0], 2)?;
+/// assert_eq!(gamma, [1.0, -0.75, 0.5]); // Divisor n, whatever the lag.
+/// # Ok::<(), undrift_noise::screening::RecordError>(())
+/// ```
 pub fn autocovariance(x: &[f64], lags: usize) -> Result<Vec<f64>, RecordError> {
     let (mean, squares) = check_varying(x, lags.saturating_add(1).max(2))?;
     let mut products = lagged_products(x, mean, lags);
@@ -71,6 +78,14 @@ pub fn white_bound(samples: usize) -> f64 {
 /// Bartlett's 95 % bounds of ρ_1 … : at lag k of a moving average of order k − 1,
 /// `1.96 √((1 + 2 Σ_{i<k} ρ_i²) / n)` (Box, Jenkins & Reinsel, equation 2.1.15).
 /// `autocorrelation` begins with ρ_0 = 1, as [`autocorrelation()`] gives it; the first bound is that of lag 1.
+///
+/// ```
+/// use undrift_noise::correlation::{bartlett_bounds, white_bound};
+/// // Of a moving average with ρ_1 = 0.4 the later lags scatter more than those of white noise.
+/// let bounds = bartlett_bounds(&[1.0, 0.4, 0.01, -0.02], 1000);
+/// assert!((bounds[0] - white_bound(1000)).abs() < 1e-12);
+/// assert!((bounds[1] / bounds[0] - (1.0 + 2.0 * 0.16_f64).sqrt()).abs() < 1e-12);
+/// ```
 pub fn bartlett_bounds(autocorrelation: &[f64], samples: usize) -> Vec<f64> {
     let mut sum = 1.0;
     let mut bounds = Vec::with_capacity(autocorrelation.len().saturating_sub(1));

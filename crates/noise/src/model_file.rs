@@ -351,6 +351,16 @@ impl ImuModel {
     ///
     /// # Errors
     /// As [`ImuModel::load`]; where there is no such file, the message names the presets near it.
+    ///
+    /// ```
+    /// use std::path::Path;
+    /// use undrift_noise::ImuModel;
+    /// let here = Path::new("/nonexistent");
+    /// assert_eq!(ImuModel::resolve("adis16465", here)?.name, ImuModel::preset("adis16465").ok_or("no preset")?.name);
+    /// let error = ImuModel::resolve("adis16466", here).unwrap_err();
+    /// assert!(error.to_string().contains("adis16465")); // The nearest presets.
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn resolve(name_or_path: &str, base: &Path) -> Result<Self, ModelError> {
         if let Some(model) = Self::preset(name_or_path) {
             return Ok(model);
@@ -384,6 +394,14 @@ impl ImuModel {
     }
 
     /// The six axes with their names: gyro x, y, z, accelerometer x, y, z.
+    ///
+    /// ```
+    /// use undrift_noise::ImuModel;
+    /// let model = ImuModel::preset("adis16465").ok_or("no preset")?;
+    /// let named: Vec<_> = model.axes().into_iter().filter(|(_, axis)| axis.is_known()).map(|(name, _)| name).collect();
+    /// assert_eq!(named, ["gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"]);
+    /// # Ok::<(), &str>(())
+    /// ```
     pub fn axes(&self) -> [(&'static str, &AxisModel); 6] {
         std::array::from_fn(|i| {
             (

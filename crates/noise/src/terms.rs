@@ -63,6 +63,13 @@ pub struct GaussMarkov {
 
 impl GaussMarkov {
     /// Coefficient σ √(2/τ) [unit/√s] of the random walk that the process is at times far below τ.
+    ///
+    /// ```
+    /// use undrift_noise::GaussMarkov;
+    /// // Over seconds a bias of 10 deg/h and 300 s is a walk of 0.82 deg/h/√s.
+    /// let bias = GaussMarkov { sigma: 10.0, tau_s: 300.0 };
+    /// assert!((bias.drive() - 0.816).abs() < 1e-3);
+    /// ```
     pub fn drive(&self) -> f64 {
         if self.sigma > 0.0 {
             self.sigma * (2.0 / self.tau_s).sqrt()
@@ -124,6 +131,16 @@ pub(crate) fn quantisation(q: f64, interval: f64) -> Result<ShapingFilter, Shapi
 /// [unit/√s] of the random walk that the slower ones are over any drive. Processes of one σ, spaced by a factor ρ in τ, sum
 /// to the power density `σ²/(2 f ln ρ)` within 5 % for ρ = 10, so `σ² = B² ln ρ/π`; those of τ = 10⁴, 10⁵… s drive
 /// `K² = Σ 2σ²/τ`. Keshner 1982; IEEE Std 952-1997, C.1.1 for B.
+///
+/// ```
+/// use undrift_noise::composite::{FLICKER_TAUS, flicker};
+/// let (processes, walk) = flicker(1e-4);
+/// // One σ at all correlation times, σ² = B² ln 10/π; what is slower is a walk.
+/// assert!(processes.iter().all(|process| process.sigma == processes[0].sigma));
+/// assert!((processes[0].sigma / 1e-4 - 0.856).abs() < 1e-3);
+/// assert_eq!(processes[3].tau_s, FLICKER_TAUS[3]);
+/// assert!(walk > 0.0 && walk < processes[3].drive());
+/// ```
 pub fn flicker(b: f64) -> ([GaussMarkov; FLICKER_TAUS.len()], f64) {
     let sigma = b * (10f64.ln() / std::f64::consts::PI).sqrt();
     let next = 10.0 * FLICKER_TAUS[FLICKER_TAUS.len() - 1];

@@ -115,6 +115,17 @@ pub fn wavelet_variance(record: &[f64], interval: f64) -> Result<WaveletVariance
 
 /// The wavelet variance of several records of one process, of the same sample interval: at each scale the average over all their
 /// coefficients; their degrees of freedom add up. `None` of no record.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{synthesis::NoiseGenerator, wavelet::{pooled, wavelet_variance, white_variance}};
+/// let white = ShapingFilter::white(1e-3, 0.01)?;
+/// let curve = |seed| wavelet_variance(&NoiseGenerator::new(&white, seed).take(4000).collect::<Vec<_>>(), 0.01);
+/// let both = pooled(&[curve(1)?, curve(2)?]).expect("two curves");
+/// assert!((both.points[0].variance / white_variance(1e-3, 0.01) - 1.0).abs() < 0.1);
+/// assert!((both.points[0].edf / curve(1)?.points[0].edf - 2.0).abs() < 0.1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn pooled(curves: &[WaveletVariance]) -> Option<WaveletVariance> {
     let longest = curves.iter().max_by_key(|curve| curve.points.len())?;
     let mut pooled = longest.clone();

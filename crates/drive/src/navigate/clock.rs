@@ -7,6 +7,13 @@ use undrift_nav::{Vector3, covariance::NAV, mechanisation::NavState};
 const AVERAGED: f64 = 0.1;
 
 /// Clock of a solution's times (docs/conventions.md, Whose times).
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::navigate::Clock;
+/// assert_eq!("gnss".parse::<Clock>().ok(), Some(Clock::Gnss));
+/// assert!("utc".parse::<Clock>().is_err());
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Clock {
     /// The samples', as stamped. Where they turn out to be late, the standard deviations contain what is moved meanwhile: nothing

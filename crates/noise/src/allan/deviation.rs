@@ -103,6 +103,12 @@ impl DeviationKind {
 
 impl Grid {
     /// The averaging factors of the grid up to `largest`, growing.
+    ///
+    /// ```
+    /// use undrift_noise::allan::Grid;
+    /// assert_eq!(Grid::Octave.factors(20), [1, 2, 4, 8, 16]);
+    /// assert_eq!(Grid::Decade.factors(20), [1, 2, 5, 10, 20]);
+    /// ```
     pub fn factors(self, largest: usize) -> Vec<usize> {
         let mut factors = Vec::new();
         match self {
@@ -438,6 +444,20 @@ fn total_energy(sums: &[f64], m: usize) -> f64 {
 ///
 /// Records of one sensor that was switched off in between may be pooled so; to concatenate them would turn the step of the
 /// turn-on constants into a random walk.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{allan::{DeviationKind, Grid, deviations, pooled}, synthesis::NoiseGenerator};
+/// let white = ShapingFilter::white(1e-3, 0.01)?;
+/// let curve = |seed| {
+///     let record: Vec<f64> = NoiseGenerator::new(&white, seed).take(2000).collect();
+///     deviations(&record, 100.0, DeviationKind::Overlapping, Grid::Octave)
+/// };
+/// let both = pooled(&[curve(1)?, curve(2)?]).expect("two curves");
+/// assert_eq!(both.samples, 4000);
+/// assert!((both.points[0].deviation / 0.01 - 1.0).abs() < 0.05); // N/√T
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn pooled(curves: &[Curve]) -> Option<Curve> {
     if let [one] = curves {
         return Some(one.clone());

@@ -43,6 +43,13 @@ pub fn gauss_markov_variance(tau_s: f64, sigma: f64, tau_c_s: f64) -> f64 {
 /// deviation `sigma` \[unit\]; `a` = T/τc > 0 or 1−φ ≈ a where φ is near 1. With φ = e^{−a}:
 /// `σ² [m(1−φ²) − φ(3 − 4φ^m + φ^{2m})] / (m²(1−φ)²)` by summing the autocovariances; a series in a
 /// where a·m < 0.5, exact down to a = 1e-300.
+///
+/// ```
+/// use undrift_noise::allan::gauss_markov::{ar1_variance, gauss_markov_variance};
+/// // Over many samples the sampled process is the continuous one: 100 Hz, τc = 100 s, at τ = 10 s.
+/// let (sampled, continuous) = (ar1_variance(1000, 1e-4, 1e-4), gauss_markov_variance(10.0, 1e-4, 100.0));
+/// assert!((sampled / continuous - 1.0).abs() < 1e-3);
+/// ```
 pub fn ar1_variance(m: usize, sigma: f64, a: f64) -> f64 {
     Ar1::new(sigma, a).variance(m)
 }

@@ -67,6 +67,16 @@ fn deviation_in_window(x: &[f64], step: f64) -> Option<f64> {
 }
 
 /// Number of samples that differ from the most common value.
+///
+/// ```
+/// use undrift_noise::screening::rounding::{largest_hidden, off_the_mode};
+/// // Ten samples in ten thousand leave the step that the others have: the noise may have up to a seventh of a step.
+/// let mut x = vec![3.0; 10_000];
+/// x[..10].fill(4.0);
+/// assert_eq!(off_the_mode(&x), 10);
+/// let hidden = largest_hidden(1.0, 10, x.len());
+/// assert!((0.1..0.25).contains(&hidden), "{hidden}");
+/// ```
 pub fn off_the_mode(x: &[f64]) -> usize {
     let mut sorted = x.to_vec();
     sorted.sort_by(f64::total_cmp);

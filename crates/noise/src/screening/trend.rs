@@ -94,6 +94,15 @@ pub(crate) fn linear(x: &[f64]) -> Detrended {
 /// # Errors
 /// Fewer than 3 samples, a sample that is not finite, lengths that differ, [`RecordError::Constant`]
 /// where the temperature does not change.
+///
+/// ```
+/// use undrift_noise::screening::remove_temperature;
+/// let temperature: Vec<f64> = (0..200).map(|k| 25.0 + 5.0 * (0.05 * f64::from(k)).sin()).collect();
+/// let record: Vec<f64> = temperature.iter().map(|t| 0.1 + 2e-4 * t).collect();
+/// let found = remove_temperature(&record, &temperature)?;
+/// assert!((found.slope - 2e-4).abs() < 1e-12 && found.explained > 0.999); // [unit/K]
+/// # Ok::<(), undrift_noise::screening::RecordError>(())
+/// ```
 pub fn remove_temperature(x: &[f64], temperature_c: &[f64]) -> Result<Detrended, RecordError> {
     check(x, 3)?;
     check(temperature_c, 3)?;

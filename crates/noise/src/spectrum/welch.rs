@@ -25,6 +25,11 @@ impl Density {
 }
 
 /// Samples of a segment by default: an eighth of the record, at least 256, at most 8192.
+///
+/// ```
+/// use undrift_noise::spectrum::default_segment;
+/// assert_eq!([1000, 10_000, 1_000_000].map(default_segment), [256, 1250, 8192]);
+/// ```
 pub fn default_segment(samples: usize) -> usize {
     (samples / 8).clamp(256, 8192)
 }
