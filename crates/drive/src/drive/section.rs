@@ -6,9 +6,9 @@ mod value;
 pub use value::{Table, Value};
 
 use super::error::{ConfigError, DriveError};
-use super::text::line_at;
 use std::{cell::RefCell, fmt::Display, path::Path};
 use toml::de::DeTable;
+use undrift_base::toml_text::line_at;
 use undrift_io::nearby;
 use undrift_noise::{ImuModel, ModelError};
 

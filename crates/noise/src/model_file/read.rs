@@ -1,6 +1,6 @@
 //! Reading of model files.
 
-use super::table::{Table, line_at};
+use super::table::Table;
 use super::{
     AXES, Arma, AxisModel, FORMAT, ImuModel, Line, MAX_PROCESSES, ModelError, Provenance,
     Recording, VERSION, group,
@@ -10,6 +10,7 @@ use crate::presets;
 use crate::temperature::Temperature;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+use undrift_base::toml_text::{is_log, line_at, syntax_error};
 use undrift_nav::shaping::ShapingFilter;
 use undrift_nav::units::Quantity;
 
@@ -66,15 +67,11 @@ const RECORDING_KEYS: [&str; 3] = ["record", "samples", "sha256"];
 
 fn parse<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, ModelError> {
     DeTable::parse(text).map_err(|error| {
-        let line = error.span().map_or(1, |span| line_at(text, span.start));
-        let written = text.lines().nth(line - 1).unwrap_or_default();
+        let start = error.span().map_or(0, |span| span.start);
         ModelError::Syntax {
             file: file.to_owned(),
-            line,
-            message: match written.contains(['=', '[']) {
-                true => error.message().to_owned(),
-                false => format!("not TOML; expected {A_MODEL}"),
-            },
+            line: line_at(text, start),
+            message: syntax_error(text, start, error.message(), &format!("expected {A_MODEL}")),
         }
     })
 }
@@ -89,22 +86,6 @@ fn not_a_model(what: &str, file: &str) -> ModelError {
         key: String::new(),
         message: format!("is {what}, not a model; give {A_MODEL}"),
     }
-}
-
-/// Whether a text begins as a table of numbers does.
-fn is_log(text: &str) -> bool {
-    let is_row = |line: &str| {
-        let mut fields = line.split([',', ';', '\t']).map(str::trim);
-        let mut number = || {
-            fields
-                .next()
-                .is_some_and(|field| field.parse::<f64>().is_ok())
-        };
-        number() && number()
-    };
-    let mut lines = text.lines().filter(|line| !line.starts_with(['#', '%']));
-    let first = lines.next().unwrap_or_default();
-    !first.contains(['=', '[']) && (is_row(first) || lines.next().is_some_and(is_row))
 }
 
 pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> {

@@ -7,6 +7,7 @@ use toml::{
     Spanned,
     de::{DeTable, DeValue, ValueDeserializer},
 };
+use undrift_base::toml_text::line_at;
 use undrift_nav::units::{self, Quantity};
 
 #[cfg(test)]
@@ -287,8 +288,4 @@ fn number(value: &DeValue) -> Option<f64> {
         _ => None,
     };
     number.filter(|x: &f64| x.is_finite())
-}
-
-pub(super) fn line_at(text: &str, offset: usize) -> usize {
-    1 + text.bytes().take(offset).filter(|b| *b == b'\n').count()
 }

@@ -1,11 +1,11 @@
 //! Values of a table: from a file's text, or as a program has them.
 
-use crate::drive::text::line_at;
 use std::borrow::Cow;
 use toml::{
     Spanned,
     de::{DeTable, DeValue},
 };
+use undrift_base::toml_text::line_at;
 
 /// A table, with or without a text behind it.
 #[derive(Clone, Copy)]
