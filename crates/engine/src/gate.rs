@@ -239,6 +239,7 @@ impl FixGate {
         self.resets[2]
     }
 
+    /// Keeps the normalised innovation squared of a fix, per degree of freedom, for the usual size.
     fn learn(&mut self, nis: f64) {
         self.recent[self.count % WINDOW] = nis;
         self.count += 1;

@@ -177,6 +177,7 @@ impl AxisWatch {
 /// Values that differ by less, relative to their size, are the same: turned to the body's axes and back.
 const SAME: f64 = 1e-12;
 
+/// Whether an axis repeats its value, to the rounding of a rotation.
 fn is_same(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME * (1.0 + a.abs())
 }
@@ -221,6 +222,7 @@ impl Inertial {
         Some(self.check(ready, None, moves, summary))
     }
 
+    /// Replaces what cannot be right in a sample, given the one after it, and says what is in doubt of it.
     fn check(
         &mut self,
         (mut sample, values): (ImuSample, [f64; AXES]),

@@ -143,6 +143,7 @@ struct Block {
 }
 
 impl Block {
+    /// Adds `dt` \[s\] of motion; `forward` is the direction of the motion so far, which a reversing vehicle goes against.
     fn add(&mut self, dt: f64, motion: &BodyMotion, forward: &Vector3) {
         let BodyMotion { v, omega, down, .. } = motion;
         // Reversing counts as the same axis the other way round; most of the driving is forward.
@@ -190,6 +191,7 @@ struct Blocks {
 }
 
 impl Blocks {
+    /// Adds `dt` \[s\] of motion; a block that has become long enough is put with the others.
     fn add(&mut self, dt: f64, motion: &BodyMotion) {
         let forward = self.sum.along + self.present.along;
         self.present.add(dt, motion, &forward);
@@ -206,6 +208,7 @@ impl Blocks {
         self.whole.len() as f64 * BLOCK
     }
 
+    /// The mounting by the blocks: by the mean direction where driving was `straight`, else with the lever to the axle.
     fn estimate(&self, straight: bool) -> Result<Mounting, MountingError> {
         if self.whole.len() < MIN_BLOCKS {
             return Err(MountingError::TooLittle {

@@ -328,6 +328,7 @@ struct Offer {
 }
 
 impl FixPart {
+    /// Judges one part of a fix, updates the filter with it where it passes, and learns from the innovation.
     fn update(
         &mut self,
         filter: &mut dyn Estimator,

@@ -32,7 +32,7 @@ use undrift_nav::{
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(default))]
 pub struct Innovations {
-    /// Number of updates, measurements that were rejected not counted.
+    /// Number of updates; rejected measurements are not among them.
     pub updates: u64,
     /// Sum of the normalised innovations squared over them [–].
     pub nis_sum: f64,

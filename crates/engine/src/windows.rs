@@ -48,6 +48,7 @@ impl Agreement {
         self.squares += nis / whitened.len() as f64;
     }
 
+    /// Adds the innovations of another span.
     fn join(&mut self, other: &Self) {
         self.innovations += other.innovations;
         self.inside += other.inside;
@@ -64,6 +65,7 @@ impl Agreement {
         (self.squares / self.innovations as f64).sqrt()
     }
 
+    /// Whether fewer innovations lie inside three standard deviations than 80 %.
     fn disagrees(&self) -> bool {
         self.share().is_some_and(|share| share < AGREE)
     }
@@ -106,12 +108,14 @@ impl Window {
         }
     }
 
+    /// Whether any part of the fixes disagrees with the solution.
     fn disagrees(&self) -> bool {
         WindowPart::ALL
             .iter()
             .any(|part| self.agreement(*part).disagrees())
     }
 
+    /// Adds the window behind it.
     fn join(&mut self, other: &Self) {
         self.end = other.end;
         self.position.join(&other.position);

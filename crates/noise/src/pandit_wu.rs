@@ -244,6 +244,7 @@ struct Fits<'a> {
 }
 
 impl Fits<'_> {
+    /// The fit of an order, made once, from the optima below it.
     fn at(&mut self, p: usize, q: usize) -> Result<ArmaFit, ArmaError> {
         if let Some(fit) = self.made.iter().find(|fit| fit.order() == (p, q)) {
             return Ok(fit.clone());

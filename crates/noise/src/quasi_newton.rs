@@ -80,6 +80,7 @@ impl<'a> Objective<'a> {
         }
     }
 
+    /// Values at several points, +∞ in place of NaN; each counts as an evaluation.
     pub(crate) fn at_all(&mut self, z: &[Vec<f64>]) -> Vec<f64> {
         undrift_base::interrupt::check();
         self.evaluations += z.len();
@@ -90,6 +91,7 @@ impl<'a> Objective<'a> {
         values
     }
 
+    /// Value at one point.
     pub(crate) fn at(&mut self, z: &[f64]) -> f64 {
         self.at_all(&[z.to_vec()])[0]
     }

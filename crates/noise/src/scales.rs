@@ -189,6 +189,7 @@ pub fn identify(
     })
 }
 
+/// The record in blocks of one length: its ARMA(1,1), lifted, with flags.
 fn scale(record: &[f64], interval: f64, block: usize, effort: f64) -> ScaleFit {
     let mut scale = ScaleFit {
         block,

@@ -57,6 +57,7 @@ struct Series<const N: usize> {
     b: Vector<N>,
 }
 
+/// The state of a pass over a record: sums, what the state before the record is still seen by, and the two series.
 struct Walk<'a, const N: usize> {
     model: &'a Innovations<N>,
     tables: &'a Tables<N>,

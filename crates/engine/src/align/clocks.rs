@@ -76,10 +76,12 @@ impl Stamps {
         )
     }
 
+    /// Time from the first stamp to the last \[s\].
     fn span(&self) -> f64 {
         self.last - self.first
     }
 
+    /// Mean time between two stamps \[s\].
     fn interval(&self) -> f64 {
         self.span() / self.count.saturating_sub(1).max(1) as f64
     }

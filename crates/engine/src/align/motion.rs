@@ -407,6 +407,7 @@ impl MotionAligner {
         })
     }
 
+    /// Motion of the window between the fixes of a search, linear about the gyro bias `gyro` [rad/s].
     fn segments(&self, seen: &[Sighting], gyro: &Vector3) -> Vec<Segment> {
         segments(self.samples.iter(), seen.iter(), SPACING, gyro)
     }

@@ -158,6 +158,7 @@ impl Rest {
         self.rested_force = None;
     }
 
+    /// Whether the present span is no longer than what makes a rest.
     fn fresh_span(&self) -> bool {
         self.blocks <= self.needed
     }

@@ -233,6 +233,7 @@ impl Problem<'_> {
         }
     }
 
+    /// The end of the window by the whitening filter of `S` states, with positions or with velocities.
     fn end_of<const S: usize>(&self, guess: &Guess) -> Option<End> {
         let linear = self.linearise::<S>(guess, self.segments.len(), &self.gyro.0);
         let parameters = linear.information.try_inverse()?;

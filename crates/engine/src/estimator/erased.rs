@@ -25,13 +25,14 @@ use undrift_nav::{
     reason = "passed on once, when a filter is made"
 )]
 pub(super) enum Initial<'a> {
+    /// A new filter: state, its uncertainty, models, parameters.
     New(
         NavState,
         &'a InitialStd,
         &'a [ShapingFilter; AXES],
         Parameters,
     ),
-    /// Another one, with the lasting errors as given.
+    /// A filter that goes on from another one, its estimates and covariance, with the time-correlated errors as given.
     Lasting(
         Carried,
         &'a [f64],
@@ -56,6 +57,7 @@ pub(super) fn sized(states: usize, start: Initial) -> Result<Box<dyn Estimator>,
     }
 }
 
+/// The filter at one size.
 fn build_sized<const N: usize>(start: Initial) -> Result<Box<dyn Estimator>, FilterError> {
     let filter = match start {
         Initial::New(nav, std, sensors, parameters) => {
@@ -72,6 +74,7 @@ fn build_sized<const N: usize>(start: Initial) -> Result<Box<dyn Estimator>, Fil
     }))
 }
 
+/// A filter behind [`Estimator`], with what is recorded of it.
 struct Erased<const N: usize> {
     filter: Filter<N>,
     /// Since the last call of `record`, or since the last update that was logged.
@@ -80,6 +83,7 @@ struct Erased<const N: usize> {
 }
 
 impl<const N: usize> Erased<N> {
+    /// Updates with one observation, recorded or logged as asked for.
     fn take_in<const M: usize>(
         &mut self,
         channel: Channel,
@@ -98,6 +102,7 @@ impl<const N: usize> Erased<N> {
         .map(Some)
     }
 
+    /// Updates and gives the log the update with the transition since the one before: the tape begins again at each.
     fn take_in_logged<const M: usize>(
         &mut self,
         channel: Channel,

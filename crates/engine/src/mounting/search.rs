@@ -200,6 +200,7 @@ impl Search {
         }
     }
 
+    /// Ends the search and frees what it has gathered.
     fn end(&mut self) {
         self.over = true;
         self.estimator = MountingEstimator::default();

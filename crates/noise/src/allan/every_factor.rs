@@ -96,6 +96,7 @@ struct Energies {
 }
 
 impl Energies {
+    /// Adds `sign` times the energies of other blocks, and their bounds.
     fn add(&mut self, other: &Self, sign: f64) {
         for (sum, energy) in self.energies.iter_mut().zip(&other.energies) {
             *sum += sign * energy;

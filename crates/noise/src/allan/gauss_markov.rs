@@ -63,6 +63,7 @@ pub(crate) struct Ar1 {
 }
 
 impl Ar1 {
+    /// An AR(1) of standard deviation `sigma` \[unit\] and `a` = T/τc, from which 1 − φ keeps its digits.
     pub(crate) fn new(sigma: f64, a: f64) -> Self {
         Self {
             square: sigma * sigma,

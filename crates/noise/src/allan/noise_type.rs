@@ -129,6 +129,7 @@ struct LagOneSums {
 }
 
 impl LagOneSums {
+    /// Sums over `x` less `near`.
     fn about(x: &[f64], near: f64) -> Self {
         let (Some((&last, early)), Some(&first)) = (x.split_last(), x.first()) else {
             return Self {

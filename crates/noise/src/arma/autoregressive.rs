@@ -21,6 +21,7 @@ pub struct ArFit {
     pub variance_by_order: Vec<f64>,
 }
 
+/// Mean of a record that can have an AR(p) without a search: unbroken, long enough, not constant.
 fn checked(samples: &[f64], p: usize) -> Result<f64, ArmaError> {
     let (mean, present) = screen(samples, p)?;
     if present < samples.len() {

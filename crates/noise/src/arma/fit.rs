@@ -169,6 +169,7 @@ pub(crate) fn climb_to(
     climb(&[samples], p, q, options, known, ladder)
 }
 
+/// The fit of several records, with the optima of other orders kept in `ladder`.
 fn climb(
     records: &[&[f64]],
     p: usize,

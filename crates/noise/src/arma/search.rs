@@ -63,6 +63,7 @@ impl Ladder {
         self.at(p, q).ok_or(ArmaError::NoOptimum)
     }
 
+    /// Searches the orders (p − k, q − k) from the lowest up, each from the optima of those below it, where it has none yet.
     fn climb_all(
         &mut self,
         problem: &Problem,
@@ -97,6 +98,7 @@ impl Ladder {
     }
 }
 
+/// The best distinct optima of one order: from all starts by the approximate likelihood where there is one, else by the exact one.
 fn optima(
     problem: &Problem,
     (p, q): (usize, usize),

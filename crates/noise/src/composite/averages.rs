@@ -69,6 +69,7 @@ impl<'a> Averages<'a> {
         self.under(&terms.to_shaping(self.interval)?)
     }
 
+    /// Likelihood of each record's averages under a filter of the full rate.
     fn under(&self, filter: &ShapingFilter) -> Result<Vec<RecordLikelihood>, CompositeError> {
         let likelihood = |(record, present): (&Vec<f64>, &f64)| {
             let filter = block_average_of_share(filter, self.block, *present)?;

@@ -413,6 +413,7 @@ fn fast_terms(
     )
 }
 
+/// Ratio of the record's wavelet variance at one sample to that of the terms.
 fn full_rate_ratio(curve: &WaveletVariance, terms: &CompositeTerms) -> f64 {
     match curve.points.first() {
         Some(point) => point.variance / model_variance(terms, point.m, curve.interval),
@@ -420,6 +421,7 @@ fn full_rate_ratio(curve: &WaveletVariance, terms: &CompositeTerms) -> f64 {
     }
 }
 
+/// White density that the wavelet variance at one sample leaves beside the other terms [unit·√s].
 fn full_rate_white(curve: &WaveletVariance, terms: &CompositeTerms) -> f64 {
     let Some(point) = curve.points.first() else {
         return 0.0;

@@ -211,6 +211,7 @@ fn kurtosis(records: &[&[f64]]) -> f64 {
     2.0 * count * fourths / (squares * squares) - 3.0
 }
 
+/// The restricted likelihood as a function of one parameter, the others at their best.
 struct Profile<'a> {
     averages: &'a Averages<'a>,
     set: TermSet,
@@ -244,6 +245,7 @@ impl Profile<'_> {
         w
     }
 
+    /// Negative log-likelihood at coordinates with σ in place of the drive; infinite outside the range of τ.
     fn cost(&self, w: &[f64]) -> f64 {
         let (tau, count) = (self.set.amplitudes(), self.set.gauss_markov);
         if w[tau..].iter().any(|t| !self.tau_range.contains(t)) {

@@ -114,6 +114,7 @@ impl Task<'_> {
     }
 }
 
+/// Observes a sample, or predicts over a missing one.
 fn take_in<const N: usize>(predictor: &mut Predictor<N>, y: f64) -> Result<(), DriftError> {
     if y.is_nan() {
         predictor.skip();
@@ -130,6 +131,7 @@ fn take_in<const N: usize>(predictor: &mut Predictor<N>, y: f64) -> Result<(), D
 }
 
 impl<const N: usize> Horizon<N> {
+    /// A horizon of `length` samples in a scored part of `scored` samples.
     fn new(filter: &ShapingFilter, length: usize, scored: usize) -> Self {
         let span = Span::doubled(filter, length);
         let origins = scored + 1 - length;

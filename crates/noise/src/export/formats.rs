@@ -234,6 +234,7 @@ impl Text {
         self.comments += &format!("{} {}\n", self.mark, words.join(" "));
     }
 
+    /// The whole text, comments first.
     fn finish(self) -> String {
         self.comments + &self.body
     }

@@ -44,6 +44,7 @@ struct PartialFraction {
 }
 
 impl PartialFraction {
+    /// The share of the pole number `at` of all of them.
     fn new(arma: &Arma, poles: &[Complex64], at: usize) -> Self {
         let pole = poles[at];
         let others = poles.iter().enumerate().filter(|(l, _)| *l != at);
@@ -81,6 +82,7 @@ fn is_real(pole: Complex64) -> bool {
     pole.im.abs() < 1e-9
 }
 
+/// Splits an ARMA into white noise and a bias by its poles.
 pub(super) fn parts(arma: &Arma) -> Parts {
     let interval = 1.0 / arma.rate_hz;
     let poles = inverse_roots(&arma.ar);

@@ -28,6 +28,7 @@ pub struct Lifted {
 }
 
 impl Lifted {
+    /// Standard errors of which nothing is known: infinite.
     pub(super) fn unknown() -> Self {
         Self {
             white: f64::INFINITY,

@@ -44,6 +44,7 @@ pub fn before_rounding(x: &[f64], step: f64) -> Option<f64> {
     (found.len() >= WINDOWS).then(|| found[found.len() / 2])
 }
 
+/// [`before_rounding`] of one window; `None` where it drifts or shows fewer than two edges.
 fn deviation_in_window(x: &[f64], step: f64) -> Option<f64> {
     let origin = *x.first()?;
     let (first, second) = x.split_at(x.len() / 2);

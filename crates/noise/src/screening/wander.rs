@@ -91,6 +91,7 @@ impl Shape {
         }
     }
 
+    /// The shape as regressors of `count` values: two of a cycle, one of others.
     fn columns(self, count: usize) -> Vec<Vec<f64>> {
         let parts = match self {
             Self::Cycle(_) => 2,
@@ -103,6 +104,7 @@ impl Shape {
         (0..parts).map(column).collect()
     }
 
+    /// Fall of −2 ln likelihood that it takes to be found.
     fn enough(self) -> f64 {
         match self {
             Self::Step { .. } => ENOUGH_OF_STEP,
@@ -225,6 +227,7 @@ impl Noise {
     }
 }
 
+/// Scalar product.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -184,6 +184,7 @@ struct Products {
 const BLOCK: usize = 1024;
 
 impl Products {
+    /// Sums of products over the record with up to `lags` lagged differences, about `centre`.
     fn new(x: &[f64], centre: f64, lags: usize) -> Result<Self, RecordError> {
         let count = x.len();
         if count < lags.saturating_add(3) {
@@ -261,10 +262,12 @@ impl Products {
         })
     }
 
+    /// Columns of the deterministic part.
     fn deterministic(&self, kind: Deterministic) -> Vec<Column> {
         [Column::Constant, Column::Trend][..kind.columns()].to_vec()
     }
 
+    /// Sum of products of two columns over the rows.
     fn product(&self, a: Column, b: Column) -> f64 {
         use Column::{Constant, Difference, Level, Trend};
         let rows = self.rows as f64;

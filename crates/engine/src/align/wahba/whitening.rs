@@ -5,6 +5,7 @@ use undrift_nav::{Matrix3, Quaternion, Vector3, preintegration::Preintegrated};
 
 /// Attitude error at the start in body axes, gyro bias, accelerometer bias.
 pub(super) type Unknowns = SVector<f64, 9>;
+/// Their information matrix, JᵀJ of whitened residuals.
 pub(super) type Information = SMatrix<f64, 9, 9>;
 
 /// States of the filter that whitens velocities: velocity in `n` [m/s] and what has wandered in the attitude, body
@@ -13,9 +14,11 @@ pub(super) const BY_VELOCITY: usize = 6;
 /// States of the filter that whitens positions: those, the position in `n` \[m\], by how much fixes hold later than
 /// their stamps \[s\], and what the lever arm lacks, body axes \[m\].
 pub(super) const BY_POSITION: usize = 13;
-/// Where they stand.
+/// Place of the position among the states of that filter.
 pub(super) const PLACE: usize = 6;
+/// Place of the delay.
 pub(super) const LATE: usize = 9;
+/// Place of the lever arm.
 pub(super) const ARM: usize = 10;
 
 /// A guess put through the window up to some segment: cost with its linearisation `JᵀJ` and `Jᵀr`, and how far it came.
@@ -63,6 +66,7 @@ pub(super) struct Transition {
 }
 
 impl Transition {
+    /// Carries one column of errors of the states over the segment, in place.
     #[inline(always)]
     pub(super) fn carry<const S: usize>(&self, column: &mut [f64; S]) {
         let turned = [column[3], column[4], column[5]];

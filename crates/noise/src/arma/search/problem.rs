@@ -73,6 +73,7 @@ impl Problem<'_> {
         })
     }
 
+    /// Likelihoods by the Kalman filter, for records with gaps.
     pub(super) fn one_by_one(&self, points: &[Coefficients]) -> Vec<Option<Likelihood>> {
         let one = |(phi, theta): &Coefficients| {
             kalman::with_gaps(
@@ -88,6 +89,7 @@ impl Problem<'_> {
         self.with_rest(own, |other| other.one_by_one(points))
     }
 
+    /// Likelihood at one point.
     pub(in crate::arma) fn likelihood(&self, phi: &[f64], theta: &[f64]) -> Option<Likelihood> {
         let point = (phi.to_vec(), theta.to_vec());
         self.likelihoods(&[point]).pop().flatten()

@@ -53,7 +53,7 @@ impl<'a> TrainingSet<'a> {
 }
 
 impl<'a> Fold<'a> {
-    /// The first samples of a record to fit, the rest to score.
+    /// Half of a record before the sample `first`, to be fitted, with the rest to be scored.
     fn from_half(record: &'a [f64], first: usize, rate_hz: f64, block: usize) -> Option<Self> {
         Some(Self {
             fitted: TrainingSet::new(vec![&record[..first]], rate_hz, block)?,

@@ -129,6 +129,7 @@ impl Records {
         }
     }
 
+    /// Negative log-likelihood of some averages where the terms have these factors, in logarithms.
     fn cost(&self, of: &[&Averages], at: &[f64]) -> f64 {
         if at.iter().any(|z| z.abs() > FURTHEST) {
             return f64::INFINITY;
@@ -137,6 +138,7 @@ impl Records {
         of.iter().map(|averages| averages.cost(&terms)).sum()
     }
 
+    /// The least of `cost` from a start, by BFGS.
     fn least(cost: &dyn Fn(&[f64]) -> f64, start: Vec<f64>) -> Best {
         let all = |z: &[Vec<f64>]| z.iter().map(|z| cost(z)).collect();
         let value = cost(&start);
@@ -148,6 +150,7 @@ impl Records {
         }
     }
 
+    /// The most likely factors of some averages.
     fn best(&self, of: &[&Averages]) -> Best {
         Self::least(&|at| self.cost(of, at), vec![0.0; self.factors])
     }

@@ -80,11 +80,13 @@ impl Resonance {
         (peak.frequency - self.frequency).abs() < (WIDTHS * self.width).max(BINS * step)
     }
 
+    /// Spectrum at a frequency \[1/sample\], [unit²].
     fn density(&self, frequency: f64) -> f64 {
         let u = 2.0 * (frequency - self.frequency) / self.width;
         self.background + self.height / (1.0 + u * u)
     }
 
+    /// Whittle's deviance of bands of frequency, mean power and number of bins: the sum of log S + P/S.
     fn deviance(&self, bands: &[(f64, f64, f64)]) -> f64 {
         let deviance = |(f, power, bins): &(f64, f64, f64)| {
             let density = self.density(*f);
@@ -113,6 +115,7 @@ impl Resonance {
         information.cholesky().map(|of| of.solve(&score))
     }
 
+    /// The resonance after a `share` of a step, within the frequencies that a record of resolution `lowest` has.
     fn moved(&self, by: &Vector4<f64>, share: f64, lowest: f64) -> Self {
         let factor = |by: f64| (share * by).clamp(-2.0, 2.0).exp();
         let shift = (share * by[0] * self.width).clamp(-2.0 * self.width, 2.0 * self.width);

@@ -62,6 +62,7 @@ impl Sine {
         fit
     }
 
+    /// Amplitude √(a² + b²) \[unit\].
     fn amplitude(&self) -> f64 {
         self.cosine.hypot(self.sine)
     }
