@@ -223,7 +223,6 @@ impl AxisModel {
         }
     }
 
-    /// The shaping filter of a bias model, before an error has the names of axis and model.
     fn make(&self, model: BiasModel, interval: f64) -> Result<ShapingFilter, Failure> {
         let white = ShapingFilter::white(self.white_density(), interval)?;
         match model {
@@ -253,7 +252,6 @@ impl AxisModel {
         }
     }
 
-    /// `filter` with the turn-on constant, in a state of its own unless the filter has an integrator.
     fn with_turn_on(&self, filter: ShapingFilter) -> Result<ShapingFilter, Failure> {
         if self.turn_on == 0.0 {
             return Ok(filter);
@@ -391,12 +389,10 @@ fn with_processes(
 }
 
 impl Arma {
-    /// Whether it has no memory: all coefficients are 0.
     pub(crate) fn is_white(&self) -> bool {
         self.ar.iter().chain(&self.ma).all(|c| *c == 0.0)
     }
 
-    /// Whether its own rate is that of an interval \[s\].
     fn is_at(&self, interval: f64) -> bool {
         (interval * self.rate_hz - 1.0).abs() < SAME_RATE
     }
