@@ -65,6 +65,24 @@ pub struct AxisError {
 ///
 /// # Errors
 /// Several of different sample rates or axes.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{Record, identify::{Settings, prepare, recordings}};
+/// # use undrift::{BiasModel, ImuModel, noise::synthesis::NoiseGenerator};
+/// # let preset = ImuModel::preset("adis16465").ok_or("no such preset")?;
+/// # let sensors = preset.shaping(BiasModel::White, 0.1)?;
+/// # let mut noise: Vec<_> = (0..6).map(|axis| NoiseGenerator::new(&sensors[axis], axis as u64)).collect();
+/// # let mut rows: Vec<[f64; 6]> = (0..4000).map(|_| std::array::from_fn(|axis| noise[axis].sample())).collect();
+/// # rows.iter_mut().for_each(|row| row[5] -= 9.81);
+/// // `rows`: gyro x, y, z [rad/s] and accelerometer x, y, z [m/s²] of a sensor at rest, ten a second.
+/// let settings = Settings { rate_hz: Some(10.0), ..Settings::default() };
+/// let prepared = prepare(Record::from_samples(&rows), &settings)?;
+/// let found = recordings(&[prepared], &settings, || ())?;
+/// let model = found.model(None, "my IMU", Default::default())?;
+/// assert!((model.gyro[0].white_density() / preset.gyro[0].white_density() - 1.0).abs() < 0.1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn recordings(
     prepared: &[Prepared],
     settings: &Settings,

@@ -37,6 +37,20 @@ impl NoiseGenerator {
     }
 
     /// A generator that draws from `rng` of the caller, for example one jumped ahead for each axis, so that axes are independent.
+    ///
+    /// ```
+    /// use rand_xoshiro::{Xoshiro256PlusPlus, rand_core::SeedableRng};
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// use undrift_noise::synthesis::NoiseGenerator;
+    /// let filter = ShapingFilter::white(1e-3, 0.01)?;
+    /// let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
+    /// let [mut x, mut y] = [(); 2].map(|()| {
+    ///     rng.jump(); // 2¹²⁸ numbers on: the axes share none.
+    ///     NoiseGenerator::with_rng(&filter, rng.clone())
+    /// });
+    /// assert_ne!(x.sample(), y.sample());
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn with_rng(filter: &ShapingFilter, mut rng: Xoshiro256PlusPlus) -> Self {
         let initial = filter.initial_factor();
         let mut state = [0.0; MAX_ORDER];

@@ -72,6 +72,16 @@ impl Drive {
     }
 
     /// This drive of a vehicle: with its constraints, and the constants that are estimated for them (mounting, place of the axle).
+    ///
+    /// ```
+    /// # use undrift_drive as undrift;
+    /// use undrift::{Drive, nav::parameters::Parameter, vehicle::Profile};
+    /// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+    /// # let log = simulate(&Trajectory::car(5.0, 1), 50.0, None, &GnssNoise::default(), 1)?;
+    /// let car = Drive::from_samples(&log.imu, &log.gnss).with_vehicle(Profile::Car);
+    /// assert!(car.constraints.non_holonomic.is_some() && car.parameters.prior(Parameter::Mounting).is_some());
+    /// # Ok::<(), undrift_simulate::SimulationError>(())
+    /// ```
     pub fn with_vehicle(mut self, profile: Profile) -> Self {
         (self.constraints, self.parameters) = tables::vehicle_by_default(profile, self.parameters);
         self

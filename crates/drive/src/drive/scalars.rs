@@ -105,6 +105,18 @@ impl Drive {
     }
 
     /// This drive with barometric heights in memory, up positive \[m\], in order of time.
+    ///
+    /// ```
+    /// # use undrift_drive as undrift;
+    /// use undrift::{Drive, drive::ScalarLog, nav::parameters::Parameter, replay::Scalar};
+    /// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+    /// # let log = simulate(&Trajectory::car(5.0, 1), 50.0, None, &GnssNoise::default(), 1)?;
+    /// let heights: Vec<Scalar> = (0..50).map(|k| Scalar { time: 0.1 * f64::from(k), value: 412.0, std: 1.0 }).collect();
+    /// let drive = Drive::from_samples(&log.imu, &log.gnss).with_barometer(&heights);
+    /// // Its offset to the ellipsoid is estimated.
+    /// assert!(drive.scalars[ScalarLog::Barometer].is_some() && drive.parameters.prior(Parameter::BarometerBias).is_some());
+    /// # Ok::<(), undrift_simulate::SimulationError>(())
+    /// ```
     pub fn with_barometer(self, heights: &[Scalar]) -> Self {
         self.with_scalars(ScalarLog::Barometer, heights)
     }

@@ -110,6 +110,23 @@ pub struct Prepared {
 /// [`RecordingError::NoRate`] when neither settings nor time stamps give the rate, [`RecordingError::WrongRate`] when the one stated
 /// is off the time stamps by more than 1 %, [`RecordingError::Span`] when the part to use is empty. A record that is not static is
 /// no error here: see [`Prepared::not_static`].
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{Record, identify::{Settings, prepare}};
+/// // Twenty seconds at 50 Hz, of which the first two were handled.
+/// let mut rows: Vec<[f64; 6]> = (0..1500)
+///     .map(|k| f64::from(k * 7919 % 101 - 50) * 2e-5)
+///     .map(|noise| [noise, -noise, noise, noise, noise, noise - 9.81])
+///     .collect();
+/// for row in &mut rows[..100] {
+///     row[2] += 1.5; // [rad/s]
+/// }
+/// let prepared = prepare(Record::from_samples(&rows), &Settings { rate_hz: Some(50.0), ..Settings::default() })?;
+/// assert!(prepared.not_static.is_none());
+/// assert!(prepared.record.length() < 1450 && prepared.used.is_some());
+/// # Ok::<(), undrift::identify::RecordingError>(())
+/// ```
 pub fn prepare(record: Record, settings: &Settings) -> Result<Prepared, RecordingError> {
     let stamps = record.timing.as_ref().map(|timing| timing.rate_hz);
     let rate_hz = match (settings.rate_hz, stamps) {

@@ -7,6 +7,17 @@ use undrift_nav::sample::ImuSample;
 use undrift_noise::{BiasModel, ImuModel};
 
 /// One row of the tables: a bias model of the drive's noise model, or a noise model of its own.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{BiasModel, ImuModel, outages::ComparedModel};
+/// let arma = ComparedModel::from(BiasModel::Arma);
+/// assert!(arma.name == "arma" && arma.model.is_none());
+/// // Two noise models, each as a Gauss-Markov bias.
+/// let sensors = ["adis16465", "bmi088"].map(|name| (name.to_owned(), ImuModel::preset(name).expect("a preset")));
+/// let compared = ComparedModel::each(sensors, BiasModel::GaussMarkov);
+/// assert_eq!(compared[1].name, "bmi088");
+/// ```
 #[derive(Clone, Debug)]
 pub struct ComparedModel {
     /// Its name in the tables.

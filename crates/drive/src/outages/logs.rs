@@ -88,6 +88,18 @@ impl Logs {
     ///
     /// # Errors
     /// When there is no fix, or they do not fit the fixes or the truth.
+    ///
+    /// ```
+    /// # use undrift_drive as undrift;
+    /// use undrift::{Drive, Logs, Schedule, navigate::Hindsight};
+    /// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+    /// # let log = simulate(&Trajectory::car(200.0, 1), 50.0, None, &GnssNoise::default(), 1)?;
+    /// let logs = Logs::load(&Drive::from_samples(&log.imu, &log.gnss), Hindsight::Causal)?;
+    /// let cuts = logs.plan(&Schedule::Every { start: 60.0, every: 30.0, count: None }, 10.0)?;
+    /// assert!(cuts.len() == 5 && cuts.iter().all(|cut| (cut.end - cut.start - 10.0).abs() < 1e-9));
+    /// assert_eq!(logs.reference(), "gnss"); // Without a truth the withheld fixes.
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn plan(&self, plan: &Schedule, length: f64) -> Result<Vec<Outage>, ScheduleError> {
         let (Some(first), Some(last)) = (self.gnss.first(), self.gnss.last()) else {
             return Err(ScheduleError::NoFix(self.drive.gnss.0.clone()));

@@ -50,6 +50,14 @@ impl Schedule {
 
     /// The schedule where none is asked for: as many outages of `length` \[s\] as fit, a third of the time without GNSS;
     /// the first `start` \[s\] after the first fix or, without it, after [`FIRST`], sooner where the fixes `span` \[s\] little.
+    ///
+    /// ```
+    /// # use undrift_drive as undrift;
+    /// use undrift::outages::Schedule;
+    /// // Outages of 10 s in ten minutes of fixes: one every half minute, from a minute on.
+    /// let Schedule::Every { start, every, .. } = Schedule::usual(10.0, None, 600.0) else { panic!() };
+    /// assert_eq!((start, every), (60.0, 30.0));
+    /// ```
     pub fn usual(length: f64, start: Option<f64>, span: f64) -> Self {
         Self::Every {
             start: start.unwrap_or(FIRST.min((span / 3.0).round())),

@@ -37,6 +37,13 @@ pub struct ProfileInterval {
 
 impl ProfileInterval {
     /// Whether the coefficient `c` is in the interval.
+    ///
+    /// ```
+    /// use undrift_noise::arma::ProfileInterval;
+    /// // Correlation times of 20 to 500 samples, the likeliest 100.
+    /// let interval = ProfileInterval { estimate: 0.01_f64.ln(), low: 0.002_f64.ln(), high: 0.05_f64.ln() };
+    /// assert!(interval.contains(0.99) && interval.contains(0.997) && !interval.contains(0.9));
+    /// ```
     pub fn contains(&self, c: f64) -> bool {
         let at = (-c).ln_1p();
         self.low <= at && at <= self.high
