@@ -106,7 +106,7 @@ pub struct Drive {
     pub vibration: Option<[f64; AXES]>,
     /// GNSS log: its file, and how its fixes are read.
     pub gnss: (PathBuf, GnssSource),
-    /// Logs of sensors that measure one number (wheel speed, barometer), where there are such.
+    /// Logs of sensors that measure one number (a wheel speed, a height), where there are such.
     pub scalars: Scalars,
     /// Parts of a fix that update the solution.
     pub gnss_use: GnssUse,

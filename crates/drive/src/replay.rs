@@ -144,10 +144,10 @@ impl From<PushError> for ReplayError {
 ///
 /// ```
 /// # use undrift_drive as undrift;
-/// use undrift::replay::{Measurement, Scalar, merge};
+/// use undrift::{nav::{earth::Geodetic, sample::GnssFix}, replay::{Measurement, Scalar, merge}};
 /// let speed = |time: f64| Ok::<_, ()>(Measurement::Odometer(Scalar { time, value: 5.0, std: 0.1 }));
-/// let height = |time: f64| Ok(Measurement::Barometer(Scalar { time, value: 400.0, std: 1.0 }));
-/// let merged = merge([0.0, 1.0].map(speed).into_iter(), [0.5, 1.0].map(height).into_iter());
+/// let fix = |time: f64| Ok(Measurement::Gnss(GnssFix::at(time, Geodetic::from_degrees(47.0, 8.0, 400.0), [1.0; 3])));
+/// let merged = merge([0.0, 1.0].map(speed).into_iter(), [0.5, 1.0].map(fix).into_iter());
 /// let times: Vec<f64> = merged.map(|measurement| measurement.map_or(f64::NAN, |m| m.time())).collect();
 /// assert_eq!(times, [0.0, 0.5, 1.0, 1.0]);
 /// ```

@@ -102,7 +102,7 @@ impl Drive {
     }
 
     /// This drive with the measurements of a sensor of one number in memory, in SI units and in order of time, and the
-    /// constants that such a sensor asks for where no more is known of it (scale factor of a wheel, bias of a barometer).
+    /// constants that such a sensor asks for where no more is known of it (such as the scale factor of a wheel).
     pub fn with_scalars(mut self, log: ScalarLog, measured: &[Scalar]) -> Self {
         let path = self.hold(
             &format!("<{}>", log.name()),
