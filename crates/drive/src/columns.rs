@@ -1,4 +1,4 @@
-//! What the names of columns mean: the words that logs of this field use.
+//! Meaning of columns by their names: the words that logs of this field use.
 
 mod steps;
 mod words;
@@ -19,10 +19,10 @@ use words::{
     VELOCITIES, VELOCITY_STDS,
 };
 
-/// What a column holds.
+/// Meaning of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meaning {
-    /// Time.
+    /// Time of the record.
     Time,
     /// Angular rate about the sensor's x, y or z (0, 1, 2).
     Gyro(usize),
@@ -38,11 +38,11 @@ pub enum Meaning {
     Date,
     /// Earth-centred, Earth-fixed x, y or z (0, 1, 2) of the position.
     Ecef(usize),
-    /// The same of the velocity.
+    /// Earth-centred, Earth-fixed x, y or z (0, 1, 2) of the velocity.
     EcefVelocity(usize),
     /// Velocity north, east, down (0, 1, 2).
     Velocity(usize),
-    /// Velocity up.
+    /// Velocity upwards.
     VelocityUp,
     /// Speed over ground.
     Speed,
@@ -56,7 +56,7 @@ pub enum Meaning {
     VelocityStd(usize),
     /// Roll, pitch, yaw (0, 1, 2).
     Attitude(usize),
-    /// Temperature.
+    /// Temperature of the sensor.
     Temperature,
 }
 

@@ -33,6 +33,31 @@ type Matrix = nalgebra::SMatrix<f64, COMPONENTS, COMPONENTS>;
 /// Signs as in `docs/conventions.md`: position \[m\], velocity [m/s] and misalignment \[rad\] estimate
 /// less truth, north-east-down; biases [rad/s, m/s²] truth less estimate, body axes. A component
 /// that is not known (no truth for it, or no state in the filter) counts in no group.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{consistency::{Consistency, ErrorState, GROUP}, engine::{Navigator, settings::Settings}};
+/// # use undrift::nav::shaping::ShapingFilter;
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+/// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+/// # let log = simulate(&Trajectory::car(180.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+/// let mut navigator = Navigator::new(Settings::new(sensors));
+/// for fix in &log.gnss {
+///     navigator.fix(*fix)?;
+/// }
+/// let mut consistency = Consistency::default();
+/// for (sample, truth) in log.imu.iter().zip(&log.truth) {
+///     // The solution is one sample behind what was pushed, as the truth is here.
+///     navigator.imu(*sample)?;
+///     if let Some(filter) = navigator.filter() {
+///         consistency.add(&ErrorState::new(filter, truth, None));
+///     }
+/// }
+/// let position = consistency.nees[0].per_freedom().expect("aligned");
+/// assert!((0.1..4.0).contains(&position), "{}: {position}", GROUP[0].0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorState {
     error: Vector,
@@ -41,7 +66,7 @@ pub struct ErrorState {
 }
 
 impl ErrorState {
-    /// Of `filter` against the truth at its time, whose attitude is that of the vehicle's axes; `bias` is what can be predicted of the next
+    /// The error of `filter` against the truth at its time, whose attitude is that of the vehicle's axes; `bias` is what can be predicted of the next
     /// sensor errors, gyros [rad/s] and accelerometers [m/s²], where that is known.
     pub fn new(filter: &dyn Estimator, truth: &TruthSample, bias: Option<&[f64; AXES]>) -> Self {
         let (nav, p, sensors) = (filter.nav(), filter.covariance(), filter.sensors());
@@ -127,7 +152,7 @@ impl ErrorState {
         }
     }
 
-    /// NEES of a group of [`GROUP`] and its degrees of freedom; `None` where nothing of it is
+    /// NEES of group `group` of [`GROUP`] and its degrees of freedom; `None` where nothing of it is
     /// known or its covariance is not positive definite.
     pub fn nees(&self, group: usize) -> Option<(f64, usize)> {
         let (_, from, count) = GROUP[group];
@@ -146,7 +171,7 @@ impl ErrorState {
         (freedom > 0 && value.is_finite()).then_some((value, freedom))
     }
 
-    /// The error of a component in its standard deviations; `None` where it is not known.
+    /// Error of component `component` in its standard deviations [–]; `None` where it is not known.
     pub fn normalised(&self, component: usize) -> Option<f64> {
         self.known[component]
             .then(|| self.error[component] / self.covariance[(component, component)].sqrt())
@@ -160,12 +185,12 @@ pub struct MeanNees {
     pub sum: f64,
     /// Sum of their degrees of freedom.
     pub freedom: u64,
-    /// Instants.
+    /// Number of instants.
     pub count: u64,
 }
 
 impl MeanNees {
-    /// Per degree of freedom: 1 when the covariance is right. `None` without instants.
+    /// Mean NEES per degree of freedom: 1 when the covariance is right, above when it is too small. `None` without instants.
     pub fn per_freedom(&self) -> Option<f64> {
         (self.freedom > 0).then(|| self.sum / self.freedom as f64)
     }
@@ -176,14 +201,14 @@ impl MeanNees {
 pub struct Consistency {
     /// Group by group, in the order of [`GROUP`].
     pub nees: [MeanNees; GROUPS],
-    /// Component by component, at how many instants the error was within 1, 2 and 3 standard deviations.
+    /// Number of instants at which the error of each component was within 1, 2 and 3 standard deviations.
     pub within: [[u64; 3]; COMPONENTS],
-    /// Instants at which each component was known.
+    /// Number of instants at which each component was known.
     pub instants: [u64; COMPONENTS],
 }
 
 impl Consistency {
-    /// Takes in one instant.
+    /// Counts one instant.
     pub fn add(&mut self, state: &ErrorState) {
         for (group, mean) in self.nees.iter_mut().enumerate() {
             if let Some((value, freedom)) = state.nees(group) {
@@ -202,7 +227,7 @@ impl Consistency {
         }
     }
 
-    /// Takes in another's sums.
+    /// Adds the sums of another run.
     pub fn merge(&mut self, other: &Self) {
         for (mean, more) in self.nees.iter_mut().zip(&other.nees) {
             mean.sum += more.sum;

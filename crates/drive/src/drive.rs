@@ -94,48 +94,49 @@ use undrift_noise::ImuModel;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Drive {
-    /// Inertial log.
+    /// Inertial log: its file, and the columns or stream, units and axes of its samples.
     pub imu: (PathBuf, ImuFormat),
     /// Bytes read of the inertial log since it was opened last, for progress bars.
     pub imu_read: BytesRead,
     /// Whether the IMU's mounting is to be estimated from the log ([`crate::mounting`]): until then
     /// body axes are the sensor's own.
     pub estimate_mounting: bool,
-    /// Where the sensors' white noise follows their vibration: the factors of its standard deviation, axis by axis.
+    /// Where the sensors' white noise follows their vibration: the factors on its standard deviation beyond the model's [–], gyro and
+    /// accelerometer x, y, z. `None`: the model's noise throughout.
     pub vibration: Option<[f64; AXES]>,
-    /// GNSS log.
+    /// GNSS log: its file, and how its fixes are read.
     pub gnss: (PathBuf, GnssSource),
-    /// Logs of sensors that measure one number, where there are such.
+    /// Logs of sensors that measure one number (a wheel speed, a height), where there are such.
     pub scalars: Scalars,
-    /// Which parts of a fix are used.
+    /// Parts of a fix that update the solution.
     pub gnss_use: GnssUse,
-    /// Reference solution, if there is one.
+    /// Reference solution to compare with, if there is one; it is never used for the solution.
     pub truth: Option<(PathBuf, TruthSource)>,
-    /// IMU → antenna, body axes \[m\].
+    /// IMU → antenna, body axes, forward, right, down \[m\].
     pub lever_arm: Vector3,
-    /// How to start.
+    /// What is known of the first attitude and velocity.
     pub align: AlignSettings,
-    /// Constants that are estimated beside the sensors' errors.
+    /// Constants that are estimated beside the sensors' errors, each with its prior.
     pub parameters: Parameters,
-    /// What is known of the vehicle.
+    /// What the vehicle cannot do.
     pub constraints: Constraints,
-    /// Whether fixes pass a gate.
+    /// Whether fixes pass a gate and a diverged solution is re-initialised; `true` unless the drive file says otherwise.
     pub gating: bool,
     /// Whether the stated standard deviations of the fixes are corrected by the innovations.
     pub adapt: bool,
-    /// How the fix quality scales the standard deviation of a position.
+    /// Rule for the standard deviation of a position by the kind of solution.
     pub quality: QualityStd,
-    /// The time-correlated part of the position's error.
+    /// Whether the errors of positions are treated as correlated in time.
     pub correlation: Correlation,
-    /// Factors on the standard deviations of the two parts of the fixes' errors.
+    /// Factors on the standard deviations of the white and the correlated part of the fixes' errors [–], as `undrift tune` finds them.
     pub std_factors: StdFactors,
-    /// Noise model of the IMU, if the file names one.
+    /// Noise model of the IMU, if the file names one; without it [`settings`](crate::navigate::settings) refuses the drive.
     pub model: Option<ImuModel>,
-    /// What the times of the samples count from, where a log or the drive file states it.
+    /// Date of the zero that the times of the samples count from, where a log or the drive file states it.
     pub epoch: Option<Epoch>,
-    /// How the inertial log begins.
+    /// Time of the first sample and interval of the inertial log.
     pub beginning: Beginning,
-    /// Where its logs are.
+    /// Folder of its logs, the span that is read, and logs in memory.
     pub logs: Logs,
 }
 
@@ -151,8 +152,8 @@ impl Drive {
         Self::from_toml(&text, &file, home, data.unwrap_or(home))
     }
 
-    /// Reads the text of a `DRIVE.toml`; `file` is what messages call it, `home` where a model file
-    /// lies, `data` where the logs lie.
+    /// Reads the text of a `DRIVE.toml`; `file` is its name in messages, `home` the folder that a model file
+    /// lies in, `data` the folder of the logs.
     ///
     /// ```
     /// # use undrift_drive as undrift;
@@ -195,7 +196,8 @@ impl Drive {
         Self::with_logs(text, file, home, logs)
     }
 
-    /// As [`Drive::from_toml`], of logs that are held already.
+    /// Reads the text of a `DRIVE.toml` in the manner of [`Drive::from_toml`], with logs that are held already: those of a pipe or an upload,
+    /// by the names that the text has for them.
     ///
     /// # Errors
     /// As [`Drive::from_toml`].
@@ -204,7 +206,7 @@ impl Drive {
         Self::from_tables(&Section::top(table.get_ref(), text, file), home, logs)
     }
 
-    /// The same of the tables of a drive file.
+    /// Reads the tables of a drive file.
     pub(crate) fn from_tables(
         top: &Section,
         home: &Path,
@@ -256,7 +258,7 @@ impl Drive {
         Ok(drive)
     }
 
-    /// The logs that the drive reads.
+    /// Paths of the logs that the drive reads.
     pub fn logs(&self) -> Vec<&Path> {
         let scalars = self.scalars.iter().flatten().map(|(path, _)| path);
         let truth = self.truth.iter().map(|(path, _)| path);
@@ -315,7 +317,7 @@ impl Drive {
             .transpose()
     }
 
-    /// Opens the logs of one number that there are from their start.
+    /// Opens the logs of sensors of one number, those that there are, from their start.
     ///
     /// # Errors
     /// As [`Drive::open_imu`].
@@ -329,7 +331,7 @@ impl Drive {
         Ok(opened)
     }
 
-    /// Opens the logs that aid it from their start: fixes and whatever else is measured.
+    /// Opens the logs that aid it from their start: fixes and every other measurement.
     ///
     /// # Errors
     /// As [`Drive::open_imu`].
@@ -357,8 +359,8 @@ impl Drive {
             .transpose()
     }
 
-    /// The log's sample interval \[s\]: stated by `imu.rate`, else the mean over its first samples,
-    /// gaps left out.
+    /// Sample interval of the inertial log \[s\]: stated by `imu.rate`, else the mean over its first samples,
+    /// gaps not counted.
     ///
     /// # Errors
     /// If the log cannot be read, is too short, or is at another rate than stated, by a fifth or
@@ -417,6 +419,13 @@ impl Drive {
 
 /// The files that a drive file's text names, by their tables: "imu", "gnss" and so on, and "model", which
 /// may be a preset as well. Of a text that is not a valid drive file, those that can be found.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// let text = "model = \"imu.toml\"\n[imu]\nfile = \"flight.bin\"\n[gnss]\nfile = \"flight.bin\"\n";
+/// let named = undrift::drive::files_named(text);
+/// assert!(named.contains(&("imu", "flight.bin".to_owned())) && named.contains(&("model", "imu.toml".to_owned())));
+/// ```
 pub fn files_named(text: &str) -> Vec<(&'static str, String)> {
     let Ok(table) = parse(text, "") else {
         return Vec::new();
@@ -430,7 +439,7 @@ pub fn files_named(text: &str) -> Vec<(&'static str, String)> {
     named
 }
 
-/// Tables of a drive file that name a log.
+/// Names of the tables of a drive file that name a log.
 pub fn log_tables() -> impl Iterator<Item = &'static str> {
     let scalars = ScalarLog::ALL.map(ScalarLog::name);
     ["imu", "gnss"].into_iter().chain(scalars).chain(["truth"])

@@ -31,23 +31,23 @@ use undrift_noise::{
 };
 use undrift_results::Used;
 
-/// The axes of a record, identified.
+/// The axes of a record, or of several of one sensor, identified.
 pub struct Identified {
     /// Sample rate \[Hz\].
     pub rate_hz: f64,
-    /// What the time stamps say, where there are any.
+    /// Rate, jitter and gaps of the time stamps, where there are any.
     pub timing: Option<Timing>,
-    /// Rows of the record that were left out.
+    /// Number of rows of the record that were skipped.
     pub skipped_rows: u64,
-    /// The parts of recordings that were used, of those that were not used whole.
+    /// Parts of the recordings that were used, of those that were not used whole.
     pub used: Vec<Used>,
-    /// Name of each axis with what was found, or why nothing was.
+    /// Each axis by its name, with what was found or why nothing was.
     pub axes: Vec<(&'static str, Result<Axis, AxisError>)>,
     /// Whether the axes are those of a body in which the sensor's are turned.
     pub body_axes: bool,
-    /// For plots of each axis' samples, in the order of the axes; of several records those of the longest.
+    /// Data for plots of each axis's samples, in the order of the axes; of several records those of the longest.
     pub series: Vec<RecordSeries>,
-    /// What several records show beyond that.
+    /// What several records show beyond a common model: the spread of their constants, and records that differ.
     pub pool: Option<Pool>,
 }
 
@@ -55,9 +55,9 @@ pub struct Identified {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}{error}", record.iter().map(|record| format!("{record}: ")).collect::<String>())]
 pub struct AxisError {
-    /// The record that it is of, where there are several.
+    /// Name of the record, where there are several.
     pub record: Option<String>,
-    /// What is wrong.
+    /// Reason why it has no model.
     pub error: IdentifyError,
 }
 
@@ -65,6 +65,24 @@ pub struct AxisError {
 ///
 /// # Errors
 /// Several of different sample rates or axes.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{Record, identify::{Settings, prepare, recordings}};
+/// # use undrift::{BiasModel, ImuModel, noise::synthesis::NoiseGenerator};
+/// # let preset = ImuModel::preset("adis16465").ok_or("no such preset")?;
+/// # let sensors = preset.shaping(BiasModel::White, 0.1)?;
+/// # let mut noise: Vec<_> = (0..6).map(|axis| NoiseGenerator::new(&sensors[axis], axis as u64)).collect();
+/// # let mut rows: Vec<[f64; 6]> = (0..4000).map(|_| std::array::from_fn(|axis| noise[axis].sample())).collect();
+/// # rows.iter_mut().for_each(|row| row[5] -= 9.81);
+/// // `rows`: gyro x, y, z [rad/s] and accelerometer x, y, z [m/s²] of a sensor at rest, ten a second.
+/// let settings = Settings { rate_hz: Some(10.0), ..Settings::default() };
+/// let prepared = prepare(Record::from_samples(&rows), &settings)?;
+/// let found = recordings(&[prepared], &settings, || ())?;
+/// let model = found.model(None, "my IMU", Default::default())?;
+/// assert!((model.gyro[0].white_density() / preset.gyro[0].white_density() - 1.0).abs() < 0.1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn recordings(
     prepared: &[Prepared],
     settings: &Settings,
@@ -146,8 +164,8 @@ pub fn run(record: &Record, options: &Options<'_>, done: impl Fn() + Sync) -> Id
 }
 
 impl Identified {
-    /// The model file's contents: identified axes over those of `base`; what neither has is left
-    /// out. The standard deviation of the turn-on constant is that of the base, a preset or data sheet, but
+    /// The noise model: identified axes over those of `base`; an axis that neither has is
+    /// absent. The standard deviation of the turn-on constant is that of the base, a preset or data sheet, but
     /// at least the constant seen in the record; for [`Identified::without_turn_on`] the largest that the
     /// record's constants do not contradict. Several records give it themselves, see [`Pool::turn_on`].
     ///

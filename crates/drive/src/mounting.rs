@@ -14,10 +14,10 @@ use crate::{
 };
 use undrift_nav::Vector3;
 
-/// Why there is no estimate of a log.
+/// Why the mounting of a log cannot be estimated.
 #[derive(Debug, thiserror::Error)]
 pub enum EstimateError {
-    /// The log does not show it.
+    /// The driving does not show it.
     #[error(transparent)]
     Mounting(#[from] MountingError),
     /// The log could not be navigated in sensor axes.

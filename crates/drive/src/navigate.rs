@@ -39,57 +39,58 @@ use undrift_io::{
 use undrift_nav::{Matrix3, Vector3, parameters::Parameters, sample::GnssFix};
 use undrift_noise::{BiasModel, ImuModel};
 
-/// A navigated drive: the run's summary, what reading the logs showed, and what was asked for in [`Wanted`].
+/// A navigated drive: the run's summary, what reading the logs showed, and what was asked for in [`Wanted`]. Its findings are values
+/// ([`Report::findings`]), its result for other programs is [`Report::result`].
 #[derive(Debug)]
 pub struct Report {
-    /// By how much the stated standard deviations of position and velocity should be multiplied, as far
-    /// as the innovations show; only where it matters.
+    /// Factors by which the stated standard deviations of position and velocity should be multiplied [–], as far
+    /// as the innovations show; `None` where they need no change.
     pub std_factors: [Option<f64>; 2],
-    /// Counts, alignment, innovations.
+    /// Counts, alignment and innovations of the run.
     pub summary: Summary,
-    /// What the solution knows at each instant.
+    /// How much of the log the solution knows at each instant.
     pub hindsight: Hindsight,
-    /// Whose times it has.
+    /// Clock of the solution's times.
     pub clock: Clock,
-    /// What the fixes show of themselves.
+    /// What the fixes show of their own errors.
     pub study: Option<FixStudy>,
-    /// What they are wrong by beyond what they state, as all of them show.
+    /// Errors of the fixes beyond what they state, as all of them show.
     pub fix_errors: FixErrors,
     /// The mounting, where the drive asks for an estimate and it was found: the solution is that of the vehicle's axes, in a
     /// causal run from the first of [`Summary::mountings`] on.
     pub mounting: Option<Mounting>,
-    /// Rotation from the sensor's axes to the body's.
+    /// Rotation matrix from the sensor's axes to the body's.
     pub rotation: Matrix3,
-    /// Root-mean-square error over all samples that have a truth, and their number.
+    /// Root-mean-square error over all samples that have a truth [m, m/s, deg], and their number.
     pub rmse: Option<(Errors, u64)>,
     /// The filter's errors against its covariance once a second, where there is a truth; not for the
     /// smoothed solution.
     pub consistency: Consistency,
     /// First and last time of the truth as far as it was read \[s\], if there is a truth.
     pub truth_read: Option<(f64, f64)>,
-    /// What was left out of the inertial log.
+    /// Records of the inertial log that were skipped, and why.
     pub imu_skipped: Skipped,
-    /// What was left out of the GNSS log.
+    /// Records of the GNSS log that were skipped, and why.
     pub gnss_skipped: Skipped,
-    /// What was left out of the logs of one number that there are, and their gaps.
+    /// Skipped records and gaps of each log of one number.
     pub scalars: Vec<(ScalarLog, Skipped, GapSummary)>,
-    /// What was left out of the truth.
+    /// Records of the truth that were skipped, and why.
     pub truth_skipped: Skipped,
     /// Samples that were corrected for temperature, where the model knows its effect.
     pub thermal: Option<ThermalSummary>,
-    /// Gaps of the inertial log.
+    /// Gaps of the inertial log: number and length.
     pub gaps: GapSummary,
-    /// Axes of the IMU that held a value for long.
+    /// Axes of the IMU that held a value for long, as a logger that repeats its last sample leaves them.
     pub held: Vec<Held>,
-    /// The run over time, where it was asked for.
+    /// Curves of the run over time, where [`Wanted::recording`] asks for them.
     pub recording: Option<Box<Recording>>,
-    /// The solution at every sample, where it was asked for.
+    /// The solution at every sample, where [`Wanted::rows`] asks for it.
     pub rows: Vec<SolutionRow>,
-    /// The fixes that were rejected, where that was asked for.
+    /// Fixes that were rejected, where [`Wanted::rejected`] asks for them.
     pub rejected: Rejected,
     /// Time of the first inertial sample \[s\].
     pub first_sample: Option<f64>,
-    /// The noise model.
+    /// Noise model that the drive was navigated with.
     pub model: Option<ImuModel>,
 }
 
@@ -125,7 +126,7 @@ impl From<undrift_noise::ModelError> for NavigateError {
     }
 }
 
-/// Longest span between two nodes of the smoother \[s\].
+/// Longest span between two nodes of the smoother \[s\]; between nodes the solution is interpolated along the samples.
 pub const NODE_SPAN: f64 = 1.0;
 
 /// The filter's settings for a drive under one bias model of its IMU; for a drive whose mounting is to be estimated it is
@@ -134,6 +135,17 @@ pub const NODE_SPAN: f64 = 1.0;
 /// # Errors
 /// [`NavigateError::NoModel`] for a drive without a model; a model that makes no filter of this kind; an
 /// inertial log that cannot be read or is at another rate than stated.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{BiasModel, Drive, ImuModel, navigate::settings, vehicle::Profile};
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// # let log = simulate(&Trajectory::car(10.0, 1), 50.0, None, &GnssNoise::default(), 1)?;
+/// let drive = Drive { model: ImuModel::preset("adis16465"), ..Drive::from_samples(&log.imu, &log.gnss) };
+/// let settings = settings(&drive.with_vehicle(Profile::Car), BiasModel::Arma)?;
+/// assert!(settings.constraints.non_holonomic.is_some() && (settings.sensors[0].interval - 0.02).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateError> {
     let model = drive.model.as_ref().ok_or(NavigateError::NoModel)?;
     let stated = stated(drive);
@@ -156,7 +168,8 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
     })
 }
 
-/// What the fixes of a drive show of themselves.
+/// What the fixes of a drive show of their own errors ([`fixes::study`]), under the drive's rule for kinds of solution; `None` where there are
+/// too few.
 ///
 /// # Errors
 /// Those of the fixes.
@@ -176,20 +189,20 @@ pub fn study<E>(
     failed.map_or(Ok(study), Err)
 }
 
-/// How much of a log a solution knows at each instant.
+/// Part of a log that a solution knows at each instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Hindsight {
-    /// What has come so far, as while driving.
+    /// What has come so far, as while driving: what a real-time run would have given.
     #[default]
     Causal,
-    /// From the first sample on what all of the fixes show of their errors, and the mounting; else what has come so far.
+    /// What has come so far, and from the first sample on what all of the fixes show of their errors, and the mounting.
     LookAhead,
-    /// All of it: smoothed.
+    /// All of it: smoothed, for the best solution after the drive.
     Smooth,
 }
 
 impl Hindsight {
-    /// As two switches ask for it; a smoothed solution looks ahead in any case.
+    /// From two switches of a user; a smoothed solution looks ahead in any case.
     pub fn asked(look_ahead: bool, smooth: bool) -> Self {
         match (look_ahead, smooth) {
             (_, true) => Self::Smooth,
@@ -199,7 +212,7 @@ impl Hindsight {
     }
 }
 
-/// What is stated of the errors of a drive's fixes: their correlation in time and the factors on their standard deviations.
+/// What a drive states of its fixes' errors: their correlation in time and the factors on their standard deviations.
 pub fn stated(drive: &Drive) -> FromFixes {
     FromFixes {
         correlation: drive.correlation,
@@ -207,7 +220,7 @@ pub fn stated(drive: &Drive) -> FromFixes {
     }
 }
 
-/// What a study of the fixes and what is stated of them says that they are wrong by.
+/// Errors of the fixes by a study of them and what is stated.
 fn errors(study: Option<&FixStudy>, stated: &FromFixes, parameters: &Parameters) -> FixErrors {
     study.map_or_else(
         || FixErrors::default().under(stated),
@@ -215,7 +228,7 @@ fn errors(study: Option<&FixStudy>, stated: &FromFixes, parameters: &Parameters)
     )
 }
 
-/// From the first fix on the filter takes the fixes to be wrong by what all of them show.
+/// Puts what all of the fixes show of their errors into `settings`, so that the filter uses it from the first fix on.
 pub fn look_ahead(settings: &mut Settings, study: Option<&FixStudy>) {
     let stated = settings.from_fixes.take().unwrap_or_default();
     let errors = errors(study, &stated, &settings.parameters);
@@ -268,7 +281,7 @@ pub fn resolve_mounting(drive: &Drive) -> Result<(Drive, Option<Mounting>), Navi
     Ok((resolved, found))
 }
 
-/// As [`resolve_mounting`] for a solution that may look ahead; a causal one finds the mounting on its way.
+/// Does [`resolve_mounting`] for a solution that may look ahead; a causal one finds the mounting on its way.
 ///
 /// # Errors
 /// As [`resolve_mounting`].
@@ -282,7 +295,7 @@ pub fn resolve_ahead(
     }
 }
 
-/// Navigates a drive for what is wanted of it. The files get their names if all went well.
+/// Navigates a drive under one bias model for what is `wanted` of it. The files get their names if all went well.
 ///
 /// Smoothed, the solution written and compared is the smoothed one: the filter's nodes go to a
 /// temporary file, and the log is read twice.
@@ -395,11 +408,11 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
 
 /// NIS per degree of freedom outside of which the stated accuracy is looked into.
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 0.6..=1.6;
-/// Factors on a standard deviation that are worth a word lie outside of this.
+/// Report a factor on a standard deviation only outside this range.
 const WORTH_A_WORD: std::ops::RangeInclusive<f64> = 0.75..=1.33;
 
-/// By how much the stated standard deviations are wrong: what an adaptive run found. The innovations of
-/// a run with wrong ones do not tell, because its predictions are as wrong; so where they look wrong the
+/// Factors on the stated standard deviations, as an adaptive run finds them. The innovations of
+/// a run with wrong ones do not show it, because its predictions are as wrong; so where they look wrong the
 /// log is read once more.
 fn std_factors(
     drive: &Drive,

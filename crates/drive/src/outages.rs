@@ -49,7 +49,7 @@ pub use undrift_results::is_clear_lead;
 
 use undrift_noise::BiasModel;
 
-/// The models that are compared on a drive where nothing is asked for: white noise alone and the source paper's form are
+/// The models that are compared on a drive by default: white noise alone and the source paper's form are
 /// for experiments.
 pub const USUAL_MODELS: [BiasModel; 4] = [
     BiasModel::GaussMarkov,

@@ -37,14 +37,14 @@ use undrift_noise::{
 };
 pub use undrift_results::recording::{Slower, Uneven};
 
-/// Which columns of a record are which axes, and their units.
+/// Columns, axes and units of a record, as far as they are stated. The default reads them from the header's names.
 #[derive(Clone, Debug, Default)]
 pub struct RecordFormat {
-    /// Columns in the order of [`AXES`], or one; empty to go by the header's names.
+    /// Columns in the order of [`AXES`], or one; empty to use the header's names.
     pub columns: Vec<Column>,
     /// The axis of a single column, such as "gyro_z".
     pub axis: Option<String>,
-    /// Units of gyro and accelerometer columns, such as "deg/s" and "g"; `None` to go by the
+    /// Units of gyro and accelerometer columns, such as "deg/s" and "g"; `None` to use the
     /// header's names.
     pub units: Option<(String, String)>,
     /// Whether the record must have a temperature; it is read wherever there is one.
@@ -70,7 +70,7 @@ pub struct RecordFormat {
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Record {
-    /// What messages call it.
+    /// Name of the record in messages and results.
     pub name: PathBuf,
     /// The regular file that it is read from; `None` of pipes and columns in memory.
     pub file: Option<PathBuf>,
@@ -82,15 +82,15 @@ pub struct Record {
     pub temperature: Option<Vec<f64>>,
     /// Whether its axes are those of a body in which the sensor's are turned.
     pub body_axes: bool,
-    /// Time stamps \[s\], where there are any.
+    /// Time stamps \[s\], where there are any; else empty.
     pub stamps: Vec<f64>,
-    /// What they say.
+    /// Rate, jitter and gaps of the stamps.
     pub timing: Option<Timing>,
     /// Units of gyro and accelerometer columns; `None` of a log that is in SI units.
     pub units: Option<(String, String)>,
-    /// What nobody stated and no name says, guessed from the numbers: each with the option that would state it.
+    /// Columns and units that neither an option nor a name states, guessed from the numbers: each with the option that would state it.
     pub guessed: Vec<(&'static str, String)>,
-    /// Rows left out.
+    /// Rows that were skipped, and why.
     pub skipped: Skipped,
     /// Sensors whose samples a logger repeated, which [`crate::identify::prepare`] takes out.
     pub repeated: Vec<Repeated>,
@@ -110,7 +110,7 @@ impl Record {
         }
     }
 
-    /// Without the axes that have no value at all.
+    /// This record without the axes that have no value at all.
     pub fn with_values(mut self) -> Self {
         let has = |samples: &[f64]| samples.iter().any(|x| !x.is_nan());
         let axes = self.axes.iter().copied().zip(self.samples);
@@ -118,7 +118,7 @@ impl Record {
         self
     }
 
-    /// Samples of an axis.
+    /// Number of samples of an axis.
     pub fn length(&self) -> usize {
         self.samples.first().map_or(0, Vec::len)
     }
@@ -156,7 +156,7 @@ impl Record {
 /// Rows that units and columns are guessed from.
 const BEGINNING: usize = 4000;
 
-/// Reads a record in one pass.
+/// Reads a record from a log in one pass.
 ///
 /// # Errors
 /// A file that cannot be read; columns or units that neither the format nor the header states.
@@ -201,7 +201,7 @@ fn with_temperature(record: Record, must: bool) -> Result<Record, ReadError> {
 const NO_TEMPERATURE: &str =
     "no temperature column: the header needs \"temp\", \"temperature\" or a name ending in \"_C\"";
 
-/// That forces between samples are no record of their noise.
+/// Reason why forces between samples are no record of their noise.
 const INTERPOLATED: &str = "specific forces that are interpolated to the times of the gyroscopes have less noise than the sensor";
 
 /// Reads a record whose columns and units are known.
@@ -218,8 +218,8 @@ fn read_samples(
     of_samples(ImuReader::new(opened, &format)?, record)
 }
 
-/// Reads the record that the table `[imu]` of a drive file describes, its `[span]` alone; axes are the body's. With `temperature` it must
-/// have one.
+/// Reads the record that the table `[imu]` of the drive file `path` describes, its `[span]` alone; axes are the body's. With `temperature`
+/// it must have one.
 ///
 /// # Errors
 /// If the drive file or the log cannot be read, or a key has a wrong value.

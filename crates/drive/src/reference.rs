@@ -33,12 +33,12 @@ pub const HORIZONTAL: usize = 3;
 pub struct Errors(pub [f64; 10]);
 
 impl Errors {
-    /// By component.
+    /// The errors by the names of their components; unknown ones are absent.
     pub fn numbers(&self) -> Numbers {
         by_name(COMPONENTS.into_iter().zip(self.0))
     }
 
-    /// Nothing known.
+    /// Errors without a reference: all NaN.
     pub const UNKNOWN: Self = Self([f64::NAN; 10]);
 
     fn new(dr: &Vector3, dv: Option<Vector3>, rpy: Option<Vector3>) -> Self {
@@ -59,7 +59,7 @@ impl Errors {
         ])
     }
 
-    /// Of a navigation state against the reference at the same time; velocity and attitude stay unknown where the reference has
+    /// Errors of a navigation state against the truth at the same time; velocity and attitude stay unknown where the truth has
     /// none.
     pub fn against_truth(nav: &NavState, truth: &TruthSample) -> Self {
         let dr = truth.position.offset_to(&nav.position);
@@ -68,13 +68,13 @@ impl Errors {
         Self::new(&dr, dv, rpy)
     }
 
-    /// Of the predicted antenna against a fix, with the lever arm \[m\] in body axes; the attitude stays unknown.
+    /// Errors of the predicted antenna against a fix, with the lever arm \[m\] in body axes; the attitude stays unknown.
     pub fn against_fix(filter: &dyn Estimator, fix: &GnssFix, lever_b: &Vector3) -> Self {
         let antenna = filter.antenna_position(lever_b);
         Self::of_antenna(&antenna, &filter.antenna_velocity(lever_b), fix)
     }
 
-    /// Of an antenna's position and velocity [m/s] against a fix; the attitude stays unknown.
+    /// Errors of an antenna's position and velocity [m/s] against a fix; the attitude stays unknown.
     pub fn of_antenna(antenna: &Geodetic, velocity: &Vector3, fix: &GnssFix) -> Self {
         let dr = match fix.position {
             Some((Position::Geodetic(measured), _)) => measured.offset_to(antenna),
@@ -85,7 +85,7 @@ impl Errors {
         Self::new(&dr, dv, None)
     }
 
-    /// These, with those of `others` in place of unknown components.
+    /// These errors, with those of `others` in place of unknown components.
     #[must_use]
     pub fn or(self, others: Self) -> Self {
         Self(std::array::from_fn(|i| match self.0[i].is_finite() {
@@ -94,7 +94,7 @@ impl Errors {
         }))
     }
 
-    /// Component by component, the larger magnitude; unknown only where both are.
+    /// The larger magnitude of each component; unknown only where both are.
     pub fn max_abs(self, other: Self) -> Self {
         Self(std::array::from_fn(|i| {
             self.0[i].abs().max(other.0[i].abs())
@@ -107,7 +107,7 @@ impl Errors {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Predicted(pub [Matrix3; 3]);
 
-/// The groups of components in [`Predicted`]: name, and index of the first of three in [`Errors`].
+/// Groups of components in [`Predicted`]: name, and index of the first of three in [`Errors`].
 pub const GROUPS: [(&str, usize); 3] = [("position", 0), ("velocity", 4), ("attitude", 7)];
 
 impl Predicted {
@@ -117,7 +117,7 @@ impl Predicted {
         Self([0, 3, 6].map(|at| p.fixed_view::<3, 3>(at, at).into_owned()))
     }
 
-    /// Of the difference to a fix, which has noise of its own.
+    /// Covariances of the difference to a fix, which has noise of its own.
     #[must_use]
     pub fn against_fix(mut self, fix: &GnssFix) -> Self {
         let noise = [fix.position.map(|p| p.1), fix.velocity.map(|v| v.1)];
@@ -127,7 +127,7 @@ impl Predicted {
         self
     }
 
-    /// The same of the components of [`Errors`], in their units; `q_nb` is the attitude.
+    /// Covariances of the components of [`Errors`], in their units; `q_nb` is the attitude.
     fn of_components(&self, q_nb: &Quaternion) -> [Matrix3; 3] {
         let rpy = to_rpy(q_nb);
         let ((sin_y, cos_y), (sin_p, cos_p)) = (rpy.z.sin_cos(), rpy.y.sin_cos());
@@ -171,8 +171,19 @@ impl Predicted {
     }
 }
 
-/// How many errors lie inside one, two and three predicted standard deviations, by group of [`GROUPS`]: each
+/// Counts of errors inside one, two and three predicted standard deviations, by group of [`GROUPS`]: each
 /// component counts by itself. Of normal errors with the right covariance 0.683, 0.954 and 0.997 of all.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::reference::{Coverage, Errors};
+/// let mut coverage = Coverage::default();
+/// let (mut errors, mut std) = (Errors::UNKNOWN, Errors::UNKNOWN);
+/// (errors.0[0], std.0[0]) = (1.5, 1.0); // North: between one and two standard deviations.
+/// coverage.add(&errors, &std);
+/// assert_eq!(coverage.shares(0), Some([0.0, 1.0, 1.0])); // Of positions.
+/// assert_eq!(coverage.shares(1), None); // Of velocities nothing is known.
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Coverage {
     inside: [[u64; 3]; 3],
@@ -239,8 +250,24 @@ pub fn max(values: &[Errors]) -> Errors {
     by_component(values, |sizes| sizes.iter().copied().fold(0.0, f64::max))
 }
 
-/// The truth between two of its samples: position by the cubic through positions and velocities
+/// The truth at `time` \[s\] between two of its samples: position by the cubic through positions and velocities
 /// where there are velocities, else straight; velocity straight; attitude by the shortest turn.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{Vector3, nav::{earth::Geodetic, sample::TruthSample}, reference::interpolate};
+/// let position = Geodetic::from_degrees(47.0, 8.0, 400.0);
+/// let a = TruthSample { time: 10.0, position, v_n: Some(Vector3::new(8.0, 0.0, 0.0)), rpy: None };
+/// let b = TruthSample {
+///     time: 11.0,
+///     position: position.displaced(&Vector3::new(9.0, 0.0, 0.0)),
+///     v_n: Some(Vector3::new(10.0, 0.0, 0.0)), // It speeds up by 2 m/s².
+///     ..a
+/// };
+/// let middle = interpolate(&a, &b, 10.5);
+/// assert!((position.offset_to(&middle.position).x - (8.0 * 0.5 + 0.25)).abs() < 1e-6);
+/// assert_eq!(middle.v_n.map(|v| v.x), Some(9.0));
+/// ```
 pub fn interpolate(a: &TruthSample, b: &TruthSample, time: f64) -> TruthSample {
     let span = b.time - a.time;
     let s = if span > 0.0 {
@@ -281,6 +308,15 @@ fn displaced_towards(a: &Geodetic, b: &Geodetic, chord: &Vector3, offset: &Vecto
 
 /// The truth at any time, from samples in order of time; asked in order of time, so that only two
 /// samples are held.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{nav::{earth::Geodetic, sample::TruthSample}, reference::TruthCursor};
+/// let at = |time: f64| TruthSample { time, position: Geodetic::from_degrees(47.0, 8.0, 400.0), v_n: None, rpy: None };
+/// let mut truth = TruthCursor::new([0.0, 1.0, 5.0].map(at).into_iter());
+/// assert!(truth.at(0.25).is_some());
+/// assert!(truth.at(3.0).is_none()); // In a gap of 4 s.
+/// ```
 pub struct TruthCursor<I> {
     samples: I,
     before: Option<TruthSample>,
@@ -288,7 +324,7 @@ pub struct TruthCursor<I> {
 }
 
 impl<I: Iterator<Item = TruthSample>> TruthCursor<I> {
-    /// Over samples in order of time.
+    /// Starts at the first of samples in order of time.
     pub fn new(mut samples: I) -> Self {
         let after = samples.next();
         Self {
@@ -314,7 +350,7 @@ impl<I: Iterator<Item = TruthSample>> TruthCursor<I> {
             .then(|| interpolate(&before, &after, time))
     }
 
-    /// The reader below.
+    /// The iterator of the samples, as far as it was not read.
     pub fn into_inner(self) -> I {
         self.samples
     }

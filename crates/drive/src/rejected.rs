@@ -9,7 +9,7 @@ use undrift_nav::{
     sample::{GnssFix, ImuSample, TruthSample},
 };
 
-/// The fixes whose position or velocity a run rejected.
+/// Times of the fixes whose position or velocity a run rejected.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rejected {
     /// Times of the fixes \[s\], in order; of positions and of velocities.
@@ -17,7 +17,7 @@ pub struct Rejected {
 }
 
 impl Rejected {
-    /// By a replay of the whole drive under these settings, their outages aside.
+    /// Finds them by a replay of the whole drive under these settings, without outages.
     ///
     /// # Errors
     /// As [`replay`].
@@ -48,7 +48,7 @@ impl Rejected {
         }
     }
 
-    /// What two runs both rejected.
+    /// Fixes that two runs both rejected.
     #[must_use]
     pub fn by_both(&self, other: &Self) -> Self {
         let both = |k: usize| {
@@ -77,7 +77,7 @@ impl Rejected {
     }
 }
 
-/// Positions of the fixes at times that count, and how many of them are rejected.
+/// Number of fixes with a position at times that `counts`, and how many of these positions are rejected.
 pub fn withheld(
     aiding: &[Measurement],
     rejected: &Rejected,
@@ -99,12 +99,12 @@ impl Observer for Rejected {
     }
 }
 
-/// What errors inside outages are measured against.
+/// Reference that errors inside outages are measured against.
 #[derive(Clone, Copy, Debug)]
 pub struct Reference<'a> {
-    /// The truth; empty for the withheld fixes.
+    /// The truth in order of time; empty for the withheld fixes.
     pub truth: &'a [TruthSample],
-    /// What of the withheld fixes is no reference.
+    /// Withheld fixes that are no reference, since a run without outages rejects them.
     pub rejected: &'a Rejected,
 }
 

@@ -23,12 +23,12 @@ use undrift_nav::{
     sample::{GnssFix, ImuSample},
 };
 
-/// Inertial samples in order of time.
+/// Inertial samples in order of time, as a reader gives them.
 pub type Samples<'a> = dyn Iterator<Item = Result<ImuSample, ReadError>> + 'a;
-/// Measurements in order of time.
+/// Measurements in order of time, as a reader gives them.
 pub type Measurements<'a> = dyn Iterator<Item = Result<Measurement, ReadError>> + 'a;
 
-/// As [`undrift_engine::Observer`], with methods that may fail: the replay ends with the first error.
+/// The observer of [`undrift_engine::Observer`] with methods that may fail: the replay ends with the first error.
 pub trait Observer {
     /// A sample was processed, and every fix up to its end; the filter is at the sample's end.
     ///
@@ -39,7 +39,7 @@ pub trait Observer {
     }
     /// A fix was reached; the filter is at its time, before any update with it.
     fn fix(&mut self, _filter: &dyn Estimator, _fix: &GnssFix, _withheld: bool) {}
-    /// A fix at `time` \[s\] went into the solution, or began it.
+    /// A fix stamped `time` \[s\] went into the solution, or began it.
     fn used(&mut self, _time: f64) {}
     /// Whether position and velocity of the fix at this time \[s\] were used, down-weighted or
     /// rejected, where they were shown to the filter.
@@ -62,10 +62,10 @@ pub trait Observer {
     }
 }
 
-/// Watches nothing.
+/// Observes nothing.
 impl Observer for () {}
 
-/// An observer, until it fails.
+/// An observer until it fails.
 struct Watched<'a> {
     observer: &'a mut dyn Observer,
     failed: Option<ReplayError>,
@@ -126,7 +126,7 @@ pub enum ReplayError {
     /// The filter cannot be built.
     #[error(transparent)]
     Filter(#[from] FilterError),
-    /// Invalid sample or measurement.
+    /// A sample or measurement was refused.
     #[error(transparent)]
     Push(PushError),
 }
@@ -140,7 +140,17 @@ impl From<PushError> for ReplayError {
     }
 }
 
-/// Two streams, each in order of time, as one. Errors are passed on in place.
+/// Merges two streams, each in order of time; of one time the first comes first. Errors are passed on in place.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{nav::{earth::Geodetic, sample::GnssFix}, replay::{Measurement, Scalar, merge}};
+/// let speed = |time: f64| Ok::<_, ()>(Measurement::Odometer(Scalar { time, value: 5.0, std: 0.1 }));
+/// let fix = |time: f64| Ok(Measurement::Gnss(GnssFix::at(time, Geodetic::from_degrees(47.0, 8.0, 400.0), [1.0; 3])));
+/// let merged = merge([0.0, 1.0].map(speed).into_iter(), [0.5, 1.0].map(fix).into_iter());
+/// let times: Vec<f64> = merged.map(|measurement| measurement.map_or(f64::NAN, |m| m.time())).collect();
+/// assert_eq!(times, [0.0, 0.5, 1.0, 1.0]);
+/// ```
 pub fn merge<E>(
     first: impl Iterator<Item = Result<Measurement, E>>,
     second: impl Iterator<Item = Result<Measurement, E>>,
@@ -163,7 +173,8 @@ impl Observer for First<'_> {
     }
 }
 
-/// The filter at the end of the sample in which the navigation of a log begins; `None` where it ended with that.
+/// Navigates a log up to the end of the sample in which its navigation begins, and returns the filter; `None` where the log ended
+/// before.
 ///
 /// # Errors
 /// As [`replay`].
@@ -180,6 +191,21 @@ pub fn begin(
 
 /// Navigates a log: each sample is pushed after the measurements up to its end, each stream in order of time. The size of the
 /// filter follows the models. [`crate::navigate::navigate`] is this with files, findings and a smoother.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::replay::{Measurement, Settings, replay};
+/// # use undrift::nav::shaping::ShapingFilter;
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+/// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+/// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+/// let mut imu = log.imu.iter().map(|sample| Ok(*sample));
+/// let mut fixes = log.gnss.iter().map(|fix| Ok(Measurement::Gnss(*fix)));
+/// let summary = replay(&mut imu, &mut fixes, &Settings::new(sensors), &mut ())?;
+/// assert!(summary.fixes > 50 && summary.diverged.is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// A log that cannot be read, no alignment before its end, a filter that cannot be built, or what `observer`

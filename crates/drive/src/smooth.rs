@@ -47,15 +47,15 @@ pub struct Node {
     pub vehicle_std: [f64; 3],
     /// Covariances of δr, δv and ψ.
     pub predicted: Predicted,
-    /// Sensor states and parameters behind the navigation errors.
+    /// Estimated sensor states and parameters, in the order of the error state behind its first nine.
     pub estimates: Vec<f64>,
-    /// Sensor errors, gyro x, y, z [rad/s], accelerometer x, y, z [m/s²].
+    /// Estimated sensor errors, gyro x, y, z [rad/s], accelerometer x, y, z [m/s²].
     pub sensor_error: [f64; AXES],
-    /// Their standard deviations [rad/s, m/s²].
+    /// Standard deviations of the sensor errors [rad/s, m/s²].
     pub sensor_error_std: [f64; AXES],
     /// Angular rate against the navigation frame as the filter had it, body axes [rad/s].
     pub omega_nb_b: Vector3,
-    /// By how much smoothing found the fixes' positions to hold later than the filter believed \[s\].
+    /// Time that smoothing found the fixes' positions to hold later than the filter believed \[s\].
     late: f64,
     /// The receiver's clock against the samples'; the zero where no time offset is estimated.
     pub receiver_clock: ReceiverClock,
@@ -71,7 +71,7 @@ impl Node {
 /// The smoothed nodes in order of time.
 #[derive(Clone, Debug)]
 pub struct Smoothed {
-    /// Node by node.
+    /// The nodes in order of time: at fixes, and at most [`Settings::nodes`] \[s\] apart.
     pub nodes: Vec<Node>,
     /// What smoothing found the filter's first attitude, sensor states and parameters to be off by, as
     /// [`crate::replay::Settings::start`] takes it for a second run from a better place.
@@ -86,7 +86,7 @@ pub struct Smoothed {
 }
 
 impl Smoothed {
-    /// Antenna position and velocity [m/s] at a node that was made for a fix, when the fix holds by
+    /// Antenna position and velocity [m/s, north-east-down] at a node that was made for a fix, when the fix holds by
     /// the smoothed time offset: the filter put the node where it then believed the fix to be.
     /// `lever_b` IMU → antenna as configured, body axes \[m\].
     pub fn antenna(&self, node: &Node, lever_b: &Vector3) -> (Geodetic, Vector3) {
@@ -127,7 +127,27 @@ impl Smoothed {
 /// Numbers of a record before the matrices: a flag, time, position, velocity, quaternion, rate, how long the filter has run.
 const HEAD: usize = 16;
 
-/// The forward pass, node by node.
+/// The forward pass, node by node, on disk or in memory until it is smoothed. An [`Observer`] of a replay whose settings ask for nodes:
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{replay::{Measurement, Settings, replay}, smooth::History};
+/// # use undrift::nav::shaping::ShapingFilter;
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+/// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+/// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+/// let settings = Settings { nodes: Some(1.0), ..Settings::new(sensors) };
+/// let mut history = History::new()?;
+/// let mut imu = log.imu.iter().map(|sample| Ok(*sample));
+/// let mut fixes = log.gnss.iter().map(|fix| Ok(Measurement::Gnss(*fix)));
+/// replay(&mut imu, &mut fixes, &settings, &mut history)?;
+/// let smoothed = history.smooth()?.expect("nodes");
+/// // In the middle of the drive the fixes before and after count.
+/// let node = &smoothed.nodes[smoothed.nodes.len() / 2];
+/// assert!(node.nav_std[0] < 1.0, "north, one standard deviation [m]");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct History {
     store: Store,
     /// States of the filter.
@@ -138,7 +158,7 @@ pub struct History {
 }
 
 impl History {
-    /// Empty, in a temporary file without a name, or in memory where no folder takes one.
+    /// An empty pass, in a temporary file without a name, or in memory where no folder takes one.
     ///
     /// # Errors
     /// If the folder is there and the file cannot be made all the same.
@@ -157,7 +177,7 @@ impl History {
         self.nodes
     }
 
-    /// Whether there is no node.
+    /// Whether there is no node yet.
     pub fn is_empty(&self) -> bool {
         self.nodes == 0
     }
@@ -403,8 +423,8 @@ pub fn better_start(
     }
 }
 
-/// Where a first pass finds the solution to go wrong, for [`Settings::doubts`] of the pass that is smoothed: a
-/// covariance that jumps at one instant would cut the smoother in two there. Nothing without nodes.
+/// Spans in which a first pass finds the solution to go wrong, for [`Settings::doubts`] of the pass that is smoothed: a
+/// covariance that jumps at one instant would cut the smoother in two there. Empty without nodes.
 ///
 /// # Errors
 /// As [`replay`].
@@ -427,7 +447,7 @@ pub fn doubts(
     }
 }
 
-/// Keeps the nodes of a replay and nothing else.
+/// Keeps the nodes of a replay.
 impl Observer for History {
     fn node(&mut self, filter: &dyn Estimator, since: Option<&Adjoint>) -> Result<(), ReplayError> {
         Ok(self.push(filter, since)?)

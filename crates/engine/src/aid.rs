@@ -18,12 +18,12 @@ use undrift_nav::{
 /// Stamps closer than this \[s\] are the same instant.
 pub const STAMP_ROUNDING: f64 = 1e-6;
 
-/// A kind of measurement, as updates are counted ([`Summary::innovations`](crate::Summary::innovations)).
+/// A kind of measurement, by which updates are counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Aid {
-    /// Positions of fixes.
+    /// GNSS positions.
     Position,
-    /// Velocities of fixes.
+    /// GNSS velocities.
     Velocity,
     /// Non-holonomic constraint: no velocity across or through the road.
     NonHolonomic,
@@ -31,12 +31,12 @@ pub enum Aid {
     ZeroVelocity,
     /// Wheel speeds.
     Odometer,
-    /// Heights.
+    /// Barometric heights.
     Barometer,
 }
 
 impl Aid {
-    /// All of them, in the order in which they are reported.
+    /// Every kind, in the order in which they are reported.
     pub const ALL: [Self; 6] = [
         Self::Position,
         Self::Velocity,
@@ -45,10 +45,10 @@ impl Aid {
         Self::Odometer,
         Self::Barometer,
     ];
-    /// How many there are.
+    /// Number of kinds.
     pub const COUNT: usize = Self::ALL.len();
 
-    /// What it is called.
+    /// Its name in tables, in lower case.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Position => "position",
@@ -60,12 +60,12 @@ impl Aid {
         }
     }
 
-    /// Its field in results: the name with underscores.
+    /// Its field in results: the name with underscores for spaces and hyphens.
     pub fn key(self) -> String {
         self.name().replace([' ', '-'], "_")
     }
 
-    /// What is counted of it.
+    /// The updates of this kind, as a heading.
     pub const fn counted(self) -> &'static str {
         match self {
             Self::Position => "Position updates.",
@@ -79,6 +79,13 @@ impl Aid {
 }
 
 /// A value for each [`Aid`], read and written as `table[aid]`.
+///
+/// ```
+/// use undrift_engine::{Aid, ByAid};
+/// let mut updates = ByAid::<u32>::default();
+/// updates[Aid::Odometer] += 1;
+/// assert_eq!(Aid::ALL.map(|aid| updates[aid]).iter().sum::<u32>(), 1);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct ByAid<T>(pub [T; Aid::COUNT]);
@@ -97,7 +104,7 @@ impl<T> IndexMut<Aid> for ByAid<T> {
     }
 }
 
-/// A log of a drive, or a static recording.
+/// A file of a drive by what it contains, as findings name it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -105,20 +112,20 @@ impl<T> IndexMut<Aid> for ByAid<T> {
 pub enum Log {
     /// Inertial samples.
     Imu,
-    /// Fixes.
+    /// GNSS fixes.
     Gnss,
-    /// The reference.
+    /// Reference solution.
     Truth,
-    /// Speeds.
+    /// Wheel speeds.
     Odometer,
-    /// Heights.
+    /// Barometric heights.
     Barometer,
-    /// A static recording.
+    /// Static recording for identification.
     Recording,
 }
 
 impl Log {
-    /// What it is called.
+    /// Its name in messages, in lower case.
     pub fn name(self) -> &'static str {
         match self {
             Self::Imu => "IMU",
@@ -131,25 +138,25 @@ impl Log {
     }
 }
 
-/// A sensor that measures one number.
+/// A sensor that measures one number, and the log of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ScalarLog {
     /// Speeds of a wheel, forward positive \[m/s\].
     Odometer,
-    /// Heights \[m\].
+    /// Heights above any reference, up positive \[m\].
     Barometer,
 }
 
 impl ScalarLog {
-    /// All of them, in the order in which they are read.
+    /// Every kind, in the order in which they are read.
     pub const ALL: [Self; 2] = [Self::Odometer, Self::Barometer];
 
-    /// What it is called.
+    /// Its table in a drive file.
     pub fn name(self) -> &'static str {
         self.log().name()
     }
 
-    /// What it is a log of, as a sentence.
+    /// What the log contains, as a sentence.
     pub fn described(self) -> &'static str {
         match self {
             Self::Odometer => "The log of wheel speeds.",
@@ -157,7 +164,7 @@ impl ScalarLog {
         }
     }
 
-    /// The log that findings name.
+    /// The log that findings name for it.
     pub fn log(self) -> Log {
         match self {
             Self::Odometer => Log::Odometer,
@@ -165,7 +172,7 @@ impl ScalarLog {
         }
     }
 
-    /// What its updates are counted by.
+    /// The kind of measurement that its updates are counted by.
     pub fn aid(self) -> Aid {
         match self {
             Self::Odometer => Aid::Odometer,
@@ -173,7 +180,7 @@ impl ScalarLog {
         }
     }
 
-    /// A number of it as the navigator takes it.
+    /// `scalar`, in SI units, as the measurement that a [`Navigator`](crate::Navigator) is pushed.
     pub fn measurement(self, scalar: Scalar) -> Measurement {
         match self {
             Self::Odometer => Measurement::Odometer(scalar),
@@ -193,7 +200,7 @@ impl ScalarLog {
 /// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
 /// let constraints = Profile::Car.constraints();
 /// let mut navigator = Navigator::new(Settings { constraints, ..Settings::new(sensors) });
-/// let mut measurements = Measurement::of_fixes(&log.gnss);
+/// let mut measurements = Measurement::from_fixes(&log.gnss);
 /// for row in log.truth.iter().step_by(25) {
 ///     let speed = row.v_n.expect("simulated").norm(); // A car that drives forward.
 ///     measurements.push(Measurement::Odometer(Scalar { time: row.time, value: speed, std: 0.1 }));
@@ -215,21 +222,21 @@ impl ScalarLog {
     reason = "passed on one by one; in memory most are fixes"
 )]
 pub enum Measurement {
-    /// A GNSS fix.
+    /// A GNSS fix of the antenna: position, velocity or both.
     Gnss(GnssFix),
     /// Speed of a wheel, forward positive [m/s].
     Odometer(Scalar),
-    /// Height by the barometer \[m\].
+    /// Height by the barometer, up positive \[m\].
     Barometer(Scalar),
 }
 
 impl Measurement {
-    /// Fixes as measurements.
-    pub fn of_fixes(fixes: &[GnssFix]) -> Vec<Self> {
+    /// Each fix as a measurement, in the same order.
+    pub fn from_fixes(fixes: &[GnssFix]) -> Vec<Self> {
         fixes.iter().copied().map(Self::Gnss).collect()
     }
 
-    /// Time as stamped \[s\].
+    /// Its stamp \[s\], in the time base of the samples.
     pub fn time(&self) -> f64 {
         match self {
             Self::Gnss(fix) => fix.time,
@@ -237,7 +244,7 @@ impl Measurement {
         }
     }
 
-    /// What it is, where a time or a value of it is not finite.
+    /// Its name for a message, where a time or a value of it is not finite.
     pub(crate) fn unusable(&self) -> Option<&'static str> {
         let (what, finite) = match self {
             Self::Gnss(fix) => ("fix", fix.is_finite()),
@@ -268,7 +275,7 @@ impl Measurement {
         })
     }
 
-    /// Its place among those of one time: fixes come first.
+    /// Its order among measurements of the same time: fixes come first.
     pub(crate) fn rank(&self) -> u8 {
         match self {
             Self::Gnss(_) => 0,
@@ -279,68 +286,93 @@ impl Measurement {
 }
 
 /// A measurement that a filter is updated with: [`Estimator::innovation`](crate::estimator::Estimator::innovation) and
-/// [`Estimator::update`](crate::estimator::Estimator::update) take it with its covariance. Rows and signs of each:
+/// [`Estimator::update`](crate::estimator::Estimator::update) use it with its covariance. Rows and signs of each:
 /// docs/lab/measurement-rows.md.
+///
+/// ```
+/// use undrift_engine::{Navigator, estimator::Aiding, settings::Settings};
+/// use undrift_nav::Vector3;
+/// # use undrift_nav::shaping::ShapingFilter;
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+/// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+/// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+/// # let mut navigator = Navigator::new(Settings::new(sensors));
+/// # for fix in &log.gnss {
+/// #     navigator.fix(*fix)?;
+/// # }
+/// # for sample in &log.imu {
+/// #     navigator.imu(*sample)?;
+/// # }
+/// let filter = navigator.filter().expect("aligned");
+/// // What a wheel at the IMU that reads 2 m/s more than the solution has would say: predicted less measured.
+/// let speed = filter.vehicle_velocity(&Vector3::zeros()).x + 2.0;
+/// let wheel = Aiding::Odometer { speed, lever_arm: Vector3::zeros() };
+/// assert!((filter.innovation(&wheel).expect("one number").x + 2.0).abs() < 1e-9); // [m/s]
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Aiding {
     /// GNSS position.
     Position {
-        /// As measured.
+        /// Position of the antenna, as measured.
         position: Position,
-        /// IMU → antenna, body axes \[m\].
+        /// IMU → antenna, body axes, as configured \[m\].
         lever_arm: Vector3,
-        /// Standard deviation of the time-correlated part of its error, in its own axes \[m\].
+        /// Standard deviation of the time-correlated part of its error, in the axes of the fix \[m\]; 0 where it is white. The covariance of the update is then
+        /// that of the rest.
         correlated: Vector3,
-        /// When it holds \[s\]: the filter is there or after it.
+        /// Time at which it holds \[s\]; the filter is there or after it.
         due: f64,
     },
     /// GNSS velocity.
     Velocity {
-        /// North-east-down \[m/s\].
+        /// Velocity of the antenna over ground, north, east, down \[m/s\].
         v_n: Vector3,
-        /// IMU → antenna, body axes \[m\].
+        /// IMU → antenna, body axes, as configured \[m\].
         lever_arm: Vector3,
-        /// Standard deviation of the time-correlated part of its error \[m/s\].
+        /// Standard deviation of the time-correlated part of its error, north, east, down \[m/s\]; 0 where it is white.
         correlated: Vector3,
-        /// When it holds \[s\]: the filter is there or after it.
+        /// Time at which it holds \[s\]; the filter is there or after it.
         due: f64,
     },
-    /// Heading by the course over ground \[rad\].
+    /// Heading by the course over ground, from north to east \[rad\].
     Course(f64),
-    /// The vehicle is at rest.
+    /// The vehicle is at rest: no velocity, three numbers \[m/s\].
     ZeroVelocity,
-    /// The body turns with the Earth: angular rate as read \[rad/s\].
+    /// The body turns with the Earth: mean angular rate as the gyros read it, body axes \[rad/s\].
     EarthRate(Vector3),
-    /// The body is at rest: specific force as read \[m/s²\].
+    /// The body is at rest: mean specific force as the accelerometers read it, body axes \[m/s²\].
     Level(Vector3),
-    /// No velocity across the vehicle at this point, IMU → axle, body axes \[m\].
+    /// No velocity to the right or down at this point, IMU → axle, body axes \[m\]; two numbers \[m/s\].
     NonHolonomic(Vector3),
-    /// Speed of a wheel.
+    /// Speed of a wheel along the vehicle's forward axis.
     Odometer {
-        /// Forward positive \[m/s\].
+        /// Speed, forward positive \[m/s\].
         speed: f64,
         /// IMU → wheel, body axes \[m\].
         lever_arm: Vector3,
     },
-    /// Height by a barometer \[m\].
+    /// Height by a barometer, up positive \[m\].
     Barometer(f64),
 }
 
-/// What an update belongs to.
+/// Group of measurements that noise is fitted for by itself, from the updates that [`LogTo`](crate::estimator::LogTo) receives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
     /// GNSS position.
     Position,
     /// GNSS velocity.
     Velocity,
-    /// No velocity across the vehicle.
+    /// Non-holonomic constraint.
     NonHolonomic,
-    /// Any other.
+    /// Any other kind.
     Other,
 }
 
 impl Aiding {
-    /// A measurement of one number by its name, in SI units, of the sensor at `lever_arm` [m, body axes] where that matters.
+    /// The measurement of one number by its name: `"course"` \[rad\], `"odometer"` [m/s] or `"barometer"` \[m\], the wheel at `lever_arm` [m, body
+    /// axes]. `None` for any other name.
     pub fn scalar(name: &str, value: f64, lever_arm: Vector3) -> Option<Self> {
         Some(match name {
             "course" => Self::Course(value),
@@ -363,14 +395,14 @@ impl Aiding {
     }
 }
 
-/// A measurement as the filter takes it, by the number of its components.
+/// An observation for the filter, by the number of its components.
 pub(crate) enum Observed<const N: usize> {
     One(Observation<1, N>),
     Two(Observation<2, N>),
     Three(Observation<3, N>),
 }
 
-/// What a measurement says to a filter; `None` where it says nothing.
+/// Observation of a measurement by a filter; `None` where it says nothing.
 pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Option<Observed<N>> {
     Some(match aiding {
         Aiding::Position {
@@ -408,11 +440,14 @@ mod tests {
     #[test]
     fn numbers_by_their_names() {
         let lever_arm = Vector3::new(1.0, 2.0, 3.0);
-        let of = |name| Aiding::scalar(name, 4.0, lever_arm);
-        assert_eq!(of("course"), Some(Aiding::Course(4.0)));
+        let aiding = |name| Aiding::scalar(name, 4.0, lever_arm);
+        assert_eq!(aiding("course"), Some(Aiding::Course(4.0)));
         let speed = 4.0;
-        assert_eq!(of("odometer"), Some(Aiding::Odometer { speed, lever_arm }));
-        assert_eq!(of("barometer"), Some(Aiding::Barometer(4.0)));
-        assert_eq!(of("position"), None);
+        assert_eq!(
+            aiding("odometer"),
+            Some(Aiding::Odometer { speed, lever_arm })
+        );
+        assert_eq!(aiding("barometer"), Some(Aiding::Barometer(4.0)));
+        assert_eq!(aiding("position"), None);
     }
 }

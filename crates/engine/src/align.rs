@@ -90,7 +90,7 @@ const PAIR_SPAN: f64 = 2.5;
 
 /// A filter ready to run, and how it was aligned.
 pub(crate) struct Aligned {
-    /// At the time of the fix that completed the alignment.
+    /// The filter, at the time of the fix that completed the alignment.
     pub filter: Box<dyn Estimator>,
     /// How it was found.
     pub how: Alignment,
@@ -131,7 +131,7 @@ pub(crate) struct Aligner {
 }
 
 impl Aligner {
-    /// For the given settings.
+    /// An alignment that has seen nothing, for these settings.
     pub fn new(settings: &Settings) -> Self {
         let (gyro, accel) = settings.sensors.split_at(3);
         Self {

@@ -19,21 +19,21 @@ use undrift_nav::{
     sample::ImuSample,
 };
 
-/// Of the bytes: changes whenever what is kept does.
+/// Version of the bytes' layout: changes whenever what is kept does.
 const FORMAT: u32 = 6;
 
 /// Why a navigator cannot be restored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RestoreError {
-    /// Not the bytes of a checkpoint, or not all of them.
+    /// The bytes are not those of a checkpoint, or not all of them, or damaged: the checksum differs.
     #[error("these bytes are no checkpoint of a navigator, or are cut off")]
     NoCheckpoint,
-    /// Those of another version of the navigator.
+    /// The bytes are of this format, which another version of the navigator made.
     #[error(
         "the checkpoint has format {0}, this navigator reads {FORMAT}: it was made by another version"
     )]
     OtherFormat(u32),
-    /// The navigator that was kept had other models.
+    /// The navigator that was kept had other sensor models or parameters than these settings.
     #[error("the checkpoint is of a navigator with other settings: its filter does not go on")]
     OtherSettings,
 }
@@ -108,7 +108,7 @@ impl Navigator {
         bytes
     }
 
-    /// The navigator of a checkpoint, under the settings that it was made with: it goes on as the other one would have,
+    /// The navigator of a `checkpoint`, under the settings that it was made with: it continues as the other one would have,
     /// to the last bit. What is observed or recorded for a smoother restarts empty.
     ///
     /// # Errors

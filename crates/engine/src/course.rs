@@ -123,6 +123,7 @@ impl CourseWatch {
         }
     }
 
+    /// Keeps how far the course was off a heading that is known well enough for that \[rad\].
     fn learn(&mut self, off: f64, heading_std: f64) {
         if heading_std < KNOWN {
             self.usual[self.learned % USUAL] = off;

@@ -1,4 +1,4 @@
-//! What a fix says of the antenna: its place, and its velocity where the receiver reports positions only.
+//! Position of the antenna at a fix, and its velocity where the receiver reports positions only.
 
 use alloc::{collections::VecDeque, vec::Vec};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -11,16 +11,16 @@ use undrift_nav::{
 
 /// Time from the first to the last of the positions that a velocity is derived from \[s\].
 const SPAN: f64 = 2.0;
-/// The same where it takes longer to have [`LEAST`] of them, at most \[s\].
+/// Longest such time, where it takes longer to have [`LEAST`] of them \[s\].
 const LONGEST: f64 = 5.0;
 /// Positions that a velocity is derived from, at least.
 const LEAST: usize = 5;
 /// What the scatter of the positions does not show, one standard deviation \[m/s\].
 const FLOOR: f64 = 0.1;
-/// By how much a vehicle may have slowed down since the time of a derived velocity \[m/s²\].
+/// Deceleration that a vehicle may have had since the time of a derived velocity \[m/s²\].
 pub(crate) const BRAKING: f64 = 2.0;
 
-/// The antenna's place, of a baseline that of its base plus the baseline; `None` of a fix without a position.
+/// Place of the antenna at a fix, of a baseline that of its base plus the baseline; `None` of a fix without a position.
 ///
 /// ```
 /// use undrift_engine::derived::antenna;
@@ -49,7 +49,7 @@ pub(crate) struct DerivedVelocity {
     pub(crate) time: f64,
     /// Over ground, north, east, down [m/s].
     pub(crate) v_n: Vector3,
-    /// Its covariance [m²/s²].
+    /// Covariance of the velocity [m²/s²].
     pub(crate) covariance: Matrix3,
 }
 
@@ -146,9 +146,23 @@ pub(crate) fn white_variance(track: &[(f64, Vector3)]) -> Option<Vector3> {
     })
 }
 
-/// Fixes of which none has a velocity, with the slope of the positions within a second about each one as their velocity: for what
+/// Adds velocities to fixes none of which has one: the slope of the positions within a second about each, for what
 /// may look ahead. Fixes of which any has a velocity are returned as they are. Slopes that
 /// share their positions share their errors: the variance of each is that of one, times how many do.
+///
+/// ```
+/// use undrift_engine::derived::with_velocities;
+/// use undrift_nav::{Vector3, earth::Geodetic, sample::GnssFix};
+/// let start = Geodetic::from_degrees(45.0, 7.0, 300.0);
+/// // 8 m/s north, five positions a second.
+/// let fixes = (0..100).map(|k| {
+///     let time = 0.2 * f64::from(k);
+///     GnssFix::at(time, start.displaced(&Vector3::new(8.0 * time, 0.0, 0.0)), [1.0; 3])
+/// });
+/// let fixes = with_velocities(fixes.collect());
+/// let (v_n, _) = fixes[50].velocity.expect("enough positions about it");
+/// assert!((v_n - Vector3::new(8.0, 0.0, 0.0)).norm() < 1e-3);
+/// ```
 pub fn with_velocities(mut fixes: Vec<GnssFix>) -> Vec<GnssFix> {
     if fixes.iter().any(|fix| fix.velocity.is_some()) {
         return fixes;

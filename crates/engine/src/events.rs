@@ -42,34 +42,34 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum Event {
-    /// Navigation began at this time \[s\], aligned like this.
+    /// Navigation began at this time \[s\], from this alignment.
     Started(f64, Alignment),
-    /// Samples of an axis could not be right.
+    /// Samples of an axis could not be right and were replaced.
     SampleFault(SampleFault),
     /// Consecutive fixes were rejected; reported when the last of them has passed.
     Rejected(Contradiction),
-    /// The solution accepted fixes that contradict it, and its covariance was inflated by this.
+    /// The solution was reset to fixes that contradicted it, and its covariance was inflated by this.
     Doubted(Doubt),
-    /// The course contradicts the heading.
+    /// The course over ground contradicts the heading.
     HeadingOff(HeadingOff),
-    /// Innovations leant to one side.
+    /// Innovations were biased to one side for a while.
     Leant(Lean),
-    /// The solution ended at this time \[s\] and is aligned again, and why; [`Event::Resumed`] follows.
+    /// The solution ended at this time \[s\], for this reason, and is aligned again; [`Event::Resumed`] follows.
     AlignsAgain(f64, RestartCause),
-    /// From this time \[s\] on the fixes are taken to be wrong by this beyond what they state, as they have shown it.
+    /// From this time \[s\] on the filter uses these errors of the fixes beyond what they state, as the fixes have shown them.
     FixErrors(f64, FixErrors),
-    /// After this time \[s\] body axes are the vehicle's, by this mounting.
+    /// After this time \[s\] body axes are the vehicle's, by this mounting. A later one replaces it.
     Mounting(f64, Mounting),
-    /// Another solution began at this time \[s\].
+    /// Another solution began at this time \[s\], after [`Event::AlignsAgain`].
     Resumed(f64),
-    /// The solution diverged at this time \[s\].
+    /// The solution diverged at this time \[s\]; without gating it is the last event.
     Diverged(f64),
-    /// A measurement of this time \[s\] came later than the horizon and was rejected.
+    /// A measurement stamped so \[s\] came later than the horizon and was rejected.
     TooLate(f64),
 }
 
 impl Event {
-    /// When it was seen first \[s\].
+    /// Time at which it began or happened \[s\], in the time base of the samples.
     pub fn time(&self) -> f64 {
         match self {
             Self::Started(time, _)
@@ -87,7 +87,7 @@ impl Event {
         }
     }
 
-    /// Whether it is the same one, seen for longer.
+    /// Whether `other` is this event, seen for longer: same kind and same start. Events that last are handed out again as they grow.
     pub fn is_same(&self, other: &Self) -> bool {
         let axis = |event: &Self| match event {
             Self::SampleFault(fault) => Some((fault.axis, None)),
@@ -118,7 +118,7 @@ pub enum Part {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Contradiction {
-    /// Which part of them.
+    /// Part of the fixes that was rejected.
     pub part: Part,
     /// Whether it was the height alone; the rest of the positions was used.
     #[cfg_attr(feature = "serde", serde(default))]
@@ -127,19 +127,19 @@ pub struct Contradiction {
     pub start: f64,
     /// Time of the last \[s\], with those soon after the solution accepted the fixes.
     pub end: f64,
-    /// How many.
+    /// Number of fixes.
     pub fixes: u64,
-    /// How far the first was from the solution \[m, m/s\].
+    /// Distance of the first from the solution \[m\], of a velocity [m/s].
     pub first: f64,
-    /// How far the last was, at the end or when the solution first accepted the fixes \[m, m/s\].
+    /// Distance of the last, at the end or when the solution first accepted the fixes \[m\], of a velocity [m/s].
     pub last: f64,
-    /// How fast it grew \[m/s, m/s²\].
+    /// Rate at which the distance grew [m/s], of a velocity [m/s²].
     pub growth: f64,
-    /// How far the furthest was \[m, m/s\].
+    /// Largest distance \[m\], of a velocity [m/s].
     pub largest: f64,
     /// Whether the receiver repeated its fix while the solution moved.
     pub frozen: bool,
-    /// Whether they were accepted in the end.
+    /// Whether the solution was reset to them in the end.
     pub accepted_in_the_end: bool,
 }
 
@@ -148,30 +148,30 @@ pub struct Contradiction {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SampleFault {
-    /// 0 to 2 for the gyros x, y, z of the sensor, 3 to 5 for the accelerometers.
+    /// Sensor axis: 0 to 2 for the gyros x, y, z of the sensor, 3 to 5 for the accelerometers.
     pub axis: usize,
-    /// Time of the first sample \[s\].
+    /// Time of the first sample replaced \[s\].
     pub start: f64,
-    /// Time of the last \[s\].
+    /// Time of the last sample replaced \[s\].
     pub end: f64,
-    /// Whether the axis repeated a value; else it was a spike.
+    /// Whether the axis repeated a value while it should not (frozen or saturated); else it was a spike.
     pub stuck: bool,
 }
 
-/// The solution was to be aligned again.
+/// A second alignment: the solution before it had ended or could not be trusted.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Restart {
-    /// When that was found \[s\].
+    /// Time at which that was found \[s\].
     pub time: f64,
-    /// Why.
+    /// Reason for it.
     pub why: RestartCause,
-    /// When the new one began \[s\]; `None` if it never did.
+    /// Start of the next solution \[s\]; absent if there was none until the end.
     pub resumed: Option<f64>,
 }
 
-/// Why a solution was to be aligned again.
+/// Reason for aligning again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -192,29 +192,29 @@ pub enum RestartCause {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Lean {
-    /// Of which part of the fixes.
+    /// Part of the fixes whose innovations leaned.
     pub part: Part,
-    /// Start \[s\].
+    /// Start of the span \[s\].
     pub start: f64,
-    /// End \[s\].
+    /// End of the span \[s\].
     pub end: f64,
-    /// Largest mean of the innovations over a block, predicted less measured, north, east, down \[m, m/s\].
+    /// Largest mean of the innovations over a block, predicted less measured, north, east, down \[m\], of a velocity [m/s].
     pub mean: [f64; 3],
 }
 
-/// What cannot be: units, axes, signs or times that are wrong.
+/// A configuration that cannot be right by what the data show: units, axes, signs or times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Implausible {
-    /// The mean specific force, as a multiple of gravity.
+    /// The mean specific force is this multiple of gravity [–]: a unit of the accelerometers is wrong.
     Gravity(f64),
-    /// Gravity lies along another axis than body down, which is `[0, 0, 1]` of it.
+    /// Gravity lies along this direction in body axes (a unit vector), not along down, `[0, 0, 1]`: axes are wrong.
     Down([f64; 3]),
-    /// The course turns by this multiple of the turns of the gyros.
+    /// The course turns by this multiple of what the gyros turn [–]: a unit of the gyros is wrong; negative where a sign is.
     TurnScale(f64),
-    /// The course turns with the gyro of this axis (0 to 2), which is not the vertical one.
+    /// The course turns with the gyro of this axis (0 to 2), not with the vertical one: axes are swapped.
     TurnAxis(usize),
     /// The gyros do not see the turns of the course.
     NoTurn,
@@ -234,7 +234,7 @@ pub enum Implausible {
     Alternates(f64),
 }
 
-/// What makes positions and velocities of the fixes agree.
+/// Change that makes positions and velocities of the fixes agree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -269,10 +269,10 @@ pub enum FixMend {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HeadingOff {
-    /// When it was seen first \[s\].
+    /// First time that it was seen \[s\].
     pub start: f64,
-    /// When it was seen last \[s\].
+    /// Last time that it was seen \[s\].
     pub end: f64,
-    /// Course less heading, beyond what is usual, at most \[rad\].
+    /// Largest value of course less heading, beyond what is usual \[rad\].
     pub angle: f64,
 }

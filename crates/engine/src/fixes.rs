@@ -36,22 +36,23 @@ use undrift_nav::{
     sample::GnssFix,
 };
 
-/// What the fixes of a log are like.
+/// Findings on the fixes of a log from the fixes alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct FixStudy {
     /// Median interval of the fixes that repeat none before \[s\].
     pub interval: f64,
-    /// Fixes that repeat one before.
+    /// Number of fixes that repeat the one before.
     pub repeated: u64,
-    /// By how much the velocity is later than the position \[s\], with its standard error.
+    /// Time by which the velocity is later than the position \[s\], with its standard error \[s\]; `None` where it does not show.
     pub velocity_late: Option<(f64, f64)>,
-    /// What they are wrong by.
+    /// Errors of the fixes beyond what they state.
     pub errors: FixErrors,
 }
 
 impl FixStudy {
-    /// What the fixes are taken to be wrong by, with what is stated of it, in a filter with these parameters.
+    /// The errors that a filter with these parameters uses: those found, with what is `stated` in place of them. Velocities that are late
+    /// are not taken to be better than they state unless the filter estimates their delay.
     pub fn errors(&self, stated: &FromFixes, parameters: &Parameters) -> FixErrors {
         let mut errors = self.errors;
         // Velocities are as good as the positions show them to be only where their latency is estimated.
@@ -64,16 +65,16 @@ impl FixStudy {
     }
 }
 
-/// Of χ²(1), the median.
+/// Median of χ² with one degree of freedom.
 const MEDIAN: f64 = 0.455;
-/// From the median absolute deviation to the standard deviation.
+/// Ratio of the standard deviation to the median absolute deviation of normal values.
 const MAD: f64 = 1.4826;
 
 /// Fixes that a study looks at: an hour and a half at 4 Hz.
 const MOST: usize = 20_000;
 /// Fixes that a study needs: fewer carry no information.
 const LEAST: usize = 80;
-/// The same of positions alone.
+/// Positions alone that a study needs.
 const LEAST_POSITIONS: usize = 20;
 /// Pairs of fixes for a mean square to be worth something.
 const LEAST_PAIRS: usize = 40;
@@ -82,14 +83,13 @@ const FACTOR: f64 = 2.0;
 /// Velocities that the positions show to be better than this share of their stated standard deviations are taken as
 /// that good.
 const MODEST: f64 = 0.5;
-/// For so long they have to move faster than [`MOVES`] to show it: what a receiver gets wrong in motion does not show at
-/// rest \[s\].
+/// Motion faster than [`MOVES`] that it takes to show it \[s\]: what a receiver gets wrong in motion does not show at rest.
 const MOVING: f64 = 60.0;
 /// Least share of their stated standard deviations that velocities are taken to have.
 const LEAST_VELOCITY: f64 = 0.1;
 /// Share of the variance of such velocities that lasts, as in a receiver that smooths.
 const VELOCITY_SHARE: f64 = 0.6;
-/// For how long it lasts \[s\].
+/// Correlation time of that part \[s\].
 const VELOCITY_TIME: f64 = 3.0;
 /// White variance below this share of the stated one: the rest of the error lasts.
 const WHITE_SHARE: f64 = 0.8;
@@ -99,10 +99,10 @@ const MOST_SHARE: f64 = 0.99;
 const SHORTEST: f64 = 5.0;
 /// The velocities' own error makes the differences grow sooner, by about this factor.
 const SOONER: f64 = 2.0;
-/// For how long the rest of the error of positions lasts that have no velocities beside them: minutes, as of multipath,
-/// atmosphere and orbits (Groves 2013, section 9.3) \[s\].
+/// Correlation time of the rest of the error of positions that have no velocities beside them \[s\]: minutes, as of multipath,
+/// atmosphere and orbits (Groves 2013, section 9.3).
 const UNSEEN_TIME: f64 = 100.0;
-/// Longest correlation time \[s\]: longer ones are treated as equal.
+/// Longest correlation time that fixes are taken to have \[s\]: longer ones are treated as equal.
 pub const LONGEST_CORRELATION: f64 = 1000.0;
 /// Standard errors by which the positions contradict a velocity that is wrong.
 const BIAS_ERRORS: f64 = 5.0;
@@ -117,8 +117,23 @@ const ALONG: f64 = 2.0;
 /// Steps whose variance is below this share of the stated one are how numbers are written.
 const STEP_SHARE: f64 = 0.25;
 
-/// Looks into the first 20 000 fixes of a log, in order of time; `None` where there are too few: 80 with a velocity, 20 of
-/// positions alone.
+/// Studies the first 20 000 fixes of a log, in order of time, as the module describes; `None` where there are too few: 80 with a velocity,
+/// 20 of positions alone.
+///
+/// ```
+/// use undrift_engine::fixes::study;
+/// use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// let mut log = simulate(&Trajectory::car(600.0, 1), 50.0, None, &GnssNoise::default(), 1)?;
+/// // A receiver that states a third of its error.
+/// for fix in &mut log.gnss {
+///     if let Some((_, covariance)) = &mut fix.position {
+///         *covariance /= 9.0;
+///     }
+/// }
+/// let shown = study(log.gnss).expect("enough fixes");
+/// assert!((2.0..4.0).contains(&shown.errors.position_factor), "{shown:?}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn study(fixes: impl IntoIterator<Item = GnssFix>) -> Option<FixStudy> {
     let mut repeats = Repeats::default();
     let own = fixes.into_iter().filter(|fix| !repeats.is(fix));
@@ -133,7 +148,7 @@ pub fn study(fixes: impl IntoIterator<Item = GnssFix>) -> Option<FixStudy> {
     })
 }
 
-/// As [`study`], of fixes that repeat none before.
+/// Does [`study`] on fixes that repeat none before.
 fn study_track(track: &Track) -> Option<FixStudy> {
     let n = track.time.len();
     let alone = track.velocity.is_empty();
@@ -165,7 +180,7 @@ fn study_track(track: &Track) -> Option<FixStudy> {
     let velocity_late = differences.remove_latency(&track.velocity);
     let jitter = differences.jitter(&track.velocity);
     let axes = differences.gammas(1)?;
-    let (axis, one) = of_axes(&axes, jitter > 0.0);
+    let (axis, one) = median_or_least(&axes, jitter > 0.0);
     // By the trapezoidal rule γ has a quarter of a velocity's variance times dt², over the variance of a position.
     let from_velocities = Vector3::from_fn(|i, _| {
         let pairs = track.stated_velocity.iter().zip(&differences.variance);
@@ -213,13 +228,13 @@ fn study_track(track: &Track) -> Option<FixStudy> {
     })
 }
 
-/// As [`study_track`], of positions alone.
+/// Does [`study_track`] on positions alone.
 fn study_positions(track: &Track, interval: f64) -> Option<FixStudy> {
     let places = track.time.iter().copied().zip(track.place.iter().copied());
     let places: Vec<(f64, Vector3)> = places.collect();
     let stated = track.stated.iter().sum::<Vector3>() / track.stated.len() as f64;
     let white = white_variance(&places)?.component_div(&stated);
-    let (_, white) = of_axes(&white.into(), false);
+    let (_, white) = median_or_least(&white.into(), false);
     let mut errors = FixErrors {
         known: true,
         ..FixErrors::default()
@@ -239,7 +254,7 @@ fn study_positions(track: &Track, interval: f64) -> Option<FixStudy> {
 }
 
 /// The axis with the median of the values, or the least, and its value.
-fn of_axes(values: &[f64; 3], least: bool) -> (usize, f64) {
+fn median_or_least(values: &[f64; 3], least: bool) -> (usize, f64) {
     let mut axes = [0, 1, 2];
     axes.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
     let axis = axes[usize::from(!least)];
@@ -263,7 +278,7 @@ fn grid(written: &[Vector3], i: usize) -> f64 {
     }
 }
 
-/// What positions move by that velocities do not tell.
+/// Movement of the positions less that of the velocities.
 struct Differences<'a> {
     interval: f64,
     time: &'a [f64],
@@ -281,9 +296,9 @@ impl Differences<'_> {
             .filter(move |(a, b)| (self.time[*b] - self.time[*a] - span).abs() < slack)
     }
 
-    /// As [`Differences::gammas`]; the median of the axes, or the least.
+    /// Median over the axes of [`Differences::gammas`], or the least of them.
     fn gamma(&self, lag: usize, least: bool) -> Option<f64> {
-        Some(of_axes(&self.gammas(lag)?, least).1)
+        Some(median_or_least(&self.gammas(lag)?, least).1)
     }
 
     /// Half the mean square of the differences over the stated variance, north, east, down.

@@ -36,7 +36,7 @@ const SENSELESS: f64 = 400.0;
 const WEAKEN: f64 = 5.0;
 /// NIS relative to the usual from which a fix is rejected.
 const REJECT: f64 = 30.0;
-/// The same while the solution is unconfirmed, where rejecting a right fix costs most: one in a million of right ones has
+/// [`REJECT`] while the solution is unconfirmed, where rejecting a right fix costs most: one in a million of right ones has
 /// 30.7 of 3.
 const REJECT_UNCONFIRMED: f64 = 10.2;
 /// The solution is unconfirmed after this long without a fix \[s\].
@@ -110,7 +110,7 @@ impl FixGate {
     }
 
     /// A gate of the height of positions alone.
-    pub(super) fn of_height(time: f64) -> Self {
+    pub(super) fn for_height(time: f64) -> Self {
         Self {
             height: true,
             ..Self::new(Part::Position, time)
@@ -224,7 +224,7 @@ impl FixGate {
         self.unconfirm();
     }
 
-    /// Writes down what was being left out.
+    /// Ends the run of rejected fixes that is open, if any.
     pub(super) fn close(&mut self, summary: &mut Summary) {
         if let Some(mut open) = self.open.take() {
             if open.end > open.start {
@@ -234,11 +234,12 @@ impl FixGate {
         }
     }
 
-    /// Since when the solution has given way three times \[s\].
+    /// Time since which the solution was reset three times \[s\].
     pub(super) fn third_last(&self) -> f64 {
         self.resets[2]
     }
 
+    /// Keeps the normalised innovation squared of a fix, per degree of freedom, for the usual size.
     fn learn(&mut self, nis: f64) {
         self.recent[self.count % WINDOW] = nis;
         self.count += 1;

@@ -25,7 +25,7 @@ const SPIKE_APART: f64 = 0.3;
 const ALONE: f64 = 1.5;
 /// On such an axis a repeated value this many times further from the previous one is the end of its range.
 const JUMP_STEPS: f64 = 5.0;
-/// By what part the usual distance to the neighbours' mean follows each sample.
+/// Share by which the usual distance to the neighbours' mean follows each sample.
 const STEP_GAIN: f64 = 0.05;
 /// The replacement of a spike is uncertain by this many usual distances.
 const REPLACED_STEPS: f64 = 5.0;
@@ -54,7 +54,7 @@ const FORCE: f64 = 1.0;
 #[derive(Clone)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Inertial {
-    /// From the sensor's axes to the body's.
+    /// Rotation from the sensor's axes to the body's.
     rotation: Matrix3,
     before: Option<[f64; AXES]>,
     pending: Option<(ImuSample, [f64; AXES])>,
@@ -177,6 +177,7 @@ impl AxisWatch {
 /// Values that differ by less, relative to their size, are the same: turned to the body's axes and back.
 const SAME: f64 = 1e-12;
 
+/// Whether an axis repeats its value, to the rounding of a rotation.
 fn is_same(a: f64, b: f64) -> bool {
     (a - b).abs() <= SAME * (1.0 + a.abs())
 }
@@ -221,6 +222,7 @@ impl Inertial {
         Some(self.check(ready, None, moves, summary))
     }
 
+    /// Replaces what cannot be right in a sample, given the one after it, and says what is in doubt of it.
     fn check(
         &mut self,
         (mut sample, values): (ImuSample, [f64; AXES]),

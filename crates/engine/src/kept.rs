@@ -41,6 +41,7 @@ pub(crate) fn no_settings() -> Arc<Settings> {
 pub(crate) mod filter {
     use super::*;
 
+    /// Models as numbers, priors of the parameters, and the filter's own numbers.
     type Made = (
         [Vec<f64>; AXES],
         [Option<Prior>; Parameter::ALL.len()],

@@ -55,13 +55,13 @@ impl Measured {
     }
 }
 
-/// By how much fixes hold later than their stamps \[s\], as estimated so far.
+/// Delays of the fixes against their stamps \[s\], as estimated so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Latency {
-    /// Of the whole fix, or of its position.
+    /// Delay of the whole fix, or of its position \[s\].
     pub(super) position: f64,
-    /// Of its velocity, where that has its own: the two parts are then measurements of their own.
+    /// Delay of the velocity where it has its own \[s\]: the two parts are then measurements of their own.
     pub(super) velocity: Option<f64>,
 }
 

@@ -32,7 +32,7 @@ const MIN_SPEED_SLOW: f64 = 0.7;
 const HEADING_STD: f64 = 0.05;
 /// Driving that makes one value: errors of the attitude, bends and bumps live for about that long \[s\].
 const BLOCK: f64 = 5.0;
-/// Values needed.
+/// Blocks needed for an estimate.
 const MIN_BLOCKS: usize = 6;
 /// Variance of the velocity's error, 0.1 m/s, times its correlation time, 5 s, over that of the lever before the drive, 2 m.
 const LEVER: f64 = 0.0125;
@@ -41,12 +41,12 @@ const ROUNDS: usize = 10;
 /// What averages do not remove, one standard deviation \[rad\]: crown of the road and an uneven load
 /// in roll; squat at speed in pitch; side slip of one-sided bends in yaw.
 const FLOOR: [f64; 3] = [0.012, 0.004, 0.003];
-/// The same in yaw where turns count, which may all be to one side.
+/// Standard deviation of yaw that averages do not remove where turns count \[rad\]: they may all be to one side.
 pub const FLOOR_TURNING: f64 = 0.015;
-/// The part of a log that an estimate ahead looks at, from its first sample \[s\].
+/// Longest part of a log, from its first sample, that an estimate ahead of the navigation looks at \[s\].
 pub const LONGEST_PASS: f64 = 900.0;
 
-/// How the IMU sits in the vehicle.
+/// Attitude of the sensor's axes in the vehicle, with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mounting {
@@ -54,36 +54,50 @@ pub struct Mounting {
     pub q_vb: Quaternion,
     /// Standard deviations of the error angles about the vehicle's forward, right and down \[rad\].
     pub std: Vector3,
-    /// Driving that it rests on \[s\].
+    /// Length of the driving that it is based on \[s\].
     pub duration: f64,
-    /// Whether that was straight; else it turned, slowly.
+    /// Whether that driving was straight; else it turned, slowly.
     pub straight: bool,
 }
 
 impl Mounting {
-    /// Roll, pitch, yaw of the sensor in the vehicle \[rad\], as `imu.mounting` takes them.
+    /// Roll, pitch, yaw \[rad\] of the rotation from the sensor's to the vehicle's axes, as `imu.mounting` of a drive file takes them.
+    ///
+    /// ```
+    /// use undrift_engine::mounting::Mounting;
+    /// use undrift_nav::{Vector3, attitude::from_rpy};
+    /// // The sensor lies upside down.
+    /// let upside_down = Mounting {
+    ///     q_vb: from_rpy(&Vector3::new(180f64.to_radians(), 0.0, 0.0)),
+    ///     std: Vector3::repeat(0.01),
+    ///     duration: 60.0,
+    ///     straight: true,
+    /// };
+    /// assert!((upside_down.rpy().x.abs().to_degrees() - 180.0).abs() < 1e-9);
+    /// assert!((upside_down.matrix() * Vector3::z() + Vector3::z()).norm() < 1e-12);
+    /// ```
     pub fn rpy(&self) -> Vector3 {
         to_rpy(&self.q_vb)
     }
 
-    /// Rotation matrix C_b^v, sensor to vehicle.
+    /// Rotation matrix C_b^v, from the sensor's to the vehicle's axes.
     pub fn matrix(&self) -> Matrix3 {
         self.q_vb.to_rotation_matrix().into_inner()
     }
 }
 
-/// Why there is no estimate.
+/// Why there is no estimate of the mounting.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum MountingError {
-    /// Not enough straight driving.
+    /// Not enough driving with a known heading.
     #[error(
         "the mounting could not be estimated: only {found:.0} s of driving above {MIN_SPEED_SLOW} m/s with a known \
          heading, {:.0} s are needed; set imu.mounting or imu.axes",
         MIN_BLOCKS as f64 * BLOCK
     )]
     TooLittle {
-        /// What there was \[s\].
+        /// Length of the driving that there was \[s\].
         found: f64,
     },
     /// The vehicle does not move along one of the sensor's directions.
@@ -95,7 +109,7 @@ pub enum MountingError {
         /// Standard deviation of its direction \[rad\].
         wander: f64,
     },
-    /// What there was leaves the directions too uncertain.
+    /// What driving there was leaves the directions too uncertain.
     #[error(
         "the mounting could not be estimated to better than {:.1} deg; set imu.mounting or imu.axes", std.to_degrees()
     )]
@@ -112,23 +126,24 @@ const WANDER: f64 = 0.2;
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct Block {
-    /// Length \[s\].
+    /// Length of the motion in it \[s\].
     span: f64,
-    /// Of products of the velocity, of velocity and angular rate, of the angular rate; in sensor axes.
+    /// Sums of products of the velocity, of velocity and angular rate, of the angular rate; in sensor axes.
     velocity: Matrix3,
     mixed: Matrix3,
     rate: Matrix3,
-    /// Of the velocity, reversed where it is against those before.
+    /// Sum of the velocity, reversed where it is against those before.
     along: Vector3,
-    /// Of the direction of down.
+    /// Sum of the direction of down.
     down: Vector3,
-    /// Of the heading's variance.
+    /// Sum of the heading's variance.
     variance: f64,
     /// Time moving with `along` less time against it \[s\].
     ahead: f64,
 }
 
 impl Block {
+    /// Adds `dt` \[s\] of motion; `forward` is the direction of the motion so far, which a reversing vehicle goes against.
     fn add(&mut self, dt: f64, motion: &BodyMotion, forward: &Vector3) {
         let BodyMotion { v, omega, down, .. } = motion;
         // Reversing counts as the same axis the other way round; most of the driving is forward.
@@ -176,6 +191,7 @@ struct Blocks {
 }
 
 impl Blocks {
+    /// Adds `dt` \[s\] of motion; a block that has become long enough is put with the others.
     fn add(&mut self, dt: f64, motion: &BodyMotion) {
         let forward = self.sum.along + self.present.along;
         self.present.add(dt, motion, &forward);
@@ -192,6 +208,7 @@ impl Blocks {
         self.whole.len() as f64 * BLOCK
     }
 
+    /// The mounting by the blocks: by the mean direction where driving was `straight`, else with the lever to the axle.
     fn estimate(&self, straight: bool) -> Result<Mounting, MountingError> {
         if self.whole.len() < MIN_BLOCKS {
             return Err(MountingError::TooLittle {
@@ -293,15 +310,15 @@ impl Blocks {
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct MountingEstimator {
-    /// Of driving fast and straight, by unit vectors.
+    /// Blocks of driving fast and straight, by unit vectors.
     straight: Blocks,
-    /// Of all driving, by velocities.
+    /// Blocks of all driving, by velocities.
     all: Blocks,
 }
 
 impl MountingEstimator {
-    /// Adds `dt` \[s\] of motion: attitude, velocity [m/s], angular rate ω_nb^b [rad/s], and the standard
-    /// deviations of the misalignment about north, east, down \[rad\].
+    /// Adds `dt` \[s\] of motion of a solution in the sensor's own axes: attitude `q_nb`, velocity `v_n` [m/s, north-east-down], angular rate ω_nb^b
+    /// [rad/s, sensor axes], and the standard deviations of the misalignment about north, east, down \[rad\].
     pub fn add(
         &mut self,
         dt: f64,
@@ -333,7 +350,7 @@ impl MountingEstimator {
         self.straight.whole.len() >= MIN_BLOCKS
     }
 
-    /// Driving that an estimate would rest on \[s\].
+    /// Length of the driving that an estimate would be based on \[s\].
     pub fn duration(&self) -> f64 {
         match self.is_straight() {
             true => self.straight.duration(),
@@ -341,7 +358,7 @@ impl MountingEstimator {
         }
     }
 
-    /// What is known now.
+    /// The mounting by all motion so far; may be asked at any time.
     ///
     /// # Errors
     /// [`MountingError::TooLittle`] before half a minute of driving with a known heading; [`MountingError::Wanders`] where the

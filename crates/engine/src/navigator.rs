@@ -18,10 +18,11 @@ use undrift_nav::{
     sample::{GnssFix, ImuSample, Scalar},
 };
 
-/// From one snapshot to the next \[s\]: a late measurement runs at most this much more again than it is late by.
+/// Time between two snapshots \[s\]: a late measurement runs at most this much more again than it is late by.
 const SNAPSHOT_SPAN: f64 = 0.2;
 
-/// What cannot be taken in.
+/// Why a sample or a measurement was refused. Nothing of it is used, and the navigator may be pushed the next one, but after
+/// [`PushError::Filter`].
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PushError {
     /// A time or a value is not finite, or the sample's length is not positive.
@@ -29,26 +30,27 @@ pub enum PushError {
     NotFinite {
         /// Sample, fix, wheel speed or height.
         what: &'static str,
-        /// As stamped \[s\].
+        /// Its stamp \[s\].
         time: f64,
     },
     /// A sample does not follow the one before.
     #[error("the sample at {time} s does not follow the one at {before} s")]
     NotInOrder {
-        /// As stamped \[s\].
+        /// Its stamp \[s\].
         time: f64,
-        /// That of the sample before \[s\].
+        /// Stamp of the sample before it \[s\].
         before: f64,
     },
-    /// The filter cannot be built.
+    /// The alignment is complete and no filter of the settings can be built: more states than there are sizes for. Every
+    /// later sample ends so, too.
     #[error(transparent)]
     Filter(#[from] FilterError),
 }
 
-/// Why there is no result at the end.
+/// Why [`Navigator::end`] has no summary.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum EndError {
-    /// There never was a solution.
+    /// There never was a solution; what is known of the reason is inside.
     #[error("no alignment before the samples ended: {}", .0.failure)]
     NotAligned(Box<NotAligned>),
     /// The filter cannot be built.
@@ -56,7 +58,7 @@ pub enum EndError {
     Filter(#[from] FilterError),
 }
 
-/// The whole state before a sample.
+/// The whole state before a sample, to continue from when a measurement comes late.
 pub(crate) struct Snapshot {
     pub(crate) run: Run,
     /// The number of the first sample behind it.
@@ -98,7 +100,7 @@ pub struct Navigator {
     pub(crate) measured: Measured,
     /// How far from the IMU's time base a fix may be stamped late \[s\]: see [`Navigator::ahead`].
     ahead: f64,
-    /// By how much a measurement may come late \[s\].
+    /// Longest delay with which a measurement is accepted \[s\].
     pub(crate) horizon: f64,
     /// Samples within the horizon, and how many went before them.
     pub(crate) samples: VecDeque<ImuSample>,
@@ -114,7 +116,8 @@ pub struct Navigator {
 }
 
 impl Navigator {
-    /// A navigator without data; late measurements are rejected ([`Navigator::with_horizon`]).
+    /// A navigator without data; late measurements are rejected ([`Navigator::with_horizon`]). Nothing is checked here: settings that
+    /// cannot be used show when the alignment is complete.
     pub fn new(settings: Settings) -> Self {
         let most = crate::solution::MOST_LATE;
         let offset = |kind| {
@@ -137,23 +140,35 @@ impl Navigator {
         }
     }
 
-    /// Takes measurements that come up to `horizon` \[s\] late as if they had come in time: what was done since is done
+    /// Accepts measurements that come up to `horizon` \[s\] late as if they had come in time: what was done since is done
     /// again. Memory: a snapshot of 15 to 60 kB for each fifth of a second. Time: the steps since the measurement's own time,
-    /// once more for each late one.
+    /// once more for each late one. The default is 0; so is a horizon that is negative or not a number.
     pub fn with_horizon(mut self, horizon: f64) -> Self {
         self.horizon = if horizon > 0.0 { horizon } else { 0.0 };
         self
     }
 
-    /// How far beyond a sample's end fixes may be stamped that hold within it \[s\]: with an estimated latency a stamp may
+    /// Time beyond a sample's end that fixes which hold within it may be stamped \[s\]: with an estimated latency a stamp may
     /// be late by up to this. From a log, push fixes that are stamped up to this much later before the sample. Ten prior
     /// standard deviations of the time offset; 0 where none is estimated.
+    ///
+    /// ```
+    /// use undrift_engine::{Navigator, settings::Settings};
+    /// use undrift_nav::{parameters::{Parameter, Parameters, Prior}, shaping::ShapingFilter};
+    /// let settings = Settings {
+    ///     parameters: Parameters::none().with(Parameter::TimeOffset, Prior::constant(0.05)), // [s]
+    ///     ..Settings::new([ShapingFilter::white(1e-3, 0.01)?; 6])
+    /// };
+    /// // From a log, push the fixes stamped up to half a second after a sample before that sample.
+    /// assert_eq!(Navigator::new(settings).ahead(), 0.5);
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn ahead(&self) -> f64 {
         self.ahead
     }
 
-    /// Takes in a sample: increments in body axes over the `dt` up to its time, in order of time. The solution goes to the end
-    /// of the sample before this one, since only the next sample shows whether one can be right; [`Navigator::end`] takes the
+    /// Pushes a sample: increments in body axes over the `dt` up to its time, in order of time. The solution goes to the end
+    /// of the sample before this one, since only the next sample shows whether one can be right; [`Navigator::end`] processes the
     /// last one. Gaps are bridged or widen the covariance; more than a minute without samples starts a new alignment.
     ///
     /// # Errors
@@ -163,7 +178,7 @@ impl Navigator {
         self.imu_watched(sample, &mut ())
     }
 
-    /// As [`Navigator::imu`], with an observer that is called at each sample and fix on the way.
+    /// Does [`Navigator::imu`] with an observer that is called at each sample and fix on the way.
     ///
     /// # Errors
     /// As [`Navigator::imu`].
@@ -193,7 +208,7 @@ impl Navigator {
         Ok(())
     }
 
-    /// Takes in a fix of the antenna, stamped in the time base of the samples. It is used when the samples reach its time, so it
+    /// Pushes a fix of the antenna, stamped in the time base of the samples. It is used when the samples reach its time, so it
     /// may be pushed early. Returns whether it came within the horizon; later ones are counted and rejected. Whether a fix
     /// passes the gate shows in [`Navigator::events`] and [`Summary::innovations`], not here.
     ///
@@ -204,17 +219,41 @@ impl Navigator {
         self.measure(Measurement::Gnss(fix))
     }
 
-    /// Takes in a wheel speed, forward positive \[m/s\], as [`Navigator::fix`]; the wheel is at
-    /// [`Constraints::odometer_lever`](crate::vehicle::Constraints::odometer_lever).
+    /// Pushes a wheel speed, forward positive \[m/s\], in the same way as [`Navigator::fix`]; the wheel is at
+    /// [`Constraints::odometer_lever`](crate::vehicle::Constraints::odometer_lever). A speed without sign is right only while the
+    /// vehicle drives forward.
     ///
     /// # Errors
     /// As [`Navigator::fix`].
+    ///
+    /// ```
+    /// use undrift_engine::{Aid, Navigator, Scalar, settings::Settings, vehicle::Profile};
+    /// # use undrift_nav::shaping::ShapingFilter;
+    /// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+    /// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+    /// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+    /// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+    /// let mut navigator = Navigator::new(Settings { constraints: Profile::Car.constraints(), ..Settings::new(sensors) });
+    /// for fix in &log.gnss {
+    ///     navigator.fix(*fix)?;
+    /// }
+    /// // `log.truth` has the speed that a wheel would read, ten times a second.
+    /// for row in log.truth.iter().step_by(5) {
+    ///     let value = row.v_n.expect("simulated").norm();
+    ///     navigator.odometer(Scalar { time: row.time, value, std: 0.1 })?;
+    /// }
+    /// for sample in &log.imu {
+    ///     navigator.imu(*sample)?;
+    /// }
+    /// assert!(navigator.summary().innovations[Aid::Odometer].updates > 100);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn odometer(&mut self, speed: Scalar) -> Result<bool, PushError> {
         self.measure(Measurement::Odometer(speed))
     }
 
-    /// Takes in a barometric height, up positive \[m\], as [`Navigator::fix`]. Its offset to the ellipsoid is to be estimated by
-    /// [`Parameter::BarometerBias`] among the settings' parameters.
+    /// Pushes a barometric height, up positive \[m\], in the same way as [`Navigator::fix`]. Its offset to the ellipsoid is to be estimated
+    /// by [`Parameter::BarometerBias`] among the settings' parameters, else it is taken for an ellipsoidal height.
     ///
     /// # Errors
     /// As [`Navigator::fix`].
@@ -222,7 +261,7 @@ impl Navigator {
         self.measure(Measurement::Barometer(height))
     }
 
-    /// Takes in any measurement, as [`Navigator::fix`].
+    /// Pushes a measurement of any kind, in the same way as [`Navigator::fix`].
     ///
     /// # Errors
     /// As [`Navigator::fix`].
@@ -262,7 +301,30 @@ impl Navigator {
         self.run.filter()
     }
 
-    /// What happened so far; what only the end shows is not in it yet.
+    /// Counts, statistics and events so far; what only the end shows is not in it yet.
+    ///
+    /// ```
+    /// use undrift_engine::{Aid, Navigator, settings::Settings};
+    /// # use undrift_nav::shaping::ShapingFilter;
+    /// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+    /// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+    /// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+    /// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+    /// let mut navigator = Navigator::new(Settings::new(sensors));
+    /// for fix in &log.gnss {
+    ///     navigator.fix(*fix)?;
+    /// }
+    /// for sample in &log.imu {
+    ///     navigator.imu(*sample)?;
+    /// }
+    /// let summary = navigator.summary();
+    /// assert!(summary.started.is_some() && summary.diverged.is_none());
+    /// let positions = summary.innovations[Aid::Position];
+    /// // About 1 where the stated standard deviations are right.
+    /// let nis = positions.per_dof().expect("some were used");
+    /// assert!((0.7..1.3).contains(&nis) && positions.rejected == 0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn summary(&self) -> &Summary {
         self.run.summary()
     }
@@ -279,12 +341,12 @@ impl Navigator {
         new
     }
 
-    /// Measurements that came too late for the horizon.
+    /// Number of measurements that came too late for the horizon.
     pub fn too_late(&self) -> u64 {
         self.too_late
     }
 
-    /// Whether the solution diverged and no other is to begin.
+    /// Whether the solution diverged and no other is to begin ([`Settings::gating`] is off): samples are then ignored.
     pub fn has_ended(&self) -> bool {
         self.run.has_ended()
     }
@@ -294,6 +356,27 @@ impl Navigator {
     ///
     /// # Errors
     /// [`EndError::NotAligned`] with what was missing; [`EndError::Filter`].
+    ///
+    /// ```
+    /// use undrift_engine::{Navigator, settings::Settings};
+    /// # use undrift_nav::shaping::ShapingFilter;
+    /// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+    /// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+    /// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+    /// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+    /// let mut navigator = Navigator::new(Settings::new(sensors));
+    /// for fix in &log.gnss {
+    ///     navigator.fix(*fix)?;
+    /// }
+    /// for sample in &log.imu {
+    ///     navigator.imu(*sample)?;
+    /// }
+    /// // All fixes were pushed, and nobody observes the last sample.
+    /// let summary = navigator.end(std::iter::empty(), &mut ())?;
+    /// assert!(summary.restarts.is_empty() && summary.sample_faults.is_empty());
+    /// assert!(summary.covariance.is_some_and(|health| health.least_eigenvalue > 0.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn end(
         mut self,
         later: impl Iterator<Item = f64>,
@@ -307,6 +390,7 @@ impl Navigator {
         ended.map_err(EndError::NotAligned)
     }
 
+    /// Processes a sample that is the next in order.
     fn step(&mut self, sample: ImuSample, observer: &mut dyn Observer) -> Result<(), FilterError> {
         if self.run.has_ended() {
             return Ok(());
@@ -317,7 +401,7 @@ impl Navigator {
         }
     }
 
-    /// Keeps a sample, and the state before it where that is due; lets go of what is beyond the horizon.
+    /// Keeps a sample, and the state before it where that is due; drops what is beyond the horizon.
     fn keep(&mut self, sample: ImuSample) {
         self.snapshot_before(&sample, self.gone + self.samples.len() as u64);
         self.samples.push_back(sample);
@@ -344,7 +428,7 @@ impl Navigator {
         }
     }
 
-    /// Does again what was done since a snapshot.
+    /// Repeats what was done since the snapshot of this index.
     pub(crate) fn again(&mut self, since: usize) -> Result<(), FilterError> {
         self.past.truncate(since + 1);
         let Some(snapshot) = self.past.back() else {

@@ -47,7 +47,7 @@ const ODD_SPEED: f64 = 1.0;
 const ODD_ACCEL: f64 = 5.0;
 /// What they may differ by beyond both, in standard deviations.
 const ODD_SIGMAS: f64 = 5.0;
-/// For how long fixes that agree with each other are rejected before a confirmed solution follows them \[s\]: a receiver
+/// Time that fixes which agree with each other are rejected before a confirmed solution follows them \[s\]: a receiver
 /// finds position and velocity in different ways, so where velocity or both contradict the solution, the solution is
 /// more likely to be wrong.
 const PATIENCE: f64 = 3.0;
@@ -81,7 +81,7 @@ pub(super) struct Receiver {
     height: HeightGate,
     /// The last position, since when it has been the same \[s\], and the velocity then.
     same: Option<(Position, f64, Option<Vector3>)>,
-    /// By how much the same fix has pulled at the velocity of late, north and east \[m/s\], and when last \[s\].
+    /// Change of the velocity, north and east, by updates with the same fix of late \[m/s\], and the time of the last \[s\].
     pull: (Vector2<f64>, f64),
     /// How much of that the attitude may be to blame for, one standard deviation, the least since the fix is the same \[m/s\].
     tilted: f64,
@@ -111,7 +111,7 @@ impl Receiver {
         }
     }
 
-    /// As new, but for what is known of the receiver's accuracy.
+    /// Starts for a new solution, but keeps what is known of the receiver's accuracy.
     pub(super) fn forget_solution(&mut self, time: f64, summary: &mut Summary) {
         let scales = (self.position.scale, self.velocity.scale);
         self.close(summary);
@@ -287,7 +287,7 @@ impl Receiver {
         self.frozen
     }
 
-    /// Whether position and velocity have both given way to fixes again and again.
+    /// Whether position and velocity have both been reset to fixes again and again.
     pub(super) fn is_hopeless(&self, time: f64) -> bool {
         let both = self
             .position
@@ -297,7 +297,7 @@ impl Receiver {
         time - both < THREE_TIMES
     }
 
-    /// Writes down what goes on at the end.
+    /// Ends what is open at the end of the log.
     pub(super) fn close(&mut self, summary: &mut Summary) {
         self.height.close(summary);
         for (i, channel) in [&mut self.position, &mut self.velocity]
@@ -314,20 +314,21 @@ impl Receiver {
 /// A part of a fix, and how it is to be judged.
 struct Offer {
     aiding: Aiding,
-    /// Its covariance as stated.
+    /// Covariance as the fix states it.
     stated: Matrix3,
     time: f64,
     /// Whether it passes in any case.
     open: bool,
     /// Whether the receiver repeats itself.
     frozen: bool,
-    /// For how long fixes that agree with each other are rejected \[s\].
+    /// Time that fixes which agree with each other are rejected \[s\].
     patience: f64,
     /// Whether a contradiction counts as an error of the velocity, too.
     speed_doubted: bool,
 }
 
 impl FixPart {
+    /// Judges one part of a fix, updates the filter with it where it passes, and learns from the innovation.
     fn update(
         &mut self,
         filter: &mut dyn Estimator,

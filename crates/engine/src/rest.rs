@@ -37,7 +37,7 @@ pub(super) struct RestBlock {
     pub(super) confirmed: bool,
     /// Mean angular rate as read [rad/s].
     pub(super) rate: Vector3,
-    /// Length \[s\].
+    /// Length of the block \[s\].
     pub(super) duration: f64,
 }
 

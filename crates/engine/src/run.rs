@@ -162,18 +162,18 @@ impl Run {
             .map_or(f64::NEG_INFINITY, |_| self.summary.ended)
     }
 
-    /// What happened so far.
+    /// Counts and events so far.
     pub(super) fn summary(&self) -> &Summary {
         &self.summary
     }
 
-    /// Under what it navigates.
+    /// The settings in force.
     #[cfg(feature = "checkpoint")]
     pub(super) fn settings(&self) -> &Settings {
         &self.settings
     }
 
-    /// Navigates under these from now on; whether both look for the mounting or neither.
+    /// Replaces the settings; false where one of old and new asks for the mounting and the other does not.
     #[cfg(feature = "checkpoint")]
     pub(super) fn go_on_under(&mut self, settings: Settings) -> bool {
         let mut in_sensor_axes = settings.clone();
@@ -185,7 +185,7 @@ impl Run {
         looks == self.search.is_some()
     }
 
-    /// What happened so far, to be put in place.
+    /// Counts and events so far, to be restored.
     #[cfg(feature = "checkpoint")]
     pub(super) fn summary_mut(&mut self) -> &mut Summary {
         &mut self.summary
@@ -201,7 +201,7 @@ impl Run {
         self.summary.diverged.is_some()
     }
 
-    /// Takes in a sample; the one before it, replaced where it cannot be right.
+    /// Checks a sample: returns the one before it, replaced where it cannot be right.
     pub(super) fn check(&mut self, sample: ImuSample) -> Option<Checked> {
         let moves = self.moves();
         self.inertial.next(sample, moves, &mut self.summary)
@@ -223,7 +223,7 @@ impl Run {
         solution.is_some_and(|solution| solution.filter.nav().v_n.norm() > least)
     }
 
-    /// A sample, and the measurements up to its end.
+    /// Processes a sample and the measurements up to its end.
     pub(super) fn sample(
         &mut self,
         checked: Checked,
@@ -285,7 +285,7 @@ impl Run {
         Ok(())
     }
 
-    /// By how much fixes hold later than their stamps, as estimated.
+    /// Delay of the fixes as estimated; none without a solution.
     fn latency(&self) -> Latency {
         let solution = self.solution.as_ref();
         solution.map_or(Latency::default(), Solution::latency)
@@ -359,7 +359,7 @@ impl Run {
         }
     }
 
-    /// The rest of the sample, after its fixes.
+    /// Ends the sample, after its fixes: constraints, mounting, nodes.
     fn finish(&mut self, sample: &ImuSample, observer: &mut dyn Observer) {
         self.log.previous = Some(*sample);
         self.summary.ended = sample.time;

@@ -1,4 +1,4 @@
-//! How a log is navigated.
+//! Settings of a navigator: sensors, vehicle, alignment, what is estimated, and which fixes are used and how far they are believed.
 
 pub mod align;
 pub mod fix_errors;
@@ -35,7 +35,7 @@ use undrift_nav::{
 pub struct Outage {
     /// Last instant with GNSS \[s\], in the log's time base.
     pub start: f64,
-    /// End \[s\].
+    /// Last instant without GNSS \[s\].
     pub end: f64,
 }
 
@@ -47,7 +47,18 @@ impl Outage {
 }
 
 /// A span over which the solution may have gone wrong, as a pass over the log has found, with the error possible at its end, one
-/// standard deviation of each axis.
+/// standard deviation of each axis. In a second pass ([`Settings::doubts`]) the covariance grows over the span, so that a smoother
+/// spreads the error over it rather than at one instant.
+///
+/// ```
+/// use undrift_engine::settings::{Doubt, Settings};
+/// use undrift_nav::shaping::ShapingFilter;
+/// // A first pass followed fixes at 130 s after it had rejected them from 118 s on.
+/// let doubt = Doubt { start: 118.0, end: 130.0, position: 8.0, velocity: 0.7, tilt: 0.01 };
+/// let settings = Settings { doubts: vec![doubt], ..Settings::new([ShapingFilter::white(1e-3, 0.01)?; 6]) };
+/// assert_eq!(settings.doubts.len(), 1);
+/// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Doubt {
@@ -55,15 +66,16 @@ pub struct Doubt {
     pub start: f64,
     /// Time of the fix that the solution then accepted \[s\].
     pub end: f64,
-    /// Of the position \[m\].
+    /// Standard deviation of the position \[m\].
     pub position: f64,
-    /// Of the velocity [m/s].
+    /// Standard deviation of the velocity [m/s].
     pub velocity: f64,
-    /// Of the tilt \[rad\].
+    /// Standard deviation of the tilt \[rad\].
     pub tilt: f64,
 }
 
-/// How a log is navigated. [`Settings::new`] gives the defaults; what is known beyond the sensors' noise is set on top:
+/// All that a [`Navigator`](crate::Navigator) is configured by. [`Settings::new`] gives the defaults; what is known beyond the sensors'
+/// noise is set on top:
 ///
 /// ```
 /// use undrift_engine::{align::{AlignSettings, Heading}, settings::Settings, vehicle::Profile};
@@ -91,43 +103,45 @@ pub struct Settings {
     /// sensor's then until the mounting is found, and the vehicle's from then on; what is stated here is in the
     /// vehicle's axes and waits for them. Not beside `nodes` or `log`.
     pub find_mounting: bool,
-    /// IMU → antenna, body axes \[m\].
+    /// IMU → antenna, body axes \[m\]: forward, right and down positive, so an antenna on the roof has a negative third component. It is
+    /// estimated beside this value where [`Parameter::LeverArm`] is among the parameters.
     pub lever_arm: Vector3,
-    /// Which parts of a fix are used. Alignment takes the position in any case.
+    /// Parts of a fix that update the solution. Alignment takes the position in any case.
     pub gnss_use: GnssUse,
     /// How the first position, velocity and attitude are found.
     pub align: AlignSettings,
-    /// Spans without GNSS, in order.
+    /// Spans whose fixes are withheld, in order of time: to measure the drift without GNSS.
     pub outages: Vec<Outage>,
-    /// Constants that are estimated beside the sensors' errors.
+    /// Constants that are estimated beside the sensors' errors, each with its prior; none by default.
     pub parameters: Parameters,
-    /// What is known of the vehicle.
+    /// What the vehicle cannot do ([`Profile::constraints`](crate::vehicle::Profile::constraints)); nothing by default.
     pub constraints: Constraints,
     /// Whether fixes pass a gate, a diverged solution is re-initialised, and the covariance has the products of errors, which a linear
     /// filter leaves out. `true` by default.
     pub gating: bool,
-    /// Whether a solution that does not agree with the fixes is re-initialised, too.
+    /// Whether a solution that does not agree with the fixes for half a minute is re-initialised, too. `true` by default.
     pub restart: bool,
-    /// Whether the stated standard deviations of the fixes are corrected by the innovations.
+    /// Whether the stated standard deviations of the fixes are scaled by what the innovations show (recursive maximum likelihood).
     pub adapt: bool,
-    /// How the standard deviation of a position depends on the kind of solution.
+    /// Rule for the standard deviation of a position by the kind of solution; as stated by default.
     pub quality: QualityStd,
-    /// Where the white noise of the sensors follows their vibration: the factors of its standard deviation, axis by axis.
+    /// Where the white noise of the sensors follows their vibration: factors on the standard deviation of what exceeds the model's, gyro and
+    /// accelerometer x, y, z ([`Vibration`](crate::vibration::Vibration)). `None`: the model's white noise throughout.
     pub vibration: Option<[f64; AXES]>,
-    /// What the fixes are wrong by beyond what they state: from the start, or until they show it themselves.
+    /// Errors of the fixes beyond what they state: from the start, or until the fixes show them themselves ([`Settings::from_fixes`]).
     pub fix_errors: FixErrors,
-    /// Where they are to show it themselves, as they come: what is stated of it. Not beside `nodes` or `log`: the states
+    /// Whether the fixes' errors are learnt from the fixes as they come, and what is stated of them. Not beside `nodes` or `log`: the states
     /// of a smoother stay the same.
     pub from_fixes: Option<FromFixes>,
     /// Longest span between two nodes for a smoother \[s\]; `None`: no nodes.
     pub nodes: Option<f64>,
-    /// What the first attitude, sensor states and parameters after alignment are off by, as a smoother
-    /// has found in a run before: taken out before navigation begins.
+    /// Error of the first state after alignment, in the order of the error state, estimate less truth for its first nine: as a smoother
+    /// has found it in a run before. It is removed before navigation begins.
     pub start: Option<Vec<f64>>,
     /// Where a pass before has found the solution to go wrong: the covariance grows over these spans, in place of
     /// at the one instant at which that was found.
     pub doubts: Vec<Doubt>,
-    /// Receives every update of the filter, for tuning; `None`: they are not kept.
+    /// Receives every update of the filter, for tuning; `None`: no updates are kept.
     pub log: Option<LogTo>,
 }
 
@@ -147,7 +161,7 @@ impl Settings {
         }
     }
 
-    /// For sensors of these models and no louder: antenna at the IMU, alignment by itself, no outages, no
+    /// Settings for sensors of these models: antenna at the IMU, alignment by itself, no outages, no
     /// parameters, no vehicle, fixes gated.
     pub fn new(sensors: [ShapingFilter; AXES]) -> Self {
         Self {
@@ -175,16 +189,16 @@ impl Settings {
     }
 }
 
-/// Which parts of a fix are used.
+/// Parts of a fix that update the solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum GnssUse {
     /// Position and velocity, whichever it has.
     #[default]
     Both,
-    /// Position only.
+    /// Position alone; a velocity of the fix is not used.
     Position,
-    /// Velocity only, once aligned.
+    /// Velocity alone, once aligned: for receivers whose positions are not to be trusted.
     Velocity,
 }
 

@@ -64,7 +64,7 @@ impl Solution {
         }
     }
 
-    /// By how much fixes hold later than their stamps, as estimated within limits.
+    /// Delay of the fixes against their stamps, as estimated, within ten prior standard deviations.
     pub(super) fn latency(&self) -> Latency {
         let offset = |kind| {
             let most = MOST_LATE * self.filter.parameters().prior(kind)?.std;

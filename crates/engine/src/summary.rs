@@ -1,4 +1,4 @@
-//! Counts, alignment, innovations, estimated parameters and faults of a run.
+//! Counts, alignment, innovations, estimated parameters and faults of a run: what is known of a solution beside its states.
 
 use super::{
     CovarianceHealth,
@@ -25,21 +25,22 @@ use undrift_nav::{
     parameters::Parameter,
 };
 
-/// Sums of the normalised innovations squared of one kind of measurement.
+/// Statistics of the innovations of one kind of measurement: whether the covariances explain how far measurements are from the
+/// solution (Bar-Shalom, Li & Kirubarajan, section 5.4).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(default))]
 pub struct Innovations {
-    /// Updates made.
+    /// Number of updates; rejected measurements are not among them.
     pub updates: u64,
-    /// Sum of NIS over them.
+    /// Sum of the normalised innovations squared over them [–].
     pub nis_sum: f64,
     /// Sum of their degrees of freedom: what `nis_sum` is on average when the model is right.
     pub dof_sum: u64,
-    /// Measurements used with less weight than stated.
+    /// Number of measurements used with less weight than stated.
     pub weakened: u64,
-    /// Measurements rejected.
+    /// Number of measurements rejected.
     pub rejected: u64,
     /// Sums of the products of whitened innovations with those of the update before, of the squares,
     /// and their number: for their autocorrelation.
@@ -50,7 +51,7 @@ pub struct Innovations {
 }
 
 impl Innovations {
-    /// Adds what an update did.
+    /// Counts an update, rejected ones too.
     pub fn add(&mut self, update: Update) {
         match update.outcome {
             Outcome::Rejected => {
@@ -74,13 +75,28 @@ impl Innovations {
         self.last = Some(update.whitened);
     }
 
-    /// NIS per degree of freedom: 1 if the model is correct. `None` without updates.
+    /// NIS per degree of freedom: about 1 where stated and predicted covariances are right, above where they are too small. `None` without
+    /// updates.
+    ///
+    /// ```
+    /// use undrift_engine::Innovations;
+    /// use undrift_nav::filter::{Outcome, Update};
+    /// let mut sums = Innovations::default();
+    /// assert_eq!(sums.per_dof(), None);
+    /// let update = Update {
+    ///     nis: 12.0, dof: 3, whitened: [2.0; 3], score: 0.0, information: 1.0, outcome: Outcome::Used,
+    /// };
+    /// sums.add(update);
+    /// assert_eq!(sums.per_dof(), Some(4.0)); // Standard deviations half of what they should be.
+    /// sums.add(Update { outcome: Outcome::Rejected, ..update });
+    /// assert_eq!((sums.updates, sums.rejected), (1, 1));
+    /// ```
     pub fn per_dof(&self) -> Option<f64> {
         (self.dof_sum > 0).then(|| self.nis_sum / self.dof_sum as f64)
     }
 
-    /// Autocorrelation of the whitened innovations from one update to the next, and what it stays
-    /// below 19 times out of 20 when the model is right: `1.96/√n`.
+    /// Autocorrelation of the whitened innovations from one update to the next [–], and the limit that it stays
+    /// below 19 times out of 20 when the model is right, `1.96/√n`. Errors of fixes that last for seconds show here first.
     pub fn autocorrelation(&self) -> Option<(f64, f64)> {
         let (products, squares, n) = self.lagged;
         (n > 0 && squares > 0.0).then(|| (products / squares, 1.96 / (n as f64).sqrt()))
@@ -90,23 +106,23 @@ impl Innovations {
 /// Standard deviations from which a difference between the clocks is not by chance, and matters to the position.
 const SIGMAS: f64 = 3.0;
 
-/// Where the samples turn out to be late ([`ReceiverClock::lateness`](crate::estimator::ReceiverClock::lateness)), and that
-/// matters.
+/// How late the samples turn out to be ([`ReceiverClock::lateness`](crate::estimator::ReceiverClock::lateness)), where that
+/// matters to the position.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct LateSamples {
-    /// Positions used.
+    /// Number of positions used.
     pub positions: u64,
-    /// Those at which the solution was behind the receiver's clock by more than three standard deviations of its position.
+    /// Number of those at which the solution was behind the receiver's clock by more than three standard deviations of its position.
     pub behind: u64,
-    /// The furthest that it was behind at one of them \[m\].
+    /// Largest distance that it was behind at one of them \[m\].
     pub most: f64,
-    /// The time by which the samples were late there, negative if early, and its standard deviation \[s\].
+    /// Delay of the samples there \[s\], negative if they were early, and its standard deviation \[s\].
     pub delay: (f64, f64),
 }
 
 impl LateSamples {
-    /// Of the filter after a position.
+    /// Counts the filter's state after a position.
     pub(super) fn note(&mut self, filter: &dyn Estimator) {
         self.positions += 1;
         let Some(clock) = filter.receiver_clock() else {
@@ -124,60 +140,64 @@ impl LateSamples {
     }
 }
 
-/// What a replay was like.
+/// Counts and events of a run of the navigator, and what it has learnt on the way: [`Navigator::summary`](crate::Navigator::summary)
+/// while it runs, [`Navigator::end`](crate::Navigator::end) at last.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Summary {
-    /// Samples processed after alignment.
+    /// Number of samples processed after alignment.
     pub samples: u64,
-    /// Samples used up by alignment.
+    /// Number of samples used up by alignment.
     pub align_samples: u64,
-    /// When navigation began \[s\].
+    /// Time at which navigation began \[s\].
     pub started: Option<f64>,
-    /// How the first attitude was found, where navigation began.
+    /// The alignment that navigation began with.
     pub alignment: Option<Alignment>,
-    /// Time of the last sample \[s\].
+    /// Time of the last sample processed \[s\].
     pub ended: f64,
-    /// Fixes used.
+    /// Number of fixes used, in whole or in part.
     pub fixes: u64,
-    /// Fixes withheld by outages.
+    /// Number of fixes withheld by outages.
     pub withheld: u64,
-    /// Fixes before the first sample or before alignment could use them.
+    /// Number of fixes before the first sample or before alignment could use them.
     pub fixes_before: u64,
-    /// Fixes that could not be used because their covariance is not one.
+    /// Number of fixes that could not be used because their covariance is not positive definite.
     pub bad_fixes: u64,
-    /// Fixes that repeat the previous one, held by the logger: not used.
+    /// Number of fixes that repeat the previous one, held by the logger: not used.
     pub repeated: u64,
-    /// From when on \[s\] the vertical velocities, which were all 0, were taken as not measured.
+    /// Time from which on \[s\] the vertical velocities, which were all 0, were taken as not measured.
     pub no_vertical_velocity: Option<f64>,
-    /// Updates by kind of measurement.
+    /// Statistics of the innovations, `innovations[Aid::Position]`.
     pub innovations: ByAid<Innovations>,
-    /// How well solution and fixes agree, window by window.
+    /// Agreement of solution and fixes over time, window by window.
     pub windows: Windows,
-    /// Parameters estimated: their last values and standard deviations, in the units of [`Parameter`].
+    /// Parameters estimated, in order, with their last values and standard deviations, in the units of [`Parameter`]: corrections to
+    /// what is configured.
     pub parameters: Vec<(Parameter, Vec<f64>, Vec<f64>)>,
-    /// Fixes that were rejected, run by run; the first [`MOST_EVENTS`].
+    /// Runs of fixes that were rejected; the first [`MOST_EVENTS`].
     pub contradictions: Vec<Contradiction>,
-    /// Runs of rejected fixes beyond those.
+    /// Number of further runs of rejected fixes.
     pub more_contradictions: u64,
     /// Spans in which innovations leaned to one side; the first [`MOST_EVENTS`].
     pub leans: Vec<Lean>,
     /// Samples that could not be right and were replaced; the first [`MOST_EVENTS`] runs of them.
     pub sample_faults: Vec<SampleFault>,
-    /// When and why the solution was aligned again.
+    /// Second alignments: when and why.
     pub restarts: Vec<Restart>,
-    /// Where the samples turn out to be later than their stamps.
+    /// Delay of the samples against their stamps, where it shows.
     pub late_samples: LateSamples,
-    /// Mean factors on the stated standard deviations of position and velocity, where they were adapted.
+    /// Mean factors on the stated standard deviations of position and velocity [–], where they were adapted
+    /// ([`Settings::adapt`](crate::settings::Settings::adapt)).
     pub adapted: [Option<f64>; 2],
-    /// How many times the model's the white noise of each axis was, as the samples show; `None` where it was the model's.
+    /// Density of each axis's white noise in multiples of the model's [–], as the samples show it, gyro and accelerometer x, y, z; `None` where
+    /// it was the model's.
     pub louder: Option<[f64; AXES]>,
     /// Regression of the innovations of velocity on the measured velocity, component by component:
     /// sums of products and of squares.
     pub(super) against_velocity: [(f64, f64); 3],
     /// Components of the velocity, 0 to 2 for north, east, down, that seem to have the wrong sign.
     pub wrong_signs: Vec<usize>,
-    /// Short gaps in the samples that were bridged by interpolation.
+    /// Number of short gaps in the samples that were bridged by interpolation.
     pub bridged: u64,
     /// Gaps too long for that: their number, the first one's time \[s\], the longest \[s\]. The covariance was
     /// grown over each of up to a minute; a longer one ended the solution, and is among `restarts`.
@@ -186,31 +206,32 @@ pub struct Summary {
     pub longest_without_gnss: (f64, f64),
     /// Units, axes, signs or times that cannot be right.
     pub implausible: Vec<Implausible>,
-    /// Where the solution accepted fixes that contradict its velocity or both of its parts; the first
+    /// Spans after which the solution was reset to fixes that contradict its velocity or both of its parts; the first
     /// [`MOST_EVENTS`].
     pub doubts: Vec<Doubt>,
-    /// Parameters that ended far from what was known of them: estimate, and prior standard deviations that it is off.
+    /// Parameters that ended far from their prior: the estimate, and the prior standard deviations that it is off [–].
     pub far: Vec<(Parameter, f64, f64)>,
-    /// Where the course has contradicted the heading; the first [`MOST_EVENTS`].
+    /// Spans in which the course contradicted the heading; the first [`MOST_EVENTS`].
     pub heading_off: Vec<HeadingOff>,
-    /// What all of the fixes show of themselves; at the end, where they are looked at.
+    /// What all of the fixes show of their own errors; at the end of a run that learns them
+    /// ([`Settings::from_fixes`](crate::settings::Settings::from_fixes)).
     pub study: Option<FixStudy>,
-    /// From when on \[s\] the filter has taken them to be wrong by what; each time it changed.
+    /// Times from which on \[s\] the filter used these errors of the fixes; one entry for each change.
     pub fix_errors: Vec<(f64, FixErrors)>,
-    /// After when \[s\] body axes are the vehicle's, where the mounting was to be found on the way; each time it changed.
+    /// Times after which \[s\] body axes are the vehicle's by this mounting, where it was to be found on the way; one entry for each change.
     pub mountings: Vec<(f64, Mounting)>,
-    /// Why it was not found until the end.
+    /// Reason why no mounting was found, where one was to be.
     pub no_mounting: Option<MountingError>,
-    /// When the solution diverged, if it did and was not re-initialised \[s\].
+    /// Time at which the solution diverged \[s\], if it did and was not re-initialised.
     pub diverged: Option<f64>,
-    /// The covariance at the end, if there is a solution.
+    /// Symmetry and definiteness of the covariance at the end, if there is a solution.
     pub covariance: Option<CovarianceHealth>,
     /// Start of the first twenty updates in a row, or fewer at the end of the log, whose innovations were far beyond
     /// their predicted size \[s\].
     pub suspect: Option<f64>,
 }
 
-/// Events of a kind that are kept one by one.
+/// Number of events of a kind that are kept one by one; further ones are counted or dropped.
 pub const MOST_EVENTS: usize = 1000;
 
 /// A component of the velocity has the wrong sign where its innovations are this part of it, on the average: −2 if the
@@ -220,7 +241,7 @@ const WRONG_SIGN: f64 = -0.6;
 const SIGN_MOTION: f64 = 5.0;
 
 impl Summary {
-    /// What happened so far, each kind in order of time.
+    /// Events so far, each kind in order of time; [`Navigator::events`](crate::Navigator::events) has them as they come.
     pub fn events(&self) -> impl Iterator<Item = Event> + '_ {
         let started = self.started.zip(self.alignment);
         let resumed = self.restarts.iter().filter_map(|restart| restart.resumed);
@@ -252,13 +273,13 @@ impl Summary {
             .chain(self.diverged.map(Event::Diverged))
     }
 
-    /// The last innovations of each kind of measurement, which are not among what is shown of them.
+    /// Last whitened innovation of each kind of measurement, for a checkpoint.
     #[cfg(feature = "checkpoint")]
     pub(super) fn last_innovations(&self) -> [Option<[f64; 3]>; Aid::COUNT] {
         self.innovations.0.map(|kind| kind.last)
     }
 
-    /// Puts them in place.
+    /// Restores [`Summary::last_innovations`].
     #[cfg(feature = "checkpoint")]
     pub(super) fn set_last_innovations(&mut self, last: [Option<[f64; 3]>; Aid::COUNT]) {
         for (kind, last) in self.innovations.0.iter_mut().zip(last) {
@@ -344,8 +365,8 @@ impl Summary {
         }
     }
 
-    /// Notes a run of rejected fixes; where the solution has accepted others of the kind less than `goes_on` \[s\]
-    /// before, it is the same one that goes on.
+    /// Notes a run of rejected fixes; where the solution accepted others of the kind less than `goes_on` \[s\]
+    /// before, it continues the run before.
     pub(super) fn contradicted(&mut self, what: Contradiction, goes_on: f64) {
         let same = |c: &&mut Contradiction| (c.part, c.height) == (what.part, what.height);
         if let Some(last) = self.contradictions.iter_mut().rev().find(same)

@@ -18,7 +18,7 @@ use undrift_nav::Vector3;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum Profile {
-    /// Nothing is known of it.
+    /// Nothing is known of it: no constraint.
     #[default]
     None,
     /// A wheeled vehicle on a road: no side slip, no hopping, at rest at times.
@@ -29,13 +29,25 @@ pub enum Profile {
     Pedestrian,
 }
 
-/// The constraints in force. Standard deviations are of one update.
+/// The constraints in force; `None` switches one off, and the default has none. Standard deviations are of one update.
+///
+/// ```
+/// use undrift_engine::vehicle::{Constraints, NonHolonomic, Profile};
+/// use undrift_nav::Vector3;
+/// // A car whose IMU sits 1.2 m ahead of the rear axle and 0.3 m above it.
+/// let lever = Vector3::new(-1.2, 0.0, 0.3);
+/// let constraints = Constraints {
+///     non_holonomic: Some(NonHolonomic { lever, ..NonHolonomic::CAR }),
+///     ..Profile::Car.constraints()
+/// };
+/// assert_eq!(constraints.non_holonomic.map(|axle| axle.right), Some(0.2)); // [m/s]
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Constraints {
     /// No velocity along the vehicle's right and down axes.
     pub non_holonomic: Option<NonHolonomic>,
-    /// Standard deviation of the velocity at rest [m/s].
+    /// Standard deviation of the velocity at rest [m/s]: how much a parked vehicle sways.
     pub zero_velocity: Option<f64>,
     /// Standard deviation of the angular rate at rest beyond the gyros' noise [rad/s].
     pub zero_angular_rate: Option<f64>,
@@ -46,26 +58,27 @@ pub struct Constraints {
     pub odometer_lever: Vector3,
 }
 
-/// The non-holonomic constraint.
+/// The non-holonomic constraint: the middle of the axle that does not steer moves along the vehicle's forward axis alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct NonHolonomic {
-    /// Standard deviation of the velocity to the right [m/s] …
+    /// Standard deviation of the velocity to the right [m/s].
     pub right: f64,
-    /// … and down [m/s].
+    /// Standard deviation of the velocity down [m/s]: springs and bumps.
     pub down: f64,
     /// Side slip: added to `right` for every m/s² of lateral acceleration [m/s per m/s²].
     pub slip: f64,
-    /// From update to update \[s\].
+    /// Time from one update to the next \[s\].
     pub interval: f64,
     /// IMU → the middle of the axle that does not steer, body axes \[m\].
     pub lever: Vector3,
     /// Speed below which it is not applied [m/s].
+    /// Below it a car may be manoeuvring with slip.
     pub min_speed: f64,
 }
 
 impl NonHolonomic {
-    /// Of a car.
+    /// A car on roads.
     ///
     /// The velocity to the right of four smoothed drives of four cars scatters by 0.03 to 0.08 m/s and
     /// is correlated over two seconds, the one down by 0.06 to 0.08 m/s over four; in a turn the axle
@@ -82,10 +95,16 @@ impl NonHolonomic {
 }
 
 impl Profile {
-    /// All of them.
+    /// Every profile, that without knowledge first.
     pub const ALL: [Self; 4] = [Self::None, Self::Car, Self::Aircraft, Self::Pedestrian];
 
-    /// Its name in a drive file.
+    /// Its name in a drive file: `vehicle = "car"`.
+    ///
+    /// ```
+    /// use undrift_engine::vehicle::Profile;
+    /// let car = Profile::ALL.into_iter().find(|profile| profile.name() == "car");
+    /// assert_eq!(car, Some(Profile::Car));
+    /// ```
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "none",
@@ -95,7 +114,7 @@ impl Profile {
         }
     }
 
-    /// The constraints of the profile.
+    /// The constraints that the profile stands for, with the wheel and the axle at the IMU until their levers are set.
     pub fn constraints(self) -> Constraints {
         let rest = Constraints {
             zero_velocity: Some(0.02),

@@ -34,20 +34,40 @@ const MEDIAN: f64 = 0.7301;
 const RATE: f64 = 100.0;
 /// Below this rate \[Hz\] the motion of the vehicle reaches the band that is looked at.
 const LEAST_RATE: f64 = 20.0;
-/// Density of the white noise over the model's from which it is vibration; less is chance.
+/// Ratio of the white noise's density to the model's from which it is vibration [–]; less is chance.
 pub const VIBRATES_FROM: f64 = 1.5;
 /// Time over which the noise is averaged \[s\].
 const MEMORY: f64 = 3.0;
 /// A sample longer than this many intervals ends a block.
 const GAP: f64 = 1.5;
 
-/// What the samples of a drive have shown so far.
+/// White noise of the samples as they come: [`Vibration::next`] with each sample gives the variance for the filter.
+///
+/// ```
+/// use undrift_engine::{settings::Settings, vibration::Vibration};
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// let sensors = |factor: f64| -> Result<_, Box<dyn std::error::Error>> {
+///     let gyro = ShapingFilter::white(factor * 1e-4, 0.01)?;
+///     let accel = ShapingFilter::white(factor * 1e-3, 0.01)?;
+///     Ok([gyro, gyro, gyro, accel, accel, accel])
+/// };
+/// // An engine that makes the noise five times that of the model.
+/// let log = simulate(&Trajectory::rest(60.0), 100.0, Some(&sensors(5.0)?), &GnssNoise::default(), 1)?;
+/// let mut vibration = Vibration::new(&sensors(1.0)?, &[1.0; 6]);
+/// for sample in &log.imu {
+///     vibration.next(sample);
+/// }
+/// let ratio = vibration.variances()[0] / vibration.white_noise()[0];
+/// assert!((15.0..35.0).contains(&ratio), "{ratio}");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Vibration {
     /// Time over which the noise is averaged \[s\].
     memory: f64,
-    /// By how much the standard deviation beyond the model's is multiplied, axis by axis.
+    /// Factors on the standard deviation beyond the model's, axis by axis [–].
     factors: [f64; AXES],
     /// Samples in a mean, and its length \[s\]; zero samples: too slow a log to look.
     each: usize,
@@ -73,8 +93,8 @@ pub struct Vibration {
 }
 
 impl Vibration {
-    /// Of a filter whose models these are, before its first sample. `factors` are what the standard deviation of the noise
-    /// beyond the model's is multiplied by.
+    /// Starts with the models' white noise. `factors` [–], gyro and accelerometer x, y, z, are what the standard deviation of the noise
+    /// beyond the model's is multiplied by: 1 takes it as the samples show it.
     pub fn new(sensors: &[ShapingFilter; AXES], factors: &[f64; AXES]) -> Self {
         let step = sensors[0].interval;
         let rate = 1.0 / step;
@@ -124,13 +144,14 @@ impl Vibration {
         }
     }
 
-    /// The one of a replay with these settings, where its noise follows the vibration.
+    /// That of a navigator with these settings; `None` where its noise does not follow the vibration.
     pub fn from_settings(settings: &Settings) -> Option<Self> {
         let factors = settings.vibration?;
         Some(Self::new(&settings.sensors, &factors))
     }
 
-    /// Takes in a sample; at the end of a block the variance that each axis's white noise of a sample has by now \[unit²\].
+    /// Processes a sample; at the end of a block, about every 0.6 s at 100 Hz, the variances of a sample's white noise by now, gyro x, y, z
+    /// [rad²/s²], accelerometer x, y, z [m²/s⁴].
     pub fn next(&mut self, sample: &ImuSample) -> Option<[f64; AXES]> {
         if self.each == 0 {
             return None;
@@ -178,7 +199,7 @@ impl Vibration {
         (self.count, self.sum, self.means) = (0, [0.0; AXES], 0);
     }
 
-    /// Takes in a whole block.
+    /// Learns from a whole block.
     fn learn(&mut self) {
         let length = self.interval * BLOCK as f64;
         self.known = (self.known + length).min(self.memory.max(length));
@@ -201,22 +222,22 @@ impl Vibration {
         }
     }
 
-    /// Variance of the white noise of a sample of each axis \[unit²\].
+    /// Variance of the white noise of a sample by now, gyro x, y, z [rad²/s²], accelerometer x, y, z [m²/s⁴].
     pub fn variances(&self) -> [f64; AXES] {
         core::array::from_fn(|i| self.white[i] + self.excess(i) / self.step)
     }
 
-    /// The factors on the standard deviation of the noise beyond the model's, gyro and accelerometer x, y, z.
+    /// Factors on the standard deviation of the noise beyond the model's [–], gyro and accelerometer x, y, z.
     pub fn factors(&self) -> [f64; AXES] {
         self.factors
     }
 
-    /// Variance of the white noise of a sample of each axis by the model \[unit²\].
+    /// Variance of the white noise of a sample by the model, gyro x, y, z [rad²/s²], accelerometer x, y, z [m²/s⁴].
     pub fn white_noise(&self) -> [f64; AXES] {
         self.white
     }
 
-    /// Calls `each` with every number that samples change, always in the same order: to keep them and to put them back.
+    /// Calls `each` with every number that samples change, always in the same order: to store them and to restore them.
     pub fn numbers(&mut self, each: &mut Each) {
         for number in [&mut self.count, &mut self.means] {
             let mut value = *number as f64;

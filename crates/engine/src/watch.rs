@@ -58,6 +58,7 @@ impl Streak {
         self.sick_since.is_some_and(|since| time - since > SICK)
     }
 
+    /// Judges the solution by the updates since the count began, and counts again.
     pub(super) fn judge(&mut self, summary: &mut Summary) {
         if self.dof == 0 {
             return;
@@ -109,6 +110,7 @@ impl LeanWatch {
         }
     }
 
+    /// Adds an innovation; at the end of a block its mean is compared with the usual size of such means.
     pub(super) fn add(
         &mut self,
         time: f64,
@@ -150,6 +152,7 @@ impl LeanWatch {
         }
     }
 
+    /// Writes down the lean that goes on, if there is one.
     pub(super) fn close(&mut self, summary: &mut Summary) {
         if let Some(lean) = self.open.take()
             && summary.leans.len() < MOST_EVENTS

@@ -23,21 +23,21 @@ const LEAST: u64 = 10;
 /// Share of them inside three standard deviations below which solution and fixes disagree.
 const AGREE: f64 = 0.8;
 
-/// Innovations of a part of the fixes, rejected ones too.
+/// Agreement of the solution with a part of the fixes, from their innovations, rejected ones too.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Agreement {
-    /// How many.
+    /// Number of innovations.
     pub innovations: u64,
-    /// Those inside three standard deviations.
+    /// Number of those inside three standard deviations.
     pub inside: u64,
     /// Sum of their normalised squares per degree of freedom: as large as their number when the model is right.
     pub squares: f64,
 }
 
 impl Agreement {
-    /// Takes in independent standard normal numbers, one to three.
+    /// Counts independent standard normal numbers, one to three.
     fn add(&mut self, whitened: &[f64]) {
         let nis: f64 = whitened.iter().map(|w| w * w).sum();
         let Some(limit) = whitened.len().checked_sub(1).and_then(|i| INSIDE.get(i)) else {
@@ -48,41 +48,43 @@ impl Agreement {
         self.squares += nis / whitened.len() as f64;
     }
 
+    /// Adds the innovations of another span.
     fn join(&mut self, other: &Self) {
         self.innovations += other.innovations;
         self.inside += other.inside;
         self.squares += other.squares;
     }
 
-    /// Share inside three standard deviations (0.997 when the model is right), of 10 innovations or more.
+    /// Share inside three standard deviations [–], 0.997 when the model is right; `None` of fewer than 10 innovations.
     pub fn share(&self) -> Option<f64> {
         (self.innovations >= LEAST).then(|| self.inside as f64 / self.innovations as f64)
     }
 
-    /// Root mean square in standard deviations.
+    /// Root mean square of the innovations in standard deviations [–]: 1 when the model is right.
     pub fn rms(&self) -> f64 {
         (self.squares / self.innovations as f64).sqrt()
     }
 
+    /// Whether fewer innovations lie inside three standard deviations than 80 %.
     fn disagrees(&self) -> bool {
         self.share().is_some_and(|share| share < AGREE)
     }
 }
 
-/// How well the solution and each part of the fixes agree from `start` to `end`.
+/// Agreement of the solution with each part of the fixes from `start` to `end`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Window {
-    /// Time of the first fix \[s\].
+    /// Time of the first fix in it \[s\].
     pub start: f64,
-    /// Time of the last fix \[s\].
+    /// Time of the last fix in it \[s\].
     pub end: f64,
-    /// Of the horizontal position.
+    /// Agreement of the horizontal position.
     pub position: Agreement,
-    /// Of the height, given the horizontal position.
+    /// Agreement of the height, given the horizontal position.
     pub height: Agreement,
-    /// Of the velocity.
+    /// Agreement of the velocity.
     pub velocity: Agreement,
 }
 
@@ -97,7 +99,7 @@ impl Window {
         }
     }
 
-    /// How a part of the solution agrees with the measurements.
+    /// Agreement of one part.
     pub fn agreement(&self, part: WindowPart) -> &Agreement {
         match part {
             WindowPart::Position => &self.position,
@@ -106,12 +108,14 @@ impl Window {
         }
     }
 
+    /// Whether any part of the fixes disagrees with the solution.
     fn disagrees(&self) -> bool {
         WindowPart::ALL
             .iter()
             .any(|part| self.agreement(*part).disagrees())
     }
 
+    /// Adds the window behind it.
     fn join(&mut self, other: &Self) {
         self.end = other.end;
         self.position.join(&other.position);
@@ -135,20 +139,20 @@ pub enum WindowPart {
 }
 
 impl WindowPart {
-    /// All of them.
+    /// Every part, in the order in which they are reported.
     pub const ALL: [Self; 3] = [Self::Position, Self::Height, Self::Velocity];
 }
 
 /// A span in which the solution and a part of the fixes disagree.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disagreement {
-    /// Which part.
+    /// Part that disagrees.
     pub part: WindowPart,
-    /// Time of the first fix \[s\].
+    /// Time of the first fix of the span \[s\].
     pub start: f64,
-    /// Time of the last fix \[s\].
+    /// Time of the last fix of the span \[s\].
     pub end: f64,
-    /// Of the span.
+    /// Agreement over the whole span.
     pub agreement: Agreement,
 }
 
@@ -190,7 +194,7 @@ impl Default for Windows {
 }
 
 impl Windows {
-    /// Takes in what the filter made of a part of a fix, in order of time \[s\].
+    /// Counts the update of the filter with a part of a fix at `time` \[s\]; in order of time. For tools that run a filter by themselves.
     pub fn add(&mut self, part: Part, time: f64, update: &Update) {
         let is_over = |window: &Window| time >= window.start + self.length;
         if self.windows.last().is_none_or(is_over) {
@@ -214,7 +218,7 @@ impl Windows {
         }
     }
 
-    /// Half as many windows, each twice as long.
+    /// Joins windows in pairs: half as many, each twice as long.
     fn thin(&mut self) {
         self.length *= 2.0;
         let pairs = self.windows.chunks(2).map(|pair| {
@@ -225,12 +229,33 @@ impl Windows {
         self.windows = pairs.collect();
     }
 
-    /// In order of time.
+    /// The windows in order of time.
     pub fn iter(&self) -> core::slice::Iter<'_, Window> {
         self.windows.iter()
     }
 
-    /// Of all of them together.
+    /// Agreement of a part over all windows together.
+    ///
+    /// ```
+    /// use undrift_engine::{Part, WindowPart, Windows};
+    /// use undrift_nav::filter::{Outcome, Update};
+    /// let update = |whitened: [f64; 3]| Update {
+    ///     nis: whitened.iter().map(|x| x * x).sum(),
+    ///     dof: 3,
+    ///     whitened,
+    ///     score: 0.0,
+    ///     information: 1.0,
+    ///     outcome: Outcome::Used,
+    /// };
+    /// let mut windows = Windows::default();
+    /// for k in 0..20 {
+    ///     let error = if k < 5 { 6.0 } else { 0.5 }; // A quarter lies far outside.
+    ///     windows.add(Part::Position, f64::from(k), &update([error, 0.0, 0.0]));
+    /// }
+    /// let position = windows.overall(WindowPart::Position);
+    /// assert_eq!((position.innovations, position.inside, position.share()), (20, 15, Some(0.75)));
+    /// assert_eq!(windows.disagreements(WindowPart::Position).count(), 1); // Less than 80 %.
+    /// ```
     pub fn overall(&self, part: WindowPart) -> Agreement {
         let mut all = Agreement::default();
         self.iter()

@@ -178,8 +178,8 @@ fn drift(axis: &Axis, horizon: &str) -> Number {
 pub(super) fn columns(task: &str) -> Vec<String> {
     fn of<R>(fields: &[Field<R>], errors: &[&str]) -> Vec<String> {
         let fields = fields.iter().map(|(name, _)| (*name).to_owned());
-        let of = |kind| COMPONENTS.map(|name| format!("{kind}_{name}"));
-        fields.chain(errors.iter().flat_map(of)).collect()
+        let columns = |kind| COMPONENTS.map(|name| format!("{kind}_{name}"));
+        fields.chain(errors.iter().flat_map(columns)).collect()
     }
     match task {
         "outages" => of(&OUTAGES, &["max", "end"]),

@@ -59,7 +59,7 @@ pub fn effects(samples: &[Sample<'_>], parts: usize) -> Option<Effects> {
     let units = compared_units(&Vec::from_iter(kept.copied()));
     let count = samples.first().map_or(0, |sample| sample.levels.len());
     let factors = Vec::from_iter((0..count).map(|factor| compared_levels(&logs, factor)));
-    let temperature = of_temperature(&logs);
+    let temperature = slope_with_temperature(&logs);
 
     // All that is compared is one family.
     let levels_of = factors.iter().flatten().map(|(_, ratio)| ratio);
@@ -128,14 +128,14 @@ fn logs_of<'a>(samples: &'a [Sample<'a>], parts: usize) -> (Vec<Log<'a>>, Vec<Op
             by_part[part].push(Log { value, ..*log });
         }
     }
-    let means = Vec::from_iter(by_part.iter().map(|logs| Moments::of_logs(logs).mean));
+    let means = Vec::from_iter(by_part.iter().map(|logs| Moments::from_logs(logs).mean));
     logs.retain_mut(|log| {
         let all = Moments::new(logarithms(log).map(|(part, value)| value - means[part]));
         log.value = all.mean;
         all.n > 0.0
     });
     let level = |logs: &Vec<Log<'a>>| {
-        let units = Vec::from_iter(by_unit(logs).map(Moments::of_logs));
+        let units = Vec::from_iter(by_unit(logs).map(Moments::from_logs));
         let level = match units[..] {
             [of_logs] => of_logs,
             _ => Moments::new(units.iter().map(|unit| unit.mean)),
@@ -170,7 +170,7 @@ fn outlying(logs: &[Log<'_>]) -> (BTreeSet<usize>, Vec<(usize, Effect)>) {
     units.retain(|logs| logs.len() > 1);
     let mut aside: Vec<(usize, Log<'_>)> = Vec::new();
     for _ in 0..ROUNDS {
-        let kept = Vec::from_iter(units.iter().map(|logs| Moments::of_logs(logs)));
+        let kept = Vec::from_iter(units.iter().map(|logs| Moments::from_logs(logs)));
         let spread = Spread::within(&kept);
         let count: usize = units.iter().map(Vec::len).sum();
         let before = aside.len();
@@ -190,7 +190,7 @@ fn outlying(logs: &[Log<'_>]) -> (BTreeSet<usize>, Vec<(usize, Effect)>) {
             break;
         }
     }
-    let kept = Vec::from_iter(units.iter().map(|logs| Moments::of_logs(logs)));
+    let kept = Vec::from_iter(units.iter().map(|logs| Moments::from_logs(logs)));
     let spread = Spread::within(&kept);
     let tests = aside
         .iter()
@@ -219,7 +219,7 @@ type OfUnit<'a> = (&'a str, Estimate, Estimate);
 /// Rosner (Technometrics 25 (1983) 165) finds.
 fn compared_units<'a>(logs: &[Log<'a>]) -> Vec<OfUnit<'a>> {
     let units =
-        by_unit(logs).filter_map(|logs| Some((logs[0].sample.unit?, Moments::of_logs(logs))));
+        by_unit(logs).filter_map(|logs| Some((logs[0].sample.unit?, Moments::from_logs(logs))));
     let units: Vec<(&str, Moments)> = units.collect();
     let within = Spread::within(&Vec::from_iter(units.iter().map(|(_, unit)| *unit)));
     let mut aside = vec![false; units.len()];
@@ -233,7 +233,7 @@ fn compared_units<'a>(logs: &[Log<'a>]) -> Vec<OfUnit<'a>> {
             } else {
                 (means.without(unit.mean), shares.without(1.0 / unit.n))
             };
-            let (test, ratio) = of_unit(unit, &means, shares.mean, &within)?;
+            let (test, ratio) = against_other_units(unit, &means, shares.mean, &within)?;
             Some((*name, test, ratio))
         };
         Vec::from_iter(units.iter().zip(aside).map(one))
@@ -258,7 +258,7 @@ fn compared_units<'a>(logs: &[Log<'a>]) -> Vec<OfUnit<'a>> {
 
 /// A unit's mean against those of others, `share` being the mean of one over their numbers of logs: the test, by how much
 /// the others differ from each other, and the ratio, by how well both are known.
-fn of_unit(
+fn against_other_units(
     unit: &Moments,
     others: &Moments,
     share: f64,
@@ -319,7 +319,7 @@ fn compared_levels<'a>(logs: &[Log<'a>], factor: usize) -> Vec<(&'a str, Estimat
 }
 
 /// The slope with temperature: within units where temperatures vary there, else between their means.
-fn of_temperature(logs: &[Log<'_>]) -> Option<Estimate> {
+fn slope_with_temperature(logs: &[Log<'_>]) -> Option<Estimate> {
     let point = |log: &Log<'_>| {
         let x = log.sample.temperature_c.filter(|t| t.is_finite())?;
         Some(Point {

@@ -2,6 +2,45 @@
 //!
 //! Every innovation is predicted less measured. Signs as derived in `docs/lab/measurement-rows.md`, each
 //! matrix tested against a numerical derivative (`tests/it/jacobians.rs`, `tests/it/aiding.rs`).
+//!
+//! | measurement | row |
+//! |---|---|
+//! | GNSS position, velocity | [`Filter::observe_position`], [`Filter::observe_velocity`] |
+//! | wheel speed; no side slip, no lift | [`Filter::observe_odometer`], [`Filter::observe_non_holonomic`] |
+//! | course of a vehicle that drives where it points | [`Filter::observe_course`] |
+//! | barometric height | [`Filter::observe_barometer`] |
+//! | rest: no velocity, gravity up, the Earth's rate | [`Filter::observe_zero_velocity`], [`Filter::observe_level`], [`Filter::observe_earth_rate`] |
+//!
+//! Each returns an [`Observation`] for [`Filter::update`], with the covariance of the measurement given there. Rows are stated for
+//! `[δr, δv, ψ, sensors' states]`, then what parameters add where they are estimated.
+//!
+//! A car whose position is not measured any more keeps its speed and course by its wheels:
+//!
+//! ```
+//! use undrift_nav::{Quaternion, Vector3, earth::Geodetic, mechanisation::NavState, sample::ImuSample};
+//! use undrift_nav::{filter::{Filter, Gate, InitialStd}, parameters::Parameters, shaping::ShapingFilter};
+//! use nalgebra::{Matrix1, Matrix2};
+//!
+//! // Northwards at 20 m/s, which the filter knows to 2 m/s only.
+//! let nav = NavState {
+//!     time: 0.0,
+//!     position: Geodetic::from_degrees(47.0, 8.0, 400.0),
+//!     v_n: Vector3::new(18.0, 0.5, 0.0),
+//!     q_nb: Quaternion::identity(),
+//! };
+//! let std = InitialStd { position: Vector3::repeat(1.0), velocity: Vector3::repeat(2.0), attitude: Vector3::repeat(0.005) };
+//! let sensors = [ShapingFilter::white(1e-3, 0.01)?; 6];
+//! let mut filter = Filter::<9>::new(nav, &std, sensors, Parameters::none())?;
+//! filter.step(&ImuSample::from_rates(0.01, 0.01, [0.0; 3], [0.0, 0.0, -9.8073]))?;
+//!
+//! let axle = Vector3::new(-1.2, 0.0, 0.4); // From the IMU to the rear axle [m].
+//! let wheel = filter.observe_odometer(20.0, &axle);
+//! filter.update(&wheel, &Matrix1::new(0.1 * 0.1), &Gate::OPEN)?;
+//! let no_slip = filter.observe_non_holonomic(&axle);
+//! filter.update(&no_slip, &Matrix2::from_diagonal_element(0.1 * 0.1), &Gate::OPEN)?;
+//! assert!((filter.nav().v_n - Vector3::new(20.0, 0.0, 0.0)).norm() < 0.2); // [m/s]
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod barometer;
 mod course;
@@ -23,7 +62,8 @@ use nalgebra::{SMatrix, SVector};
 pub use crate::observation::Observation;
 
 impl<const N: usize> Filter<N> {
-    /// Lever arm `nominal` [m, body axes] with its estimated correction, if it is estimated.
+    /// Lever arm IMU → antenna, body axes \[m\]: `nominal` as configured, plus the estimated correction where
+    /// [`Parameter::LeverArm`] is estimated. All predictions of a fix use it.
     pub fn lever_arm(&self, nominal: &Vector3) -> Vector3 {
         match self.parameter(Parameter::LeverArm) {
             Some((x, _)) => nominal + Vector3::new(x[0], x[1], x[2]),
@@ -31,9 +71,12 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// What a fix says whose error has a time-correlated part, of standard deviation `std` in the axes of the fix
-    /// [m, m/s]; the covariance of the measurement is then without it. Column `−diag(std)` for `kind`,
-    /// [`Parameter::PositionError`] or [`Parameter::VelocityError`].
+    /// The observation of a fix whose error has a time-correlated part, estimated as `kind`: [`Parameter::PositionError`] or
+    /// [`Parameter::VelocityError`]. `std` is the standard deviation of that part in the axes of the fix [m or m/s]; the
+    /// covariance given to the update is then that of the rest, without it.
+    ///
+    /// Adds the estimated part to the innovation and the column `−diag(std)` to H; an observation of a filter that does not estimate
+    /// `kind` is returned as it is.
     pub fn observe_fix_error(
         &self,
         mut observed: Observation<3, N>,
@@ -49,7 +92,8 @@ impl<const N: usize> Filter<N> {
         observed
     }
 
-    /// Rotation C_b^v from the body to the vehicle's axes: the identity unless the mounting is estimated.
+    /// Rotation matrix C_b^v from body axes to the vehicle's (forward, right, down of the vehicle): `exp([−m×])` with the estimated
+    /// mounting m about pitch and yaw \[rad\], or the identity where [`Parameter::Mounting`] is not estimated.
     pub fn c_bv(&self) -> Matrix3 {
         match self.parameter(Parameter::Mounting) {
             Some((x, _)) => attitude::from_rotation_vector(&-Vector3::new(0.0, x[0], x[1]))
@@ -59,13 +103,14 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// Velocity over ground of the point at `lever_b` [m, body axes], vehicle axes [m/s].
+    /// Velocity over ground of the point at `lever_b` [m, body axes, from the IMU] in the vehicle's axes, forward, right, down [m/s]:
+    /// `C_b^v (C_n^b v^n + ω_nb^b × l^b)`.
     pub fn vehicle_velocity(&self, lever_b: &Vector3) -> Vector3 {
         let v_b = self.c_nb().tr_mul(&self.nav().v_n) + self.omega_nb_b().cross(lever_b);
         self.c_bv() * v_b
     }
 
-    /// How [`Filter::vehicle_velocity`] depends on the error state: rows
+    /// Derivative of [`Filter::vehicle_velocity`] by the error state: rows
     /// `[0, C_b^v C_n^b, −C_b^v C_n^b [v^n×], −C_b^v [l×] H_g, …, −[v^v×]]`, the last for the mounting;
     /// and the covariance of the present sample's white noise in it.
     fn vehicle_velocity_rows(&self, lever_b: &Vector3) -> (SMatrix<f64, 3, N>, Matrix3) {
@@ -85,7 +130,7 @@ impl<const N: usize> Filter<N> {
         (h, white)
     }
 
-    /// Puts the column of the time offset at `at`, and what the clock's rate has made of it.
+    /// Puts `column` at `at`, the place of the time offset, and its multiple by the filter's age at the clock's rate, where that is estimated.
     fn time_columns(&self, h: &mut SMatrix<f64, 3, N>, at: usize, column: &Vector3) {
         h.fixed_view_mut::<3, 1>(0, at).copy_from(column);
         if let Some(rate) = self.parameter_start(Parameter::ClockRate) {

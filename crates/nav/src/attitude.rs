@@ -1,16 +1,28 @@
 //! Attitude: unit quaternion `q_nb` (body to navigation), Euler angles, rotation vectors.
+//!
+//! ```
+//! use undrift_nav::{Vector3, attitude};
+//! // Nose east and 5° up: yaw 90°, pitch 5°.
+//! let q_nb = attitude::from_rpy(&Vector3::new(0.0, 5f64.to_radians(), 90f64.to_radians()));
+//! let forward_n = q_nb * Vector3::x();
+//! assert!(forward_n.y > 0.99 && forward_n.z < 0.0); // East, and up, since the third axis is down.
+//! // A turn to the right by 1°, in body axes, is multiplied from the right.
+//! let turned = q_nb * attitude::from_rotation_vector(&Vector3::new(0.0, 0.0, 1f64.to_radians()));
+//! assert!(attitude::to_rpy(&turned).z > 90f64.to_radians());
+//! ```
 
 use crate::{Matrix3, Quaternion, Vector3};
 use libm::{asin, atan2, cos, sin, sqrt};
 
-/// `q_nb` from roll, pitch, yaw \[rad\]: yaw about down, then pitch about right, then roll about
-/// forward. Groves eq. 2.22 (transposed).
+/// `q_nb` of `rpy`, which is roll, pitch, yaw \[rad\]: yaw about down first, then pitch about right, then roll about forward. Yaw 0
+/// is north and grows eastwards; a positive pitch is nose up, a positive roll right side down. Groves eq. 2.22 (transposed).
 #[inline]
 pub fn from_rpy(rpy: &Vector3) -> Quaternion {
     Quaternion::from_euler_angles(rpy.x, rpy.y, rpy.z)
 }
 
 /// Roll, pitch, yaw \[rad\] of `q_nb`: roll and yaw in (−π, π], pitch in [−π/2, π/2]. Groves eq. 2.23.
+/// At a pitch of ±90° roll and yaw have no meaning of their own; what is returned is finite but arbitrary.
 #[inline]
 pub fn to_rpy(q_nb: &Quaternion) -> Vector3 {
     let q = q_nb.quaternion();
@@ -23,7 +35,8 @@ pub fn to_rpy(q_nb: &Quaternion) -> Vector3 {
     )
 }
 
-/// Rotation by the rotation vector `phi` \[rad\]; exact, by series where it is small. Groves eq. E.30.
+/// Rotation about the axis of `phi` by its length \[rad\]: the inverse of the quaternion's logarithm, exact for any length, by series
+/// where it is small so that no digit is lost. Groves eq. E.30.
 #[inline]
 pub fn from_rotation_vector(phi: &Vector3) -> Quaternion {
     let half_sq = phi.norm_squared() / 4.0;
@@ -42,7 +55,7 @@ pub fn from_rotation_vector(phi: &Vector3) -> Quaternion {
     Quaternion::new_unchecked(nalgebra::Quaternion::new(c, v.x, v.y, v.z))
 }
 
-/// Cross-product matrix `[v×]`, so that `skew(a) * b = a × b`.
+/// Cross-product matrix `[v×]`, so that `skew(a) * b = a × b`; antisymmetric, so `skew(a)ᵀ = skew(−a)`.
 #[inline]
 pub fn skew(v: &Vector3) -> Matrix3 {
     Matrix3::new(0.0, -v.z, v.y, v.z, 0.0, -v.x, -v.y, v.x, 0.0)

@@ -30,12 +30,13 @@ use rows::{add_row, set_row, step_rows_of};
 
 pub use crate::sample::AXES;
 
-/// Navigation errors: position, velocity, misalignment.
+/// Number of navigation errors, the first states of every filter: position, velocity, misalignment, each north, east, down.
 pub const NAV: usize = 9;
 /// Columns that [`NAV`] are carried as, four at a time.
 const EVEN: usize = NAV + 3;
 
-/// The linear map of one step from navigation and sensor errors to navigation errors.
+/// The linear map of one step from navigation and sensor errors to navigation errors, `n' = Φ n + Γ ε`: Φ and Γ of the module's
+/// text, kept as the physical quantities they are made of.
 #[derive(Clone, Copy, Debug)]
 pub struct Transition {
     half_dt: f64,
@@ -54,7 +55,7 @@ pub struct Transition {
 }
 
 impl Transition {
-    /// Of the mechanisation step `step`, with C_b^n at its middle.
+    /// The map of the mechanisation step `step`, with the rotation matrix C_b^n at its middle, `c_mid`.
     #[inline]
     pub fn new(step: &Step, c_mid: &Matrix3) -> Self {
         let Step {
@@ -195,7 +196,7 @@ impl Transition {
     }
 }
 
-/// Which part of a sample interval a step covers; the shaping filters move once a sample.
+/// Part of a sample interval that a step covers, since the shaping filters step once a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// The interval does not end here: the sensors' states hold, white noise enters with the time.
@@ -204,7 +205,17 @@ pub enum Part {
     Last,
 }
 
-/// The six shaping filters and where their states lie behind the nine navigation errors.
+/// The six shaping filters and where their states lie behind the nine navigation errors: those of gyro x first, each axis as many as
+/// its order.
+///
+/// ```
+/// use undrift_nav::{covariance::Sensors, shaping::ShapingFilter};
+/// let gyro = ShapingFilter::white(1e-4, 0.01)?; // No state.
+/// let accel = ShapingFilter::gauss_markov(1e-3, 300.0, 0.01)?; // One.
+/// let sensors = Sensors::new([gyro, gyro, gyro, accel, accel, accel]);
+/// assert_eq!((sensors.states(), sensors.start(4)), (12, 10));
+/// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Sensors {
     axes: [ShapingFilter; AXES],
@@ -212,7 +223,7 @@ pub struct Sensors {
 }
 
 impl Sensors {
-    /// In the order gyro x, y, z, accelerometer x, y, z.
+    /// The six models in the order gyro x, y, z [rad/s], accelerometer x, y, z [m/s²]; all are to have the interval of the samples.
     pub fn new(axes: [ShapingFilter; AXES]) -> Self {
         let mut start = [NAV; AXES + 1];
         for i in 0..AXES {
@@ -221,32 +232,33 @@ impl Sensors {
         Self { axes, start }
     }
 
-    /// Navigation errors and sensor states together: the size of the error state.
+    /// Number of navigation errors and sensor states together: the place of the first parameter in the error state.
     #[inline]
     pub fn states(&self) -> usize {
         self.start[AXES]
     }
 
-    /// The shaping filter of an axis.
+    /// Shaping filter of sensor axis `axis`, 0 to 5.
     #[inline]
     pub fn axis(&self, axis: usize) -> &ShapingFilter {
         &self.axes[axis]
     }
 
-    /// Sets the variance `r` of the white noise of a sample of each axis \[unit²\].
+    /// Sets the variance `r` of the white noise of a sample of each axis, [(rad/s)²] of the gyros, [(m/s²)²] of the accelerometers.
     pub fn set_white_noise(&mut self, variance: &[f64; AXES]) {
         for (axis, variance) in self.axes.iter_mut().zip(variance) {
             axis.r = *variance;
         }
     }
 
-    /// Index of an axis's first state in the error state.
+    /// Index of the first state of sensor axis `axis` in the error state; for an axis without states that of the next one's.
     #[inline]
     pub fn start(&self, axis: usize) -> usize {
         self.start[axis]
     }
 
-    /// Predicted sensor error `H x + U p` of each axis [rad/s, m/s²], `x` the whole error-state vector.
+    /// Predicted sensor error `H x + U p` of each axis [rad/s, m/s²]: what is subtracted from a sample. `x` is the whole error-state
+    /// vector; `coupling` has U, the effect of scale factors and misalignment at the sample's rate and force.
     pub fn predicted_error<const N: usize>(
         &self,
         x: &[f64; N],
@@ -258,7 +270,7 @@ impl Sensors {
         errors.map(|[error]| error)
     }
 
-    /// Standard deviations of the sensor errors `H x` [rad/s, m/s²] under a covariance of the error state.
+    /// Standard deviations of the sensor errors `H x` [rad/s, m/s²] under a covariance of the error state, `covariance(row, column)`.
     pub fn error_std(&self, covariance: impl Fn(usize, usize) -> f64) -> [f64; AXES] {
         from_fn(|axis| {
             let (filter, at) = (&self.axes[axis], self.start[axis]);
@@ -272,7 +284,7 @@ impl Sensors {
         })
     }
 
-    /// `x ← F x` of the sensor states in `x`, which is a whole error-state vector.
+    /// Steps the sensor states in `x`, a whole error-state vector, by one sample: `x ← F x`.
     pub fn step_mean<const N: usize>(&self, x: &mut [f64; N]) {
         let (x, _) = x.as_chunks_mut::<1>();
         self.step_rows(x, 0..1);

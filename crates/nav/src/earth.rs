@@ -8,12 +8,14 @@ use libm::{atan2, cos, sin, sqrt};
 /// Semi-major axis a \[m\].
 pub const SEMI_MAJOR: f64 = 6_378_137.0;
 /// Flattening f.
+/// Of WGS-84, as are the ellipsoid's other constants here.
 pub const FLATTENING: f64 = 1.0 / 298.257_223_563;
 /// First eccentricity squared e².
 pub const ECCENTRICITY_SQ: f64 = FLATTENING * (2.0 - FLATTENING);
 /// Semi-minor axis b \[m\].
 pub const SEMI_MINOR: f64 = SEMI_MAJOR * (1.0 - FLATTENING);
 /// Earth rotation rate ω_ie [rad/s].
+/// Against inertial space: a turn in a sidereal day, not in 24 h.
 pub const EARTH_RATE: f64 = 7.292_115_146_7e-5;
 /// Gravitational constant of the Earth's mass, atmosphere included [m³/s²].
 pub const GM: f64 = 3.986_004_418e14;
@@ -27,6 +29,12 @@ pub const STANDARD_GRAVITY: f64 = 9.806_65;
 /// Height above mean sea level \[m\] at which the standard atmosphere has this `pressure` \[Pa\], below
 /// 11 km; not a number for a pressure below zero. U.S. Standard Atmosphere 1976, eq. 33a and 18:
 /// geopotential height from 288.15 K, 101 325 Pa and 6.5 K/km, then geometric.
+///
+/// ```
+/// use undrift_nav::earth::standard_height;
+/// assert!(standard_height(101_325.0).abs() < 1e-9);
+/// assert!((standard_height(89_875.0) - 1000.0).abs() < 1.0); // The standard's table at 1000 m.
+/// ```
 pub fn standard_height(pressure: f64) -> f64 {
     const RADIUS: f64 = 6_356_766.0;
     // R* L / (g0 M0)
@@ -35,19 +43,29 @@ pub fn standard_height(pressure: f64) -> f64 {
     RADIUS * geopotential / (RADIUS - geopotential)
 }
 
-/// A point by geodetic latitude, longitude and ellipsoidal height.
+/// A point by geodetic latitude, longitude and height above the WGS-84 ellipsoid.
+///
+/// ```
+/// use undrift_nav::{Vector3, earth::Geodetic};
+/// let zurich = Geodetic::from_degrees(47.3769, 8.5417, 408.0);
+/// let moved = zurich.displaced(&Vector3::new(100.0, 0.0, -5.0)); // 100 m north, 5 m up.
+/// assert!((moved.height - 413.0).abs() < 1e-9);
+/// assert!((zurich.offset_to(&moved) - Vector3::new(100.0, 0.0, -5.0)).norm() < 1e-6);
+/// assert!((Geodetic::from_ecef(&zurich.to_ecef()).lat - zurich.lat).abs() < 1e-15);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Geodetic {
-    /// Latitude \[rad\], north positive.
+    /// Geodetic latitude \[rad\], north positive: the angle of the ellipsoid's normal, not that of the line to the Earth's centre.
     pub lat: f64,
-    /// Longitude \[rad\], east positive.
+    /// Longitude \[rad\], east positive; any multiple of a turn means the same place.
     pub lon: f64,
-    /// Height above the ellipsoid \[m\].
+    /// Height above the ellipsoid \[m\]; above mean sea level it is smaller or larger by the geoid's undulation, −107 to +85 m.
     pub height: f64,
 }
 
-/// Radii of curvature: meridian `rm` and transverse (prime vertical) `rn` \[m\]. Groves eq. 2.105-2.106.
+/// Radii of curvature at latitude `lat` \[rad\]: meridian `rm` and transverse (prime vertical) `rn` \[m\], in that order. Groves
+/// eq. 2.105-2.106.
 #[inline]
 pub fn radii(lat: f64) -> (f64, f64) {
     let s = sin(lat);
@@ -60,8 +78,15 @@ fn radii_of_sin(s: f64) -> (f64, f64) {
     (rn * (1.0 - ECCENTRICITY_SQ) / w2, rn)
 }
 
-/// Normal gravity at latitude \[rad\] and height \[m\], along down [m/s²]: Somigliana with the
-/// second-order height term, NIMA TR8350.2 eq. 4-1 and 4-3.
+/// Normal gravity at latitude `lat` \[rad\] and ellipsoidal `height` \[m\], along down [m/s²], the Earth's rotation included: Somigliana with
+/// the second-order height term, NIMA TR8350.2 eq. 4-1 and 4-3. True gravity differs from it by some 0.3 mm/s² (30 mGal), in
+/// mountains by several times that.
+///
+/// ```
+/// use undrift_nav::earth::gravity;
+/// assert!((gravity(45f64.to_radians(), 0.0) - 9.8062).abs() < 1e-4);
+/// assert!((gravity(0.0, 0.0) - gravity(0.0, 1000.0) - 3.09e-3).abs() < 1e-5); // 0.31 mGal a metre.
+/// ```
 #[inline]
 pub fn gravity(lat: f64, height: f64) -> f64 {
     let s = sin(lat);
@@ -77,13 +102,13 @@ fn gravity_of_sin(s: f64, height: f64) -> f64 {
     surface * (1.0 - slope * height + 3.0 * height * height / (SEMI_MAJOR * SEMI_MAJOR))
 }
 
-/// Earth rotation rate in the navigation frame ω_ie^n [rad/s].
+/// Earth rotation rate in the navigation frame ω_ie^n [rad/s] at latitude `lat` \[rad\]: `(ω cos φ, 0, −ω sin φ)`.
 #[inline]
 pub fn earth_rate_n(lat: f64) -> Vector3 {
     Vector3::new(EARTH_RATE * cos(lat), 0.0, -EARTH_RATE * sin(lat))
 }
 
-/// Everything local that one navigation step needs, from one sine and cosine of the latitude.
+/// Radii, gravity and latitude's sine and cosine at a place: everything local that one navigation step needs.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalEarth {
     /// Meridian radius plus height \[m\].
@@ -99,7 +124,7 @@ pub struct LocalEarth {
 }
 
 impl LocalEarth {
-    /// Of the given point.
+    /// Radii, gravity, sine and cosine at `position`; one sine and one cosine are computed.
     #[inline]
     pub fn at(position: &Geodetic) -> Self {
         let (sin_lat, cos_lat) = (sin(position.lat), cos(position.lat));
@@ -120,6 +145,7 @@ impl LocalEarth {
     }
 
     /// Transport rate ω_en^n [rad/s] at velocity `v_n` [m/s]. Groves eq. 5.44.
+    /// The turn of the north-east-down frame against the Earth as it moves over it; it grows without bound towards the poles.
     #[inline]
     pub fn transport_rate(&self, v_n: &Vector3) -> Vector3 {
         let e = v_n.y / self.rn_h;
@@ -128,7 +154,7 @@ impl LocalEarth {
 }
 
 impl Geodetic {
-    /// From degrees, degrees and metres.
+    /// A point from latitude and longitude in degrees and ellipsoidal height in metres; nothing is checked, see [`Geodetic::is_valid`].
     pub fn from_degrees(lat_deg: f64, lon_deg: f64, height: f64) -> Self {
         Self {
             lat: lat_deg.to_radians(),
@@ -138,6 +164,7 @@ impl Geodetic {
     }
 
     /// Earth-centred Earth-fixed coordinates \[m\]. Groves eq. 2.112.
+    /// x through longitude 0, z through the north pole.
     pub fn to_ecef(&self) -> Vector3 {
         let (_, rn) = radii(self.lat);
         let horizontal = (rn + self.height) * cos(self.lat);
@@ -148,8 +175,8 @@ impl Geodetic {
         )
     }
 
-    /// From Earth-centred Earth-fixed coordinates \[m\]: Bowring's start and Newton steps on the
-    /// reduced latitude, good to rounding from the Earth's core up. Groves section 2.4.3.
+    /// The point at Earth-centred Earth-fixed coordinates \[m\]: Bowring's start and Newton steps on the reduced latitude, good to rounding
+    /// from the Earth's core up. Longitude in (−π, π]. Groves section 2.4.3.
     pub fn from_ecef(ecef: &Vector3) -> Self {
         let p = sqrt(ecef.x * ecef.x + ecef.y * ecef.y);
         let lon = atan2(ecef.y, ecef.x);
@@ -171,7 +198,7 @@ impl Geodetic {
         Self { lat, lon, height }
     }
 
-    /// Rotation C_e^n of the north-east-down frame here. Groves eq. 2.150.
+    /// Rotation matrix C_e^n from Earth-fixed axes to north, east, down at this point. Groves eq. 2.150.
     pub fn ned_from_ecef(&self) -> Matrix3 {
         let (sl, cl) = (sin(self.lat), cos(self.lat));
         let (so, co) = (sin(self.lon), cos(self.lon));
@@ -188,7 +215,16 @@ impl Geodetic {
         )
     }
 
-    /// Vector from `self` to `other` in the north-east-down frame at `self` \[m\], exact.
+    /// Vector from `self` to `other` in the north-east-down frame at `self` \[m\], exact: a straight line, so that a point far away lies
+    /// below the horizon. A baseline of RTK is this vector from the base.
+    ///
+    /// ```
+    /// use undrift_nav::{Vector3, earth::Geodetic};
+    /// let base = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    /// let rover = base.displaced(&Vector3::new(10_000.0, 0.0, 0.0));
+    /// let baseline = base.ned_to(&rover);
+    /// assert!((baseline.x - 10_000.0).abs() < 1.0 && (baseline.z - 7.8).abs() < 0.1); // 8 m below the horizon.
+    /// ```
     pub fn ned_to(&self, other: &Geodetic) -> Vector3 {
         self.ned_from_ecef() * (other.to_ecef() - self.to_ecef())
     }
@@ -217,7 +253,7 @@ impl Geodetic {
         )
     }
 
-    /// Whether the numbers are a place: finite, |lat| ≤ 90°, |lon| ≤ 360°, height within −20…100 km.
+    /// Whether the numbers are a place: finite, |lat| ≤ 90°, |lon| ≤ 360°, height from −20 to 100 km.
     #[inline]
     pub fn is_valid(&self) -> bool {
         use core::f64::consts::{FRAC_PI_2, TAU};
@@ -228,6 +264,13 @@ impl Geodetic {
 }
 
 /// An angle \[rad\] wrapped to (−π, π].
+///
+/// ```
+/// use undrift_nav::earth::wrap_pi;
+/// // From a heading of 350° to one of 10° it is 20° to the right.
+/// let turn = wrap_pi(10f64.to_radians() - 350f64.to_radians());
+/// assert!((turn.to_degrees() - 20.0).abs() < 1e-9);
+/// ```
 #[inline]
 pub fn wrap_pi(angle: f64) -> f64 {
     use core::f64::consts::{PI, TAU};

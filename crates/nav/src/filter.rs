@@ -209,22 +209,22 @@ impl<const N: usize> Filter<N> {
         })
     }
 
-    /// Position, velocity and attitude of the IMU.
+    /// Position, velocity and attitude of the IMU, corrected by all measurements so far.
     pub fn nav(&self) -> &NavState {
         &self.nav
     }
 
-    /// Covariance of the error state; rows beyond [`Filter::states`] are zero.
+    /// Covariance of the error state, estimate less truth for its first nine; rows beyond [`Filter::states`] are zero.
     pub fn covariance(&self) -> &SMatrix<f64, N, N> {
         &self.p
     }
 
-    /// Size of the error state in use.
+    /// Size of the error state in use, at most `N`.
     pub fn states(&self) -> usize {
         self.sensors.states() + self.parameters.states()
     }
 
-    /// The parameters that are estimated.
+    /// The parameters that are estimated, with their priors.
     pub fn parameters(&self) -> &Parameters {
         &self.parameters
     }
@@ -260,12 +260,12 @@ impl<const N: usize> Filter<N> {
         Some((value, libm::sqrt(variance.max(0.0))))
     }
 
-    /// How long the filter has run \[s\].
+    /// Time since the filter's start \[s\], by which [`Parameter::ClockRate`] acts.
     pub fn since_start(&self) -> f64 {
         self.nav.time - self.start
     }
 
-    /// Estimated sensor states and parameters at their place in the error state.
+    /// Estimated sensor states and parameters at their place in the error state; the first nine are zero.
     pub fn estimates(&self) -> &[f64; N] {
         &self.x
     }
@@ -275,7 +275,7 @@ impl<const N: usize> Filter<N> {
         &self.sensors
     }
 
-    /// Rotation matrix C_b^n.
+    /// Rotation matrix C_b^n, from body axes to north-east-down: that of `nav().q_nb`.
     pub fn c_nb(&self) -> &Matrix3 {
         &self.c_nb
     }
@@ -304,7 +304,7 @@ impl<const N: usize> Filter<N> {
         &self.coupling
     }
 
-    /// Standard deviations of `[δr; δv; ψ]` [m, m/s, rad].
+    /// Standard deviations of `[δr; δv; ψ]`, each north, east, down [m, m/s, rad].
     pub fn nav_std(&self) -> [f64; NAV] {
         core::array::from_fn(|i| libm::sqrt(self.p[(i, i)].max(0.0)))
     }
@@ -325,14 +325,14 @@ impl<const N: usize> Filter<N> {
         self.current.map(|_| self.end)
     }
 
-    /// As [`Filter::step`] without any check. The sample must begin where the one before ended: of one after a gap
-    /// the time is taken, but the motion within the gap is missing.
+    /// Carries the filter over one whole sample without any check, for tests and simulations; [`Filter::step`] checks. The sample must begin
+    /// where the one before ended: of one after a gap the time is taken, but the motion within the gap is missing.
     pub fn predict(&mut self, sample: &ImuSample) {
         self.begin(sample);
         self.advance(1.0);
     }
 
-    /// As [`Filter::begin_step`] without any check: takes up a sample without moving yet; [`Filter::advance`] then
+    /// Takes up a sample without moving yet, and without the checks of [`Filter::begin_step`]; [`Filter::advance`] then
     /// moves through its interval in one or more parts, with updates between them where a fix falls inside.
     pub fn begin(&mut self, sample: &ImuSample) {
         let (rate, force) = (sample.dtheta / sample.dt, sample.dvel / sample.dt);
@@ -361,12 +361,12 @@ impl<const N: usize> Filter<N> {
         self.end = sample.time;
     }
 
-    /// Moves to the fraction `to` (0…1) of the sample taken up; does nothing if already there.
+    /// Moves to the fraction `to` (0…1) of the sample taken up; does nothing if already there or beyond.
     pub fn advance(&mut self, to: f64) {
         self.advance_with(to, None);
     }
 
-    /// As [`Filter::advance`], the step recorded on `tape` for a smoother.
+    /// Does [`Filter::advance`] and records the step on `tape` for a smoother.
     pub fn advance_recorded(&mut self, to: f64, tape: &mut Tape<N>) {
         self.advance_with(to, Some(tape));
     }
@@ -420,13 +420,13 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// As [`Filter::advance`] to `time` \[s\] within the sample taken up; a time within `rounding` \[s\] of its
-    /// end is the end.
+    /// Moves to `time` \[s\] within the sample taken up; a time within `rounding` \[s\] of its end is the end, so that no step of
+    /// a rounding's length is made.
     pub fn advance_to(&mut self, time: f64, rounding: f64) {
         self.advance_to_with(time, rounding, None);
     }
 
-    /// As [`Filter::advance_to`], the step recorded on `tape` for a smoother.
+    /// Does [`Filter::advance_to`] and records the step on `tape` for a smoother.
     pub fn advance_to_recorded(&mut self, time: f64, rounding: f64, tape: &mut Tape<N>) {
         self.advance_to_with(time, rounding, Some(tape));
     }

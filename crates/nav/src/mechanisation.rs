@@ -4,28 +4,42 @@
 //! terms, both from the present and the previous increment; Earth rate, transport rate and Coriolis
 //! at the middle of the step. Savage 1998 parts 1 and 2; Titterton & Weston 2004, chapter 11;
 //! Groves 2013, section 5.5.
+//!
+//! ```
+//! use undrift_nav::{Quaternion, Vector3, earth::{Geodetic, LocalEarth}};
+//! use undrift_nav::mechanisation::{Increments, NavState};
+//! let place = Geodetic::from_degrees(45.0, 7.0, 300.0);
+//! let mut state = NavState { time: 0.0, position: place, v_n: Vector3::zeros(), q_nb: Quaternion::identity() };
+//! // Ten seconds of 1 m/s² forward, which is north here, over the reaction to gravity.
+//! let earth = LocalEarth::at(&place);
+//! for _ in 0..1000 {
+//!     let force = Vector3::new(1.0, 0.0, -earth.gravity);
+//!     state.step(&Increments { dt: 0.01, rotation: earth.earth_rate() * 0.01, dvel: force * 0.01 });
+//! }
+//! assert!((state.v_n.x - 10.0).abs() < 0.01 && (state.time - 10.0).abs() < 1e-9);
+//! ```
 
 use crate::{
     Quaternion, Vector3, attitude,
     earth::{Geodetic, LocalEarth},
 };
 
-/// Position, velocity and attitude of the IMU at one instant.
+/// Position, velocity and attitude of the IMU at one instant: the solution itself, without its covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NavState {
     /// Time \[s\], in the log's time base.
     pub time: f64,
-    /// Position.
+    /// Place of the IMU, not of the antenna.
     pub position: Geodetic,
-    /// Velocity over ground, north-east-down [m/s].
+    /// Velocity over ground (against the turning Earth), north-east-down [m/s].
     pub v_n: Vector3,
-    /// Attitude, body to navigation.
+    /// Attitude, from body to navigation axes: `v_n = q_nb * v_b`.
     pub q_nb: Quaternion,
 }
 
-/// Increments over `dt` whose direction changes within the interval are already accounted for, so
-/// that a part of the interval is that part of each increment.
+/// Increments of one interval with the change of direction within it accounted for, so that a part of the interval is that part of each
+/// increment. Coning and sculling are what a body that turns while it turns and accelerates adds to the plain sums.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Increments {
     /// Length of the interval \[s\].
@@ -37,12 +51,20 @@ pub struct Increments {
 }
 
 impl Increments {
-    /// From the raw increments of this interval, `dt` \[s\], `dtheta` \[rad\] and `dvel` [m/s] in body axes, and
-    /// those of the one before (`None` at the start: no coning and sculling).
+    /// The increments of an interval from its raw ones, `dt` \[s\], `dtheta` \[rad\] and `dvel` [m/s] in body axes, and
+    /// those of the interval before (`None` at the start: no coning and sculling).
     ///
     /// With angular rate and specific force linear in time over both intervals, lengths t₁ and t₂,
     /// coning is `c Δθ₁ × Δθ₂` and sculling `c (Δθ₁ × Δv₂ + Δv₁ × Δθ₂)` with
     /// `c = t₂² / (6 t₁ (t₁ + t₂))`, which is 1/12 for equal intervals. Savage 1998.
+    ///
+    /// ```
+    /// use undrift_nav::{Vector3, mechanisation::{Increments, RawIncrements}};
+    /// // A body that rolls in one sample and pitches in the next has yawed, too: coning.
+    /// let roll = RawIncrements { dt: 0.01, dtheta: Vector3::new(0.01, 0.0, 0.0), dvel: Vector3::zeros() };
+    /// let pitch = Increments::from_raw(0.01, Vector3::new(0.0, 0.01, 0.0), Vector3::zeros(), Some(&roll));
+    /// assert!((pitch.rotation.z - 1e-4 / 12.0).abs() < 1e-12); // [rad]
+    /// ```
     #[inline]
     pub fn from_raw(
         dt: f64,
@@ -65,7 +87,7 @@ impl Increments {
         }
     }
 
-    /// The given part (0…1) of the interval.
+    /// The increments of a `fraction` (0…1) of the interval: a fix inside a sample splits it.
     #[inline]
     pub fn part(&self, fraction: f64) -> Self {
         Self {
@@ -76,7 +98,7 @@ impl Increments {
     }
 }
 
-/// Increments of one interval as the sensor gives them, its predicted error removed.
+/// Increments of one interval as the sensor gives them, less its predicted error: the plain integrals, without coning and sculling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RawIncrements {
     /// Length of the interval \[s\].
@@ -87,25 +109,28 @@ pub struct RawIncrements {
     pub dvel: Vector3,
 }
 
-/// What a step leaves behind for the covariance: the local quantities it used.
+/// The local quantities that one step used, for the transition of the error state
+/// ([`Transition::new`](crate::covariance::Transition::new)).
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     /// Length of the step \[s\].
     pub dt: f64,
-    /// Earth's shape and gravity at the start of the step.
+    /// Radii of curvature and gravity at the start of the step.
     pub earth: LocalEarth,
     /// Velocity at the middle of the step, north-east-down [m/s].
     pub v_mid: Vector3,
-    /// Specific force integrated over the step, navigation frame [m/s].
+    /// Specific force integrated over the step, north-east-down [m/s]; gravity and Coriolis are not in it.
     pub dvel_n: Vector3,
-    /// Earth rate ω_ie^n [rad/s].
+    /// Earth rate ω_ie^n [rad/s] at the start of the step.
     pub earth_rate: Vector3,
-    /// Transport rate ω_en^n [rad/s].
+    /// Transport rate ω_en^n [rad/s] at the velocity of the middle of the step.
     pub transport_rate: Vector3,
 }
 
 impl NavState {
-    /// Carries the state over one interval.
+    /// Carries the state over one interval of `increments`; `time` grows by their `dt`. Groves section 5.5.
+    ///
+    /// Nothing is checked: a state near a pole, or increments that are not finite, leave a state that [`NavState::is_valid`] refuses.
     #[inline]
     pub fn step(&mut self, increments: &Increments) -> Step {
         let Increments { dt, rotation, dvel } = *increments;
@@ -149,8 +174,19 @@ impl NavState {
         }
     }
 
-    /// The state with a small error removed: `error` is estimate less truth, `[δr m; δv m/s; ψ rad]`
-    /// north-east-down, with `Ĉ_b^n = (I − [ψ×]) C_b^n`.
+    /// The state with a small error removed: `dr` \[m\], `dv` [m/s] and `psi` \[rad\], north-east-down, are estimate less truth, with
+    /// `Ĉ_b^n = (I − [ψ×]) C_b^n`: the attitude turns by `+ψ` in `n`. First order in the position, exact in the rotation. Groves
+    /// section 14.1.1.
+    ///
+    /// ```
+    /// use undrift_nav::{Quaternion, Vector3, earth::Geodetic, mechanisation::NavState};
+    /// let place = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    /// let nav = NavState { time: 0.0, position: place, v_n: Vector3::zeros(), q_nb: Quaternion::identity() };
+    /// // Estimated 3 m too far north, and 0.01 rad off about down.
+    /// let corrected = nav.without_error(&Vector3::new(3.0, 0.0, 0.0), &Vector3::zeros(), &Vector3::new(0.0, 0.0, 0.01));
+    /// assert!((place.offset_to(&corrected.position).x + 3.0).abs() < 1e-6);
+    /// assert!((undrift_nav::attitude::to_rpy(&corrected.q_nb).z - 0.01).abs() < 1e-12);
+    /// ```
     #[inline]
     pub fn without_error(&self, dr: &Vector3, dv: &Vector3, psi: &Vector3) -> Self {
         let mut q_nb = attitude::from_rotation_vector(psi) * self.q_nb;

@@ -16,44 +16,45 @@ use crate::{Vector3, sample::AXES};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Parameter {
-    /// Scale factor errors of gyro x, y, z [–].
+    /// Scale factor errors of gyro x, y, z [–]: a gyro reads `(1 + s)` times the rate.
     GyroScale,
-    /// Scale factor errors of accelerometer x, y, z [–].
+    /// Scale factor errors of accelerometer x, y, z [–]: an accelerometer reads `(1 + s)` times the specific force.
     AccelScale,
-    /// Misalignment of the gyro axes, m_xy, m_xz, m_yx, m_yz, m_zx, m_zy \[rad\].
+    /// Misalignment of the gyro axes, m_xy, m_xz, m_yx, m_yz, m_zx, m_zy \[rad\]: m_xy is what axis x reads of the rate about y.
     GyroMisalignment,
     /// Misalignment of the accelerometer axes, in the same order \[rad\].
     AccelMisalignment,
-    /// Lever arm IMU → antenna, body axes \[m\].
+    /// Correction of the lever arm IMU → antenna, body axes \[m\]: true less configured.
     LeverArm,
-    /// By how much a fix is later than its stamp says \[s\]; of its position alone where
+    /// Time by which a fix is later than its stamp says \[s\]: one stamped `t` holds at `t` + offset. Of its position alone where
     /// [`Parameter::VelocityTimeOffset`] is estimated, too.
     TimeOffset,
-    /// Small turn of the vehicle's axes against the body axes, about pitch and yaw \[rad\].
+    /// Small turn of the vehicle's axes against the body axes, about pitch and yaw \[rad\]: the vehicle's axes are the body's turned by it.
     Mounting,
     /// Distance IMU → axle that does not steer along the body's forward axis, beyond the configured \[m\].
     Axle,
-    /// Scale factor error of the odometer [–].
+    /// Scale factor error of the odometer [–]: it reads `(1 + s)` times the speed.
     OdometerScale,
-    /// Error of the barometric height \[m\].
+    /// Error of the barometric height \[m\]: it reads height + bias.
     BarometerBias,
-    /// By how much the velocity of a fix is later than its stamp says \[s\]: receivers find it in another way
+    /// Time by which the velocity of a fix is later than its stamp says \[s\]: receivers find it in another way
     /// than the position, and not always at the same instant.
     VelocityTimeOffset,
-    /// By how much both time offsets grow, from the filter's start on [s/s]: the clock that stamps the samples is not
-    /// that of the receiver.
+    /// Rate at which both time offsets grow, from the filter's start on [s/s]: the clock that stamps the samples is not
+    /// that of the receiver. Quartz clocks differ by some 10⁻⁵.
     ClockRate,
-    /// By how much the accelerometers are later than the gyros \[s\]: two chips, two topics, or a filter on one of them.
+    /// Time by which the accelerometers are later than the gyros \[s\]: two chips, two topics, or a filter on one of them.
     AccelDelay,
     /// Time-correlated part of the position's error (multipath, atmosphere, the receiver's own filter), in the axes of
     /// the fix, in units of its standard deviation [–]: 1 is what the receiver states of that part.
     PositionError,
-    /// The same of the velocity's error.
+    /// Time-correlated part of the velocity's error (the receiver's tracking loops), in the axes of the fix, in units of its standard
+    /// deviation [–]: 1 is what the receiver states of that part.
     VelocityError,
 }
 
 impl Parameter {
-    /// All kinds in order.
+    /// Every kind, in the order of their states in the filter.
     pub const ALL: [Self; 15] = [
         Self::GyroScale,
         Self::AccelScale,
@@ -72,7 +73,7 @@ impl Parameter {
         Self::VelocityError,
     ];
 
-    /// Its name.
+    /// Its name in results and drive files, in snake case: `gyro_scale`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::GyroScale => "gyro_scale",
@@ -93,7 +94,7 @@ impl Parameter {
         }
     }
 
-    /// States of a block.
+    /// Number of states of the kind's block, 1 to 6.
     pub const fn width(self) -> usize {
         match self {
             Self::GyroScale
@@ -114,21 +115,29 @@ impl Parameter {
     }
 }
 
-/// What is known of a parameter before the log.
+/// What is known of a parameter before the log, and how it changes: a constant, a random walk, or a Gauss-Markov process.
+///
+/// ```
+/// use undrift_nav::parameters::Prior;
+/// let scale = Prior::constant(0.01); // 1 %, from the data sheet.
+/// // A barometer within 10 m, whose reference moves with the weather over half a day.
+/// let barometer = Prior { std: 10.0, time: 12.0 * 3600.0, ..Prior::default() };
+/// assert!(scale.walk == 0.0 && barometer.time > 0.0);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Prior {
-    /// Standard deviation of each state about its configured value [the parameter's unit].
+    /// Standard deviation of each state about zero, that is of the parameter about its configured value [the parameter's unit].
     pub std: f64,
-    /// Random walk [unit/√s]; 0 for a constant.
+    /// Random walk of each state [the parameter's unit/√s]; 0 for a constant.
     pub walk: f64,
-    /// Correlation time of a Gauss-Markov process of that standard deviation \[s\], in place of the random
-    /// walk; 0 for a random walk.
+    /// Correlation time of a Gauss-Markov process with the standard deviation `std` \[s\], in place of the random
+    /// walk; 0 for a random walk or a constant.
     pub time: f64,
 }
 
 impl Prior {
-    /// A constant known to one standard deviation.
+    /// A constant whose correction has the standard deviation `std` [the parameter's unit].
     pub const fn constant(std: f64) -> Self {
         Self {
             std,
@@ -142,7 +151,7 @@ impl Prior {
         self.walk == 0.0 && self.time == 0.0
     }
 
-    /// What of the state is left after `dt` \[s\], and the variance that comes in meanwhile.
+    /// Factor on the state over `dt` \[s\], and the variance of the noise that enters meanwhile.
     pub(crate) fn step(&self, dt: f64) -> (f64, f64) {
         if self.time > 0.0 {
             let left = libm::exp(-dt / self.time);
@@ -153,7 +162,17 @@ impl Prior {
     }
 }
 
-/// The parameters that are estimated.
+/// The parameters that are estimated, each with its prior: which states the filter has behind those of its sensors.
+///
+/// ```
+/// use undrift_nav::parameters::{Parameter, Parameters, Prior};
+/// let estimated = Parameters::none()
+///     .with(Parameter::GyroScale, Prior::constant(0.01)) // 1 % each axis.
+///     .with(Parameter::TimeOffset, Prior::constant(0.2)); // [s]
+/// assert_eq!(estimated.states(), 4); // Three scale factors and an offset.
+/// assert_eq!(estimated.start(Parameter::TimeOffset), Some(3));
+/// assert_eq!(estimated.without(Parameter::GyroScale).states(), 1);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Parameters {
@@ -164,24 +183,24 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// None.
+    /// No parameter is estimated.
     pub fn none() -> Self {
         Self::default()
     }
 
-    /// These and one more.
+    /// These parameters and `kind` with its `prior`; a prior it had is replaced. The order of calls does not matter.
     pub fn with(mut self, kind: Parameter, prior: Prior) -> Self {
         self.priors[kind as usize] = Some(prior);
         self.placed()
     }
 
-    /// These but one.
+    /// These parameters without `kind`.
     pub fn without(mut self, kind: Parameter) -> Self {
         self.priors[kind as usize] = None;
         self.placed()
     }
 
-    /// With every kind at its place.
+    /// Counts each kind's place again, after one came or went.
     fn placed(mut self) -> Self {
         self.states = 0;
         for kind in Parameter::ALL {
@@ -199,13 +218,14 @@ impl Parameters {
         self.priors[kind as usize]
     }
 
-    /// Number of their states.
+    /// Number of states of all that are estimated.
     #[inline]
     pub fn states(&self) -> usize {
         usize::from(self.states)
     }
 
-    /// Place of a kind's first state behind those of the sensors.
+    /// Place of the first state of `kind` among the parameters' states, if it is estimated; in the error state it is that far behind
+    /// [`Sensors::states`](crate::covariance::Sensors::states).
     #[inline]
     pub fn start(&self, kind: Parameter) -> Option<usize> {
         self.prior(kind)
@@ -224,7 +244,7 @@ impl Parameters {
         })
     }
 
-    /// Kind, place of the first state and prior of every block.
+    /// Kind, place of the first state among the parameters' states, and prior of each that is estimated, in order.
     #[inline]
     pub fn blocks(&self) -> impl Iterator<Item = (Parameter, usize, Prior)> + '_ {
         let kinds = Parameter::ALL.into_iter();
@@ -235,8 +255,8 @@ impl Parameters {
 /// Time constant of [`jerk`]'s low-pass \[s\]: slower than vibration, quicker than what a vehicle does on purpose.
 const SLOW: f64 = 0.1;
 
-/// Rate of change of the specific force behind a low-pass \[m/s³\], of a sample with the mean `force` [m/s²] over `dt` \[s\].
-/// `slow` is what the low-pass has kept of the samples before, and keeps this one.
+/// Rate of change of the specific force behind a low-pass of 0.1 s [m/s³, body axes], at a sample with the mean `force` [m/s²] over
+/// `dt` \[s\]. `slow` is the state of the low-pass [m/s²]: the first force to begin with; it is updated.
 #[inline]
 pub fn jerk(slow: &mut Vector3, force: &Vector3, dt: f64) -> Vector3 {
     let jerk = (force - *slow) / (SLOW + dt);
@@ -244,8 +264,8 @@ pub fn jerk(slow: &mut Vector3, force: &Vector3, dt: f64) -> Vector3 {
     jerk
 }
 
-/// The states that the six sensor errors of one sample depend on beside the shaping filters', with
-/// their factors: `ε_axis = … + Σ factor x[index]`.
+/// The parameters that the six sensor errors of one sample depend on beside the shaping filters' states, with their factors: the rows
+/// of U in `ε = H x + U p + D w`, `ε_axis = … + Σ factor x[index]`. Groves section 4.4.6.
 #[derive(Clone, Copy, Debug)]
 pub struct Coupling {
     terms: [[(usize, f64); 4]; AXES],
@@ -259,7 +279,7 @@ impl Coupling {
         len: 0,
     };
 
-    /// Of a sample with mean angular rate `rate` [rad/s] and specific force `force` [m/s²], which changes by `jerk` [m/s³],
+    /// Coupling at a sample with mean angular rate `rate` [rad/s] and specific force `force` [m/s²], which changes by `jerk` [m/s³], all in
     /// body axes; `behind` is the place of the first parameter in the error state.
     #[inline]
     pub fn new(parameters: &Parameters, behind: usize, [rate, force, jerk]: [&Vector3; 3]) -> Self {
@@ -268,7 +288,7 @@ impl Coupling {
         coupling
     }
 
-    /// Becomes that of another sample, of the same parameters, in place.
+    /// Becomes the coupling at another sample, for the same parameters, in place.
     #[inline]
     pub(crate) fn follow(
         &mut self,
@@ -318,7 +338,7 @@ impl Coupling {
         terms.for_each(|(_, factor)| each(factor));
     }
 
-    /// States and factors of an axis; a factor may be zero.
+    /// States, by their index in the error state, and factors of sensor axis `axis`, 0 to 5; a factor may be zero.
     #[inline]
     pub fn axis(&self, axis: usize) -> &[(usize, f64)] {
         &self.terms[axis][..self.len]

@@ -1,27 +1,45 @@
 //! What the filter takes in: inertial increments, GNSS fixes, and measurements of one number.
+//!
+//! All times are seconds of one time base, the log's own; whoever reads a log brings its clocks together first. Frames and
+//! letters: docs/conventions.md.
 
 use crate::{Matrix3, Vector3, earth::Geodetic};
 
-/// Sensor axes: gyro x, y, z, accelerometer x, y, z.
+/// Sensor axes of an inertial unit: gyro x, y, z, then accelerometer x, y, z. Every array of this length in the workspace has
+/// that order.
 pub const AXES: usize = 6;
 
-/// One inertial sample as increments over the interval `(time − dt, time]`, body axes.
+/// One inertial sample as increments over the interval `(time − dt, time]`, body axes `b`: forward, right, down.
+///
+/// Increments rather than rates, since that is what the mechanisation integrates: a rate of a sensor is the mean over its
+/// interval, so that `Δθ = ω dt` ([`ImuSample::from_rates`]). A sensor at rest and level reads an upward specific force, about
+/// `dvel = (0, 0, −9.8) · dt`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ImuSample {
     /// End of the interval \[s\], in the log's time base.
     pub time: f64,
     /// Length of the interval \[s\].
+    /// Above 0 and at most [`LONGEST_STEP`](crate::filter::LONGEST_STEP).
     pub dt: f64,
     /// Integrated angular rate ∫ω_ib^b dt \[rad\].
+    /// Positive by the right-hand rule: a right turn has a positive z.
     pub dtheta: Vector3,
     /// Integrated specific force ∫f^b dt [m/s].
+    /// Gravity is not part of it: free fall reads zero.
     pub dvel: Vector3,
 }
 
 impl ImuSample {
     /// The sample of a sensor that gives rates: angular rate [rad/s] and specific force [m/s²], body axes, that hold over the
     /// `dt` \[s\] up to `time` \[s\].
+    ///
+    /// ```
+    /// use undrift_nav::{Vector3, sample::ImuSample};
+    /// // At rest and level, the reading over the 10 ms up to 3 s.
+    /// let sample = ImuSample::from_rates(3.0, 0.01, [0.0, 0.0, 7e-5], [0.0, 0.0, -9.81]);
+    /// assert!((sample.dvel - Vector3::new(0.0, 0.0, -0.0981)).norm() < 1e-15);
+    /// ```
     pub fn from_rates(
         time: f64,
         dt: f64,
@@ -37,15 +55,16 @@ impl ImuSample {
     }
 }
 
-/// Where a position fix is, and relative to what.
+/// Place of the antenna in a position fix, and the frame `m` in which its error is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Position {
-    /// Antenna position on the ellipsoid.
+    /// Antenna on the WGS-84 ellipsoid; errors are north, east, down at the antenna \[m\].
     Geodetic(Geodetic),
-    /// Antenna relative to a base station, in the base's own north-east-down frame \[m\].
+    /// Antenna relative to a base station, as RTK receivers give it: north, east, down of the base \[m\]. Over a baseline of
+    /// some kilometres these axes differ from those at the antenna, which the filter takes into account.
     Baseline {
-        /// The base station.
+        /// Place of the base station on the ellipsoid.
         base: Geodetic,
         /// Baseline base → antenna \[m\], north-east-down of the base.
         ned: Vector3,
@@ -53,21 +72,37 @@ pub enum Position {
 }
 
 /// One GNSS epoch of the antenna: position, velocity, or both.
+///
+/// Covariances are what the filter weighs a fix by: symmetric and positive definite, with variances that are not zero. Made
+/// with [`GnssFix::at`] and [`GnssFix::with_velocity`] from standard deviations, or field by field with full matrices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GnssFix {
     /// Time of validity \[s\], in the same base as the inertial samples.
+    /// Receivers stamp fixes late by up to a few tenths of a second; the filter can estimate that offset
+    /// ([`Parameter::TimeOffset`](crate::parameters::Parameter::TimeOffset)).
     pub time: f64,
     /// Position with its covariance \[m²\]: north-east-down at the antenna, or of the base for a baseline.
     pub position: Option<(Position, Matrix3)>,
     /// Velocity over ground north-east-down [m/s] with its covariance [(m/s)²].
+    /// It is the antenna's velocity: in a turn the lever arm moves it against the IMU's.
     pub velocity: Option<(Vector3, Matrix3)>,
-    /// What kind of solution the receiver calls it.
+    /// Kind of solution as the receiver states it. The filter weighs a fix by its covariances alone; a navigator may be set to
+    /// replace them by what is usual of the kind.
     pub quality: FixQuality,
 }
 
 impl GnssFix {
     /// A position of the antenna at `time` \[s\], with standard deviations north, east, down \[m\].
+    ///
+    /// ```
+    /// use undrift_nav::{earth::Geodetic, sample::GnssFix};
+    /// let place = Geodetic::from_degrees(47.3769, 8.5417, 408.0);
+    /// let fix = GnssFix::at(12.0, place, [1.5, 1.5, 3.0]).with_velocity([9.8, 0.3, 0.0], [0.1, 0.1, 0.2]);
+    /// let (_, covariance) = fix.position.unwrap();
+    /// assert_eq!(covariance[(2, 2)], 9.0); // [m²]
+    /// assert!(fix.is_finite());
+    /// ```
     pub fn at(time: f64, place: Geodetic, std: impl Into<Vector3>) -> Self {
         Self {
             time,
@@ -77,7 +112,8 @@ impl GnssFix {
         }
     }
 
-    /// The fix with a velocity of the antenna over ground [m/s], north, east, down, and standard deviations.
+    /// This fix with a velocity of the antenna over ground [m/s], north, east, down, and its standard deviations in the same
+    /// order [m/s]. A velocity it had is replaced.
     pub fn with_velocity(self, v_n: impl Into<Vector3>, std: impl Into<Vector3>) -> Self {
         Self {
             velocity: Some((v_n.into(), variances(std.into()))),
@@ -85,7 +121,7 @@ impl GnssFix {
         }
     }
 
-    /// Whether its time and every number of it is finite.
+    /// Whether its time, and every component and covariance that it has, is finite. A fix for which this is false must not reach a filter.
     pub fn is_finite(&self) -> bool {
         let of_position = |(position, r): &(Position, Matrix3)| {
             let (place, ned) = match position {
@@ -110,32 +146,32 @@ fn variances(std: Vector3) -> Matrix3 {
     Matrix3::from_diagonal(&std.component_mul(&std))
 }
 
-/// Kind of GNSS solution.
+/// Kind of GNSS solution, from the coarsest to the finest.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum FixQuality {
     /// The file does not say.
     #[default]
     Unknown,
-    /// Code solution without corrections.
+    /// Code solution without corrections: some metres.
     Single,
-    /// Differential code or precise point positioning.
+    /// Differential code, a satellite-based augmentation, or precise point positioning: from some decimetres to a metre.
     Differential,
-    /// Carrier phase, ambiguities not resolved.
+    /// Carrier phase with ambiguities not resolved to integers: decimetres.
     Float,
-    /// Carrier phase, ambiguities resolved.
+    /// Carrier phase with ambiguities resolved: centimetres, unless they were resolved wrongly.
     Fixed,
 }
 
-/// A measurement of one number.
+/// A measurement of one number: a wheel speed [m/s], a barometric height \[m\]. What it is, and its unit, follows from the function that takes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Scalar {
     /// Time \[s\], in the same base as the inertial samples.
     pub time: f64,
-    /// The number, in SI units.
+    /// The number, in the SI unit of the quantity.
     pub value: f64,
-    /// Its standard deviation, in the same unit.
+    /// Its standard deviation, in the unit of `value`; above 0.
     pub std: f64,
 }
 
@@ -148,15 +184,16 @@ impl Scalar {
     }
 }
 
-/// A reference solution at one instant, at the IMU.
+/// A reference solution at one instant, at the IMU: what a solution is compared with.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TruthSample {
     /// Time \[s\], in the same base as the inertial samples.
     pub time: f64,
-    /// Position of the IMU.
+    /// Position of the IMU, not of an antenna.
     pub position: Geodetic,
     /// Velocity over ground north-east-down [m/s]; absent where the file has none.
     pub v_n: Option<Vector3>,
     /// Roll, pitch, yaw \[rad\]; absent where the file has none.
+    /// Of the body axes, [`attitude::to_rpy`](crate::attitude::to_rpy).
     pub rpy: Option<Vector3>,
 }

@@ -31,39 +31,43 @@ use core::fmt;
 use libm::{exp, expm1};
 use matrix::{apply, dot, product, semidefinite_cholesky, transpose};
 
-/// Most states one axis may have.
+/// Most states that the model of one axis may have: an ARMA(6, 6), or sums such as two Gauss-Markov processes and a turn-on constant.
 pub const MAX_ORDER: usize = 6;
 
-/// A square matrix of one axis's states; only the leading `order` rows and columns are used.
+/// A square matrix of one axis's states, by rows; only the leading `order` rows and columns are used.
 pub type AxisMatrix = [[f64; MAX_ORDER]; MAX_ORDER];
 /// A vector of one axis's states; only the leading `order` entries are used.
 pub type AxisVector = [f64; MAX_ORDER];
 
 /// The noise model of one sensor axis. Fields beyond `order` are zero.
+///
+/// Made by the constructors, from continuous quantities of a data sheet or a fit, and added with [`ShapingFilter::plus`]. By hand it
+/// may be made, too: [`Filter::new`](crate::filter::Filter::new) checks the order, but not that the moments are those of a
+/// noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapingFilter {
     /// Number of states.
     pub order: usize,
     /// Sample interval T \[s\] of one step.
     pub interval: f64,
-    /// Transition F.
+    /// Transition F over one step [–, or of the states' units].
     pub f: AxisMatrix,
     /// Output row H: the part of ε that can be predicted is `h · x` \[unit\].
     pub h: AxisVector,
-    /// Driving covariance `G Gᵀ`.
+    /// Driving covariance `G Gᵀ` of the states over one step.
     pub q: AxisMatrix,
-    /// Cross-covariance `G Dᵀ`.
+    /// Cross-covariance `G Dᵀ` of the states' noise with that of the measurement; zero unless the model is an ARMA.
     pub s: AxisVector,
     /// Direct variance `D Dᵀ` \[unit²\] of one sample.
     pub r: f64,
-    /// Covariance of the state before the first sample.
+    /// Covariance of the state before the first sample: stationary, or of the turn-on.
     pub p0: AxisMatrix,
 }
 
 /// Why a shaping filter cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShapingError {
-    /// A parameter is not finite, or negative where it may not be, or the interval is not positive.
+    /// A parameter, named here, is not finite, or negative where it may not be, or the interval is not positive.
     BadParameter(&'static str),
     /// More states than [`MAX_ORDER`].
     TooManyStates {
@@ -113,7 +117,7 @@ fn not_negative(value: f64, what: &'static str) -> Result<f64, ShapingError> {
 }
 
 impl ShapingFilter {
-    /// No error at all: order 0, no noise. `interval` T \[s\].
+    /// No error at all: order 0, no noise. `interval` is T \[s\], the time between samples.
     ///
     /// # Errors
     /// [`ShapingError::BadParameter`] for an interval that is not positive and finite.
@@ -144,7 +148,7 @@ impl ShapingFilter {
     }
 
     /// White noise of density `density` [unit/√Hz = unit·√s], the angle or velocity
-    /// random walk N: variance N²/T a sample, no state. IEEE Std 952, annex C.
+    /// random walk N: variance N²/T a sample of `interval` T \[s\], no state. IEEE Std 952, annex C.
     ///
     /// # Errors
     /// [`ShapingError::BadParameter`] for a density that is negative or not finite, or such an interval \[s\].
@@ -155,7 +159,7 @@ impl ShapingFilter {
         Ok(filter)
     }
 
-    /// A turn-on constant with standard deviation `sigma` \[unit\].
+    /// A turn-on constant with standard deviation `sigma` \[unit\]; `interval` \[s\]. One state, without noise.
     ///
     /// # Errors
     /// As [`ShapingFilter::white`], of `sigma`.
@@ -164,7 +168,8 @@ impl ShapingFilter {
         Self::single_state(1.0, 0.0, sigma * sigma, interval)
     }
 
-    /// Random walk of the bias with coefficient K `[unit/√s]`, starting at zero. IEEE Std 952, annex C.
+    /// Random walk of the bias with coefficient `k` `[unit/√s]`, starting at zero: variance K² t after t. `interval` \[s\]. IEEE Std 952,
+    /// annex C.
     ///
     /// # Errors
     /// As [`ShapingFilter::white`], of `k`.
@@ -174,10 +179,22 @@ impl ShapingFilter {
     }
 
     /// First-order Gauss-Markov process with standard deviation `sigma` \[unit\] and correlation time
-    /// `tau` \[s\], stationary. Groves section 14.2.6.
+    /// `tau` \[s\], stationary: autocovariance `σ² exp(−|t|/τ)`. `interval` \[s\]. Groves section 14.2.6.
+    ///
+    /// Bias instability of a data sheet is modelled by it, with a correlation time of some minutes where none is given.
     ///
     /// # Errors
     /// As [`ShapingFilter::white`], of `sigma`; for a `tau` that is not positive and finite too.
+    ///
+    /// ```
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// let bias = ShapingFilter::gauss_markov(1e-4, 100.0, 0.01)?;
+    /// let mut lags = vec![0.0; 10_001]; // Up to the correlation time.
+    /// bias.autocovariance(&mut lags);
+    /// assert!((lags[0] / 1e-8 - 1.0).abs() < 1e-12);
+    /// assert!((lags[10_000] / lags[0] - (-1.0_f64).exp()).abs() < 1e-9);
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn gauss_markov(sigma: f64, tau: f64, interval: f64) -> Result<Self, ShapingError> {
         let sigma = not_negative(sigma, "the Gauss-Markov standard deviation")?;
         if !(tau > 0.0 && tau.is_finite()) {
@@ -189,7 +206,7 @@ impl ShapingFilter {
         Self::single_state(exp(-interval / tau), q, variance, interval)
     }
 
-    /// AR(p): `x_t − φ1 x_{t−1} − … = a_t`, `a_t ~ N(0, sigma²)` \[unit\].
+    /// AR(p): `x_t − φ1 x_{t−1} − … = a_t`, `a_t ~ N(0, sigma²)` \[unit\], at the rate of `interval` \[s\]; [`ShapingFilter::arma`] without θ.
     ///
     /// # Errors
     /// As [`ShapingFilter::arma`].
@@ -208,6 +225,16 @@ impl ShapingFilter {
     /// [`ShapingError::BadParameter`] for a number that is not finite, a negative `sigma` or an interval that
     /// is not positive; [`ShapingError::TooManyStates`]; [`ShapingError::Unstable`] for a root of φ outside
     /// the unit circle, or more than the one at 1 on it.
+    ///
+    /// ```
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// // The source paper's gyro: ARMA(1, 1) with φ = 1, θ = 0.9994 at 100 Hz, that is white noise over a slow random walk.
+    /// let gyro = ShapingFilter::arma(&[1.0], &[0.9994], 0.01, 0.01)?;
+    /// assert_eq!(gyro.order, 1);
+    /// let walk = (1.0 - 0.9994) * 0.01; // Standard deviation of a step, (1 − θ) σ.
+    /// assert!((gyro.q[0][0] - walk * walk).abs() < 1e-20);
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn arma(
         phi: &[f64],
         theta: &[f64],
@@ -309,6 +336,16 @@ impl ShapingFilter {
     ///
     /// # Errors
     /// [`ShapingError::IntervalsDiffer`]; [`ShapingError::TooManyStates`] where both do not fit one axis.
+    ///
+    /// ```
+    /// use undrift_nav::shaping::{ShapingError, ShapingFilter};
+    /// // A walk that starts at a turn-on constant: one state for both.
+    /// let walk = ShapingFilter::random_walk(1e-5, 0.01)?.plus(&ShapingFilter::constant(1e-3, 0.01)?)?;
+    /// assert_eq!((walk.order, walk.p0[0][0]), (1, 1e-6));
+    /// let other_rate = ShapingFilter::white(1e-3, 0.005)?;
+    /// assert_eq!(walk.plus(&other_rate), Err(ShapingError::IntervalsDiffer));
+    /// # Ok::<(), ShapingError>(())
+    /// ```
     pub fn plus(&self, other: &Self) -> Result<Self, ShapingError> {
         if self.interval != other.interval {
             return Err(ShapingError::IntervalsDiffer);
@@ -352,7 +389,8 @@ impl ShapingFilter {
         })
     }
 
-    /// Autocovariance of ε at lags 0, 1, … \[unit²\] into `out`, started from `p0` as if it were stationary.
+    /// Autocovariance of ε at lags 0, 1, … samples \[unit²\], into `out`, as many as it has room for; started from `p0` as if it were
+    /// stationary.
     pub fn autocovariance(&self, out: &mut [f64]) {
         let n = self.order;
         // N = F P Hᵀ + S is the covariance of x_{k+1} with ε_k.
@@ -393,7 +431,7 @@ impl ShapingFilter {
         joint
     }
 
-    /// Lower-triangular factor of the initial covariance `p0`.
+    /// Lower-triangular factor L of the initial covariance, `L Lᵀ = p0`, for simulation: the first state is `L` times standard normal numbers.
     pub fn initial_factor(&self) -> AxisMatrix {
         semidefinite_cholesky(&self.p0, self.order)
     }

@@ -22,14 +22,50 @@ use crate::{
 use core::ops::Range;
 use nalgebra::{SMatrix, SVector};
 
-/// The adjoint of one span, accumulated as the filter runs through it.
+/// The adjoint of one span, accumulated as the filter runs through it: [`Filter::advance_recorded`](crate::filter::Filter::advance_recorded)
+/// and [`Filter::update_recorded`](crate::filter::Filter::update_recorded) add to it.
+///
+/// ```
+/// use undrift_nav::{Matrix3, Quaternion, Vector3, earth::Geodetic, mechanisation::NavState, tape::Tape};
+/// use undrift_nav::{filter::{Filter, Gate, InitialStd}, parameters::Parameters};
+/// use undrift_nav::{sample::{ImuSample, Position}, shaping::ShapingFilter};
+/// use nalgebra::{SMatrix, SVector};
+///
+/// let here = Geodetic::from_degrees(47.0, 8.0, 400.0);
+/// # let nav = NavState { time: 0.0, position: here, v_n: Vector3::zeros(), q_nb: Quaternion::identity() };
+/// # let std = InitialStd { position: Vector3::repeat(5.0), velocity: Vector3::repeat(0.1), attitude: Vector3::repeat(0.01) };
+/// let sensors = [ShapingFilter::white(1e-3, 0.01)?; 6];
+/// let mut filter = Filter::<9>::new(nav, &std, sensors, Parameters::none())?;
+/// let (start, p) = (*filter.nav(), *filter.covariance());
+///
+/// // A span: one second, then a fix that is 3 m north of the prediction.
+/// let mut tape = Tape::default();
+/// for k in 1..=100 {
+///     filter.begin(&ImuSample::from_rates(0.01 * f64::from(k), 0.01, [0.0; 3], [0.0, 0.0, -9.8073]));
+///     filter.advance_recorded(1.0, &mut tape);
+/// }
+/// let fix = Position::Geodetic(here.displaced(&Vector3::new(3.0, 0.0, 0.0)));
+/// let row = filter.observe_position(&fix, &Vector3::zeros());
+/// filter.update_recorded(&row, &Matrix3::identity(), &Gate::OPEN, &mut tape)?;
+///
+/// // The start of the span with the fix in it: expected error P λ, covariance P − P Λ P.
+/// let (mut lambda, mut information) = (SVector::zeros(), SMatrix::zeros());
+/// tape.back(&mut lambda, &mut information);
+/// let error: SVector<f64, 9> = p * lambda;
+/// let smoothed = start.without_error(
+///     &error.fixed_rows::<3>(0).into(), &error.fixed_rows::<3>(3).into(), &error.fixed_rows::<3>(6).into(),
+/// );
+/// assert!((start.position.offset_to(&smoothed.position).x - 2.9).abs() < 0.1); // 5 m against 1 m of doubt.
+/// assert!((p - p * information * p)[(0, 0)] < 1.1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Tape<const N: usize> {
     /// T, by rows.
     t: [[f64; N]; N],
-    /// a, the part of λ that the span's measurements bring.
+    /// a, the part of λ that the span's measurements bring, N entries in the inverse units of the error state (1/m, s/m, 1/rad …).
     pub gradient: SVector<f64, N>,
-    /// A, the part of Λ that the span's measurements bring; symmetric.
+    /// A, the part of Λ that the span's measurements bring, N × N, symmetric: the information about the error at the start of the span.
     pub information: SMatrix<f64, N, N>,
 }
 
@@ -48,7 +84,7 @@ impl<const N: usize> Default for Tape<N> {
 }
 
 impl<const N: usize> Tape<N> {
-    /// T, from an error at the start of the span to what is left of it at the end.
+    /// T, N × N: takes an error at the start of the span to what remains of it at the end, after the updates in between.
     pub fn transition(&self) -> SMatrix<f64, N, N> {
         SMatrix::from_fn(|i, j| self.t[i][j])
     }
@@ -67,8 +103,8 @@ impl<const N: usize> Tape<N> {
         tape
     }
 
-    /// Carries `λ` and `Λ` from the end of the span to its start. For tests and single spans; a smoother of whole drives does the same with
-    /// matrices read from its store.
+    /// Carries `λ` and `Λ` (`information`) from the end of the span to its start; zeros are those of the end of a drive, where no measurement
+    /// follows. For tests and single spans; a smoother of whole drives does the same with matrices read from its store.
     pub fn back(&self, lambda: &mut SVector<f64, N>, information: &mut SMatrix<f64, N, N>) {
         let t = self.transition();
         *lambda = self.gradient + t.tr_mul(lambda);

@@ -24,7 +24,7 @@ mod sensor;
 use core::fmt;
 use expression::Dimension;
 
-/// What a number measures; the SI unit that [`parse`] returns it in is given with each.
+/// What a number measures: which units it may have. Each is read into the SI unit given with it, angles in radians.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Angular rate [rad/s].
@@ -53,11 +53,11 @@ pub enum Quantity {
     LengthRandomWalk,
     /// Change of an angular rate with temperature [rad/s/K].
     RatePerKelvin,
-    /// Its quadratic part [rad/s/K²].
+    /// Quadratic part of the change of an angular rate with temperature [rad/s/K²].
     RatePerKelvin2,
     /// Change of an acceleration with temperature [m/s²/K].
     AccelerationPerKelvin,
-    /// Its quadratic part [m/s²/K²].
+    /// Quadratic part of the change of an acceleration with temperature [m/s²/K²].
     AccelerationPerKelvin2,
     /// A pure number.
     Dimensionless,
@@ -166,7 +166,7 @@ impl Quantity {
     }
 }
 
-/// A word of the input kept for the message, cut to what fits.
+/// A word of the input kept for an error's message, cut to 24 bytes at a character's boundary: no allocation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Word {
     bytes: [u8; 24],
@@ -187,18 +187,18 @@ impl Word {
         }
     }
 
-    /// The text.
+    /// The word, as far as it was kept.
     pub fn as_str(&self) -> &str {
         core::str::from_utf8(&self.bytes[..usize::from(self.len)]).unwrap_or("")
     }
 }
 
-/// Why a text is no number with a unit of the wanted quantity.
+/// Why a text is not a number with a unit of the wanted quantity. Its message names the fault, then two spellings that would do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnitError {
-    /// What was expected.
+    /// Quantity that was asked for.
     pub expected: Quantity,
-    /// What is wrong.
+    /// The fault, for code that treats one kind apart.
     pub kind: UnitErrorKind,
 }
 
@@ -209,7 +209,7 @@ pub enum UnitErrorKind {
     NoNumber,
     /// There is no unit.
     NoUnit,
-    /// This symbol is no unit known here.
+    /// This symbol is not a unit known here; symbols are case-sensitive.
     UnknownUnit(Word),
     /// The unit cannot be read from here on.
     Malformed(Word),
@@ -257,6 +257,16 @@ impl core::error::Error for UnitError {}
 ///
 /// # Errors
 /// No unit where the quantity has one, a unit that cannot be read, or one of another dimension.
+///
+/// ```
+/// use undrift_nav::units::{Quantity, unit_factor};
+/// let count = unit_factor("LSB/131 deg/s", Quantity::AngularRate)?; // Of a raw gyro column.
+/// assert!((131.0 * count - 1f64.to_radians()).abs() < 1e-15);
+/// assert_eq!(unit_factor("131 LSB/(deg/s)", Quantity::AngularRate)?, count);
+/// let error = unit_factor("m/s", Quantity::Acceleration).unwrap_err();
+/// assert!(error.to_string().contains("unit of a velocity"));
+/// # Ok::<(), undrift_nav::units::UnitError>(())
+/// ```
 pub fn unit_factor(unit: &str, quantity: Quantity) -> Result<f64, UnitError> {
     factor(unit, quantity).map(|(factor, _)| factor)
 }
@@ -304,10 +314,22 @@ fn factor(unit: &str, quantity: Quantity) -> Result<(f64, bool), UnitError> {
     Ok((value.factor, value.counts != 0))
 }
 
-/// A number with its unit, in SI and radians: `parse("25 deg/h", Quantity::AngularRate)` is 1.2e-4.
+/// A number with its unit, in SI and radians: `parse("25 deg/h", Quantity::AngularRate)` is 1.2e-4. A true minus sign (U+2212) is
+/// read, too. Raw counts are refused: they are units of columns.
 ///
 /// # Errors
 /// No finite number at the start, or as [`unit_factor`].
+///
+/// ```
+/// use undrift_nav::units::{Quantity, UnitErrorKind, parse};
+/// assert!((parse("25 deg/h", Quantity::AngularRate)? - 1.212e-4).abs() < 1e-7);
+/// assert_eq!(parse("0.5 mg", Quantity::Acceleration)?, 0.5e-3 * 9.80665);
+/// // The same dimension is not enough: an angle is not a pure number here.
+/// let error = parse("5 1/s", Quantity::AngularRate).unwrap_err();
+/// assert_eq!(error.kind, UnitErrorKind::WrongDimension(Some(Quantity::Frequency)));
+/// assert_eq!(parse("5", Quantity::AngularRate).unwrap_err().kind, UnitErrorKind::NoUnit);
+/// # Ok::<(), undrift_nav::units::UnitError>(())
+/// ```
 pub fn parse(text: &str, quantity: Quantity) -> Result<f64, UnitError> {
     let error = |kind| UnitError {
         expected: quantity,

@@ -39,8 +39,17 @@ pub const UNIT_ROOT_TAU: f64 = 3600.0;
 /// Rates closer than this, relatively, count as one: time stamps do not give a rate better.
 const SAME_RATE: f64 = 1e-3;
 
-/// How the bias of a sensor axis is modelled. [`BiasModel::Arma`] carries all that the model file has but its spectral lines; the others leave more
+/// Model of the bias of a sensor axis. [`BiasModel::Arma`] carries all that the model file has but its spectral lines; the others leave more
 /// out, for comparison or for fewer states (docs/choose-model.md).
+///
+/// ```
+/// use undrift_noise::{BiasModel, ImuModel};
+/// let imu = ImuModel::preset("adis16405").ok_or("no such preset")?;
+/// let order = |model| Ok::<_, undrift_noise::ModelError>(imu.shaping(model, 0.01)?[0].order); // States of gyro x at 100 Hz.
+/// assert_eq!((order(BiasModel::White)?, order(BiasModel::Paper)?, order(BiasModel::GaussMarkov)?), (0, 1, 2));
+/// assert_eq!("random-walk".parse(), Ok(BiasModel::RandomWalk));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BiasModel {
     /// White noise alone, no bias state: the source paper's baseline.
@@ -58,7 +67,7 @@ pub enum BiasModel {
 }
 
 impl BiasModel {
-    /// All of them, in the order of tables.
+    /// Every model, in the order of tables.
     pub const ALL: [Self; 6] = [
         Self::White,
         Self::Paper,
@@ -87,7 +96,7 @@ impl fmt::Display for BiasModel {
     }
 }
 
-/// A name that is no bias model.
+/// A name that is not that of a bias model; its message lists the names.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown bias model {0:?}; available: white, paper, gauss-markov, random-walk, ar, arma")]
 pub struct UnknownBiasModel(pub String);
@@ -117,7 +126,7 @@ impl From<ShapingError> for Failure {
 
 impl ImuModel {
     /// The shaping filters of the six axes, gyro x, y, z [rad/s] and accelerometer x, y, z [m/s²],
-    /// at the sample interval \[s\].
+    /// at the sample interval \[s\]: what a filter or navigator is made with.
     ///
     /// # Errors
     /// An axis of which nothing is known, or of which the bias model cannot be made.
@@ -388,7 +397,7 @@ impl Arma {
         (interval * self.rate_hz - 1.0).abs() < SAME_RATE
     }
 
-    /// As a shaping filter at an interval \[s\]; rates closer than 0.1 % are taken as the same.
+    /// The shaping filter at an interval \[s\]; rates closer than 0.1 % are taken as the same.
     fn at(&self, interval: f64) -> Result<ShapingFilter, ShapingError> {
         if self.is_at(interval) {
             return ShapingFilter::arma(&self.ar, &self.ma, self.sigma, interval);
@@ -425,7 +434,7 @@ impl Arma {
         Some((white, slow))
     }
 
-    /// The same with a root of φ at 1 moved to the correlation time [`UNIT_ROOT_TAU`].
+    /// This ARMA with a root of φ at 1 moved to the correlation time [`UNIT_ROOT_TAU`].
     fn with_stationary_root(&self) -> Self {
         let mut stationary = self.clone();
         let sum: f64 = self.ar.iter().sum();

@@ -31,7 +31,7 @@ use crate::{
     screening::RecordError,
 };
 
-/// One of the methods.
+/// A method of the literature, to be compared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// [`power_spectrum`].
@@ -45,7 +45,7 @@ pub enum Method {
 }
 
 impl Method {
-    /// All of them, in the order of tables.
+    /// Every method, in the order of tables.
     pub const ALL: [Self; 4] = [
         Self::PowerSpectrum,
         Self::Autocorrelation,
@@ -73,10 +73,10 @@ impl Method {
         }
     }
 
-    /// Parameters of its model: N, B, K or N, σ, τ.
+    /// Number of parameters of its model: N, B, K or N, σ, τ.
     pub const PARAMETERS: usize = 3;
 
-    /// Fits a record without missing samples, with its overlapping Allan deviation and the terms of that.
+    /// Fits a record without missing samples by this method, given its overlapping Allan deviation `curve` and the `terms` of that.
     ///
     /// # Errors
     /// Where the method has no model of the record, or sees white noise alone.
@@ -95,7 +95,7 @@ impl Method {
     }
 }
 
-/// Why a method has no model of a record.
+/// Why a method of the literature has no model of a record.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unfit {
     /// The record cannot be used.
@@ -107,11 +107,11 @@ pub enum Unfit {
     /// Fewer averages, frequencies or averaging times than the method needs.
     #[error("the recording is too short for it: {got} {what}, at least {needed} are needed")]
     TooFew {
-        /// What is counted.
+        /// What is counted, in words.
         what: &'static str,
-        /// How many there are.
+        /// Number that there is.
         got: usize,
-        /// How many are needed.
+        /// Number that is needed.
         needed: usize,
     },
     /// The method sees no slow part.

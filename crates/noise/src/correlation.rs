@@ -28,10 +28,17 @@ const FFT_FROM: usize = 48;
 /// Samples summed before the sums are added up with compensation.
 const BLOCK: usize = 2048;
 
-/// Autocovariances γ_0 … γ_lags \[unit²\], about the mean, divisor n.
+/// Autocovariances γ_0 … γ_lags \[unit²\] of a record about its mean, divisor n; `lags` in samples.
 ///
 /// # Errors
 /// Fewer than lags + 1 samples (2 at least), a sample that is not finite, a constant record.
+///
+/// ```
+/// use undrift_noise::correlation::autocovariance;
+/// let gamma = autocovariance(&[1.0, -1.0, 1.0, -1.0], 2)?;
+/// assert_eq!(gamma, [1.0, -0.75, 0.5]); // Divisor n, whatever the lag.
+/// # Ok::<(), undrift_noise::screening::RecordError>(())
+/// ```
 pub fn autocovariance(x: &[f64], lags: usize) -> Result<Vec<f64>, RecordError> {
     let (mean, squares) = check_varying(x, lags.saturating_add(1).max(2))?;
     let mut products = lagged_products(x, mean, lags);
@@ -41,7 +48,18 @@ pub fn autocovariance(x: &[f64], lags: usize) -> Result<Vec<f64>, RecordError> {
     Ok(products)
 }
 
-/// Autocorrelations ρ_0 = 1 … ρ_lags.
+/// Autocorrelations ρ_0 = 1 … ρ_lags of a record about its mean, divisor n; `lags` in samples.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{correlation::{autocorrelation, white_bound}, synthesis::NoiseGenerator};
+/// // 10 samples to the correlation time: ρ falls as exp(−k/10).
+/// let process = ShapingFilter::gauss_markov(1e-3, 0.1, 0.01)?;
+/// let record: Vec<f64> = NoiseGenerator::new(&process, 1).take(50_000).collect();
+/// let rho = autocorrelation(&record, 20)?;
+/// assert!((rho[10] - (-1.0_f64).exp()).abs() < 0.03 && rho[20] > white_bound(50_000));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// As [`autocovariance`].
@@ -52,13 +70,22 @@ pub fn autocorrelation(x: &[f64], lags: usize) -> Result<Vec<f64>, RecordError> 
     Ok(values)
 }
 
-/// 95 % bound of a sample (partial) autocorrelation of white noise: 1.96 / √n.
+/// 95 % bound of a (partial) autocorrelation of `samples` samples of white noise: 1.96 / √n. One value of twenty lies outside by chance.
 pub fn white_bound(samples: usize) -> f64 {
     NORMAL_95 / (samples.max(1) as f64).sqrt()
 }
 
 /// Bartlett's 95 % bounds of ρ_1 … : at lag k of a moving average of order k − 1,
 /// `1.96 √((1 + 2 Σ_{i<k} ρ_i²) / n)` (Box, Jenkins & Reinsel, equation 2.1.15).
+/// `autocorrelation` begins with ρ_0 = 1, as [`autocorrelation()`] gives it; the first bound is that of lag 1.
+///
+/// ```
+/// use undrift_noise::correlation::{bartlett_bounds, white_bound};
+/// // Of a moving average with ρ_1 = 0.4 the later lags scatter more than those of white noise.
+/// let bounds = bartlett_bounds(&[1.0, 0.4, 0.01, -0.02], 1000);
+/// assert!((bounds[0] - white_bound(1000)).abs() < 1e-12);
+/// assert!((bounds[1] / bounds[0] - (1.0 + 2.0 * 0.16_f64).sqrt()).abs() < 1e-12);
+/// ```
 pub fn bartlett_bounds(autocorrelation: &[f64], samples: usize) -> Vec<f64> {
     let mut sum = 1.0;
     let mut bounds = Vec::with_capacity(autocorrelation.len().saturating_sub(1));
@@ -96,7 +123,7 @@ fn direct(x: &[f64], mean: f64, lags: usize) -> Vec<f64> {
     sums.iter().map(|s| s.value()).collect()
 }
 
-/// The same by FFT: cross spectra of each stretch with itself continued by `lags` samples.
+/// The products by FFT: cross spectra of each stretch with itself continued by `lags` samples.
 fn by_fft(x: &[f64], mean: f64, lags: usize) -> Vec<f64> {
     // No circular overlap: a stretch and its continuation by `lags` fit in `size`.
     let size = (4 * lags).next_power_of_two().max(4096);

@@ -34,10 +34,10 @@ use crate::composite::CompositeError;
 use crate::terms::present_mean;
 use undrift_nav::shaping::ShapingFilter;
 
-/// Horizons of docs/theory.md, section 6 \[s\].
+/// Horizons that models are scored at by default \[s\]: docs/theory.md, section 6.
 pub const HORIZONS_S: [f64; 4] = [1.0, 10.0, 60.0, 300.0];
 
-/// Most batches that the origins are divided into for the sampling error.
+/// Largest number of batches that the origins are divided into for the sampling error.
 pub const MAX_BATCHES: usize = 32;
 
 /// Why there is no score.
@@ -62,7 +62,7 @@ pub enum DriftError {
     Record(#[from] CompositeError),
 }
 
-/// The score at one horizon.
+/// Drift score of a model at one horizon.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HorizonScore {
     /// Horizon h \[s\], rounded to whole samples.
@@ -75,9 +75,9 @@ pub struct HorizonScore {
     pub standard_error: f64,
     /// RMS that the model itself expects, from the filter's covariance [unit·s].
     pub predicted_rms: f64,
-    /// Origins scored.
+    /// Number of origins scored; windows overlap.
     pub origins: usize,
-    /// Windows of h that do not overlap.
+    /// Number of windows of h that do not overlap: that many are independent at most.
     pub windows: f64,
     /// Mean squares of successive batches of origins [unit²·s²], each two horizons long or longer:
     /// the same of every model, so that models are compared batch by batch.
@@ -85,8 +85,9 @@ pub struct HorizonScore {
 }
 
 /// Scores a shaping filter on `record[first_part..]`, the filter identified on `record[..first_part]`,
-/// at horizons \[s\] in growing order or any other. NaN is a missing sample; a window counts where at
-/// most a third of it is missing, with the mean of the rest in its place and the white noise that this adds in what is predicted.
+/// at the horizons `horizons_s` \[s\] in any order. The record \[unit\] has the interval of the filter. NaN is a missing sample; a window
+/// counts where at most a third of it is missing, with the mean of the rest in its place and the white noise that this adds in what is
+/// predicted.
 ///
 /// # Errors
 /// See [`DriftError`].
@@ -152,18 +153,32 @@ pub fn score(
 
 /// Scores of a model on several parts of a record, or on several records, pooled horizon by horizon: mean squares weighted by
 /// their origins. The horizons grow, and a part that is too short for the long ones counts for the others.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{drift_score::{pooled, score}, synthesis::NoiseGenerator};
+/// let white = ShapingFilter::white(1e-3, 0.01)?;
+/// let scores = |seed| {
+///     let record: Vec<f64> = NoiseGenerator::new(&white, seed).take(20_000).collect();
+///     score(&record, 10_000, &white, &[1.0])
+/// };
+/// let both = pooled(&[scores(1)?, scores(2)?]);
+/// assert_eq!(both[0].origins, 2 * scores(1)?[0].origins);
+/// assert!(both[0].standard_error < scores(1)?[0].standard_error * 1.2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn pooled(parts: &[Vec<HorizonScore>]) -> Vec<HorizonScore> {
     let horizons = parts.iter().map(Vec::len).max().unwrap_or(0);
     let pool = |h: usize| {
         let long = || parts.iter().filter_map(move |part| part.get(h));
-        let of = |value: fn(&HorizonScore) -> f64| long().map(value);
+        let values = |value: fn(&HorizonScore) -> f64| long().map(value);
         let origins: usize = long().map(|score| score.origins).sum();
-        let mean = |value: fn(&HorizonScore) -> f64| of(value).sum::<f64>() / origins as f64;
+        let mean = |value: fn(&HorizonScore) -> f64| values(value).sum::<f64>() / origins as f64;
         let rms = mean(|s| s.origins as f64 * s.rms * s.rms).sqrt();
-        let windows: f64 = of(|s| s.windows).sum();
+        let windows: f64 = values(|s| s.windows).sum();
         let batches: Vec<f64> = long().flat_map(|score| score.batches.clone()).collect();
         HorizonScore {
-            horizon_s: of(|s| s.horizon_s).fold(0.0, f64::max),
+            horizon_s: values(|s| s.horizon_s).fold(0.0, f64::max),
             rms,
             standard_error: standard_error(rms, windows, &batches),
             predicted_rms: mean(|s| s.origins as f64 * s.predicted_rms * s.predicted_rms).sqrt(),
@@ -175,7 +190,7 @@ pub fn pooled(parts: &[Vec<HorizonScore>]) -> Vec<HorizonScore> {
     (0..horizons).map(pool).collect()
 }
 
-/// See [`HorizonScore::standard_error`].
+/// Standard error of a score, as [`HorizonScore::standard_error`] says.
 fn standard_error(rms: f64, windows: f64, batches: &[f64]) -> f64 {
     // d rms = d(rms²) / (2 rms)
     let from_batches = match rms > 0.0 {

@@ -29,10 +29,10 @@ mod poles;
 use crate::model_file::{ImuModel, ModelError};
 use equivalent::Equivalent;
 
-/// A format of noise models.
+/// A format of noise models. Those of other programs have white noise and one slow process at most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ModelFormat {
-    /// `imu.yaml` of Kalibr.
+    /// `imu.yaml` of Kalibr, also read by VINS-Fusion, OpenVINS and others.
     Kalibr,
     /// `imunoise` of a KF-GINS configuration.
     KfGins,
@@ -47,7 +47,7 @@ pub enum ModelFormat {
 }
 
 impl ModelFormat {
-    /// All of them.
+    /// Every format, in the order of help texts.
     pub const ALL: [Self; 6] = [
         Self::Kalibr,
         Self::KfGins,
@@ -57,7 +57,7 @@ impl ModelFormat {
         Self::Undrift,
     ];
 
-    /// Its name in arguments.
+    /// Its name in arguments and messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Kalibr => "kalibr",
@@ -70,7 +70,7 @@ impl ModelFormat {
     }
 }
 
-/// A name that is no format of noise models.
+/// A name that is not that of a format of noise models; its message lists the names.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown format {0:?}; available: kalibr, kf-gins, ros, px4, matlab, undrift")]
 pub struct UnknownModelFormat(pub String);
@@ -87,7 +87,7 @@ impl std::str::FromStr for ModelFormat {
 }
 
 impl ImuModel {
-    /// The text of this model in a format. `rate_hz` is the rate of the samples \[Hz\], of PX4's
+    /// The text of this model in `format`. `rate_hz` is the rate of the samples \[Hz\], of PX4's
     /// prediction for [`ModelFormat::Px4`] (100 Hz if not given); without it the rate of the record
     /// that the model was identified from is taken.
     ///

@@ -49,7 +49,7 @@ use std::io::{ErrorKind, Read};
 use std::path::Path;
 use undrift_nav::shaping::{MAX_ORDER, ShapingError};
 
-/// `format` of a model file.
+/// Value of the key `format` of a model file.
 pub const FORMAT: &str = "undrift-imu";
 /// Latest `version` of the format that is understood, and the one written.
 pub const VERSION: i64 = 1;
@@ -88,29 +88,29 @@ pub const MAX_PROCESSES: usize = MAX_ORDER - 2;
 pub struct ImuModel {
     /// Name of the sensor.
     pub name: String,
-    /// Where the numbers come from, free text.
+    /// Source of the numbers, free text: a data sheet with its revision and table, or the recording.
     pub source: String,
     /// The record they were identified from, if they were.
     pub provenance: Provenance,
-    /// Gyros x, y, z [rad, s].
+    /// Gyros x, y, z, in rad/s and s.
     pub gyro: [AxisModel; 3],
-    /// Accelerometers x, y, z [m, s].
+    /// Accelerometers x, y, z, in m/s² and s.
     pub accel: [AxisModel; 3],
     /// Where it was read from, which messages put before the name of an axis: `imu.toml: ` or `drive.toml: model.`; empty
     /// for a model made in code.
     pub read_from: String,
 }
 
-/// Where an identified model comes from; every part may be unknown.
+/// The record that an identified model comes from; every part may be unknown.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
     /// Name of the static record.
     pub record: Option<String>,
-    /// Its sample rate \[Hz\].
+    /// Sample rate of the record \[Hz\].
     pub rate_hz: Option<f64>,
-    /// Its length in samples.
+    /// Length of the record in samples.
     pub samples: Option<u64>,
-    /// SHA-256 of its bytes in hexadecimal.
+    /// SHA-256 of the record's bytes in hexadecimal.
     pub sha256: Option<String>,
     /// Program and version that wrote the model.
     pub program: Option<String>,
@@ -118,12 +118,12 @@ pub struct Provenance {
     pub recordings: Vec<Recording>,
 }
 
-/// One of several recordings of a model.
+/// One of several recordings that a model was identified from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
     /// Name of the static record.
     pub record: String,
-    /// Its length in samples.
+    /// Length of the record in samples.
     pub samples: Option<u64>,
     /// SHA-256 of its bytes in hexadecimal.
     pub sha256: Option<String>,
@@ -134,21 +134,22 @@ pub struct Recording {
 /// which nothing is known.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AxisModel {
-    /// Standard deviation of the turn-on constant \[unit\].
+    /// Standard deviation of the turn-on constant \[unit\]: how much the bias differs from one switch-on to the next. One record cannot
+    /// show it; a data sheet or several records can.
     pub turn_on: f64,
-    /// Density of the white noise N [unit·√s].
+    /// Density of the white noise N [unit·√s = unit/√Hz]: angle or velocity random walk.
     pub white: Option<f64>,
     /// Quantisation Q [unit·s], the standard deviation of the rounding of the integrated signal.
     pub quantisation: Option<f64>,
     /// Gauss-Markov parts of the bias, at most [`MAX_PROCESSES`].
     pub instability: Vec<GaussMarkov>,
-    /// Random walk K of the bias [unit/√s].
+    /// Random walk K of the bias [unit/√s]: rate random walk, acceleration random walk.
     pub random_walk: Option<f64>,
     /// ARMA of the whole error less its constant, beside the terms above, not added to them.
     pub arma: Option<Arma>,
     /// Spectral lines and narrow resonances beside all of the above; no filter has states for them.
     pub lines: Vec<Line>,
-    /// How the bias goes with temperature: taken out of a drive's samples before the filter, where they have one.
+    /// Dependence of the bias on the temperature: removed from a drive's samples before the filter, where they have a temperature.
     pub temperature: Option<Temperature>,
     /// σ of the `paper` model \[unit\]; without it the white noise per sample is taken.
     pub paper_sigma: Option<f64>,
@@ -167,12 +168,13 @@ pub struct Line {
     pub width_hz: f64,
 }
 
-/// `x_t − ar_1 x_{t−1} − … = a_t − ma_1 a_{t−1} − …`, `a_t ~ N(0, sigma²)`.
+/// An ARMA(p, q), `x_t − ar_1 x_{t−1} − … = a_t − ma_1 a_{t−1} − …`, `a_t ~ N(0, sigma²)`: the sign of docs/theory.md, in which Matlab and
+/// statsmodels write +θ.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Arma {
-    /// φ1…φp.
+    /// Autoregressive φ1…φp; one root may be at 1.
     pub ar: Vec<f64>,
-    /// θ1…θq.
+    /// Moving-average θ1…θq, subtracted.
     pub ma: Vec<f64>,
     /// Standard deviation of the innovations \[unit\].
     pub sigma: f64,
@@ -180,7 +182,8 @@ pub struct Arma {
     pub rate_hz: f64,
 }
 
-/// Why there is no model, or no shaping filter of it.
+/// Why a model file cannot be read, or why there is no shaping filter or export of a model. Its text names file, line and key, and what
+/// was expected.
 #[derive(Debug, thiserror::Error)]
 pub enum ModelError {
     /// The file cannot be read.
@@ -215,13 +218,13 @@ pub enum ModelError {
         /// What is wrong and what was expected.
         message: String,
     },
-    /// The model knows nothing of an axis.
+    /// Nothing is known of an axis: neither white noise nor an ARMA.
     #[error(
         "{prefix}{axis}: no noise model; give [{}] for all three axes, or [{axis}]",
         group(axis)
     )]
     NoAxis {
-        /// Where the model was read from.
+        /// Name of the place that the model was read from, with a colon; empty of a model made in code.
         prefix: String,
         /// The axis.
         axis: &'static str,
@@ -242,7 +245,7 @@ pub enum ModelError {
         /// Name of the format.
         format: &'static str,
     },
-    /// The requested sample rate is invalid.
+    /// The requested sample rate \[Hz\] is not positive and finite.
     #[error("invalid sample rate: {0} Hz")]
     BadRate(f64),
     /// The shaping filter cannot be made.
@@ -274,7 +277,7 @@ fn axis_prefix(axis: Option<&'static str>) -> String {
 }
 
 impl ImuModel {
-    /// The model of a sensor whose three gyros are alike, and its three accelerometers, as data sheets give them.
+    /// The model of a sensor whose three gyros are alike, and whose three accelerometers are, as data sheets give them.
     pub fn new(name: &str, gyro: AxisModel, accel: AxisModel) -> Self {
         Self {
             name: name.to_owned(),
@@ -284,7 +287,28 @@ impl ImuModel {
         }
     }
 
-    /// Reads a model file's text; `file` is what messages call it.
+    /// Reads a model file's text; `file` is its name in messages.
+    ///
+    /// ```
+    /// use undrift_noise::ImuModel;
+    /// let text = r#"
+    /// format = "undrift-imu"
+    /// version = 1
+    /// name = "My IMU"
+    /// source = "data sheet, table 2"
+    /// [gyro]
+    /// white_noise = "0.3 deg/sqrt(h)"
+    /// bias_instability = "8 deg/h"
+    /// correlation_time = "200 s"
+    /// [accel]
+    /// white_noise = "60 ug/sqrt(Hz)"
+    /// "#;
+    /// let model = ImuModel::from_toml(text, "imu.toml")?;
+    /// assert_eq!(model.gyro[0].instability[0].tau_s, 200.0);
+    /// let error = ImuModel::from_toml(&text.replace("deg/h\"", "deg\""), "imu.toml").unwrap_err();
+    /// assert!(error.to_string().contains("imu.toml line 8") && error.to_string().contains("gyro.bias_instability"));
+    /// # Ok::<(), undrift_noise::ModelError>(())
+    /// ```
     ///
     /// # Errors
     /// [`ModelError::Syntax`] where the text is no TOML; [`ModelError::Entry`] for a key that is missing or
@@ -307,7 +331,7 @@ impl ImuModel {
         read::model(&table::Table::top(table, Some(text), file, path))
     }
 
-    /// Reads a model file.
+    /// Reads the model file at `path`; errors name it.
     ///
     /// # Errors
     /// [`ModelError::Read`] where the file cannot be read or is no UTF-8, else as [`ImuModel::from_toml`].
@@ -327,6 +351,16 @@ impl ImuModel {
     ///
     /// # Errors
     /// As [`ImuModel::load`]; where there is no such file, the message names the presets near it.
+    ///
+    /// ```
+    /// use std::path::Path;
+    /// use undrift_noise::ImuModel;
+    /// let here = Path::new("/nonexistent");
+    /// assert_eq!(ImuModel::resolve("adis16465", here)?.name, ImuModel::preset("adis16465").ok_or("no preset")?.name);
+    /// let error = ImuModel::resolve("adis16466", here).unwrap_err();
+    /// assert!(error.to_string().contains("adis16465")); // The nearest presets.
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn resolve(name_or_path: &str, base: &Path) -> Result<Self, ModelError> {
         if let Some(model) = Self::preset(name_or_path) {
             return Ok(model);
@@ -349,7 +383,7 @@ impl ImuModel {
         Self::from_toml(text, name).ok()
     }
 
-    /// Names of the presets.
+    /// Names of the presets, in alphabetical order.
     pub fn preset_names() -> &'static [&'static str] {
         presets::NAMES
     }
@@ -360,6 +394,14 @@ impl ImuModel {
     }
 
     /// The six axes with their names: gyro x, y, z, accelerometer x, y, z.
+    ///
+    /// ```
+    /// use undrift_noise::ImuModel;
+    /// let model = ImuModel::preset("adis16465").ok_or("no preset")?;
+    /// let named: Vec<_> = model.axes().into_iter().filter(|(_, axis)| axis.is_known()).map(|(name, _)| name).collect();
+    /// assert_eq!(named, ["gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"]);
+    /// # Ok::<(), &str>(())
+    /// ```
     pub fn axes(&self) -> [(&'static str, &AxisModel); 6] {
         std::array::from_fn(|i| {
             (

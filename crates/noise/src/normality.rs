@@ -22,22 +22,23 @@ use serde::{Deserialize, Serialize};
 /// 5 % critical value of chi-squared with 2 degrees of freedom, −2 ln 0.05.
 pub const JARQUE_BERA_CRITICAL_5: f64 = 5.991_464_547_107_98;
 
-/// A test that rejects normality above its critical value.
+/// A test that rejects normality where its statistic is above its critical value.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Test {
-    /// Its statistic.
+    /// Value of the statistic [–].
     pub statistic: f64,
     /// Critical value at 5 %.
     pub critical_5: f64,
-    /// Probability of a larger statistic of normal samples.
+    /// Probability of a larger statistic if the samples were normal and independent. Of a million samples it is small for departures that
+    /// no filter notices, and of correlated samples it is too small: read the effect sizes beside it.
     pub p_value: f64,
 }
 
-/// Everything said about the distribution of a record.
+/// Moments of a record, three tests of normality, and the step of its quantisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Normality {
-    /// Samples.
+    /// Number of samples.
     pub samples: usize,
     /// Mean \[unit\].
     pub mean: f64,
@@ -48,24 +49,24 @@ pub struct Normality {
     /// Excess kurtosis m₄/m₂² − 3; 0 for a normal distribution.
     pub kurtosis_excess: f64,
     /// Jarque & Bera (Economics Letters 6, 1980): n/6 (skewness² + kurtosis²/4), chi-squared with 2 degrees
-    /// of freedom.
+    /// of freedom when the record is normal.
     pub jarque_bera: Test,
     /// Kolmogorov-Smirnov distance to the normal distribution of the record's own mean and deviation, as if
     /// that were known beforehand, which is how the source paper compares: too lenient.
     pub ks: Test,
-    /// The same distance by Lilliefors' test, which allows for the fit (Dallal & Wilkinson, Stephens; as R's
+    /// The same distance by Lilliefors' test, which allows for the mean and deviation being fitted (Dallal & Wilkinson, Stephens; as R's
     /// nortest).
     pub lilliefors: Test,
     /// The grid the samples lie on, where there is one.
     pub quantisation: Option<Quantisation>,
 }
 
-/// Skewness, kurtosis and the test made of them.
+/// Skewness, excess kurtosis, and the test of Jarque & Bera that is made of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JarqueBera {
     /// Jarque & Bera (Economics Letters 6, 1980): n/6 (skewness² + kurtosis²/4).
     pub statistic: f64,
-    /// Its p by chi-squared with 2 degrees of freedom.
+    /// Probability of a larger statistic of a normal record, by chi-squared with 2 degrees of freedom.
     pub p_value: f64,
     /// Skewness m₃/m₂^{3/2}, moments with divisor n; 0 for a normal distribution.
     pub skewness: f64,
@@ -78,6 +79,17 @@ pub struct JarqueBera {
 ///
 /// # Errors
 /// Fewer than 5 samples, a sample that is not finite, a constant record.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{normality::jarque_bera, synthesis::NoiseGenerator};
+/// let normal: Vec<f64> = NoiseGenerator::new(&ShapingFilter::white(1e-3, 0.01)?, 1).take(5000).collect();
+/// assert!(jarque_bera(&normal)?.p_value > 0.05);
+/// let heavy: Vec<f64> = normal.iter().map(|x| x * x.abs()).collect();
+/// let test = jarque_bera(&heavy)?;
+/// assert!(test.kurtosis_excess > 3.0 && test.p_value < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn jarque_bera(x: &[f64]) -> Result<JarqueBera, RecordError> {
     let (mean, squares) = check_varying(x, 5)?;
     Ok(jarque_bera_about(x, mean, squares))

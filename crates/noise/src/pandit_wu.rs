@@ -48,7 +48,7 @@ const MOST: usize = 12;
 /// Effort of the fits that only the table shows.
 const TABLE_EFFORT: f64 = 0.05;
 
-/// How far and how to fit.
+/// Largest order, level of the tests, and options of each fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PanditWuOptions {
     /// Largest n of ARMA(2n, 2n−1) that may be chosen, 1 to 12.
@@ -58,7 +58,7 @@ pub struct PanditWuOptions {
     pub table: usize,
     /// Level of the tests; 0.05 in the paper.
     pub level: f64,
-    /// How each order is fitted.
+    /// Options of each order's fit.
     pub fit: FitOptions,
 }
 
@@ -79,7 +79,7 @@ impl Default for PanditWuOptions {
 pub struct OrderTest {
     /// The smaller order (p, q).
     pub smaller: (usize, usize),
-    /// The larger one.
+    /// The larger order (p, q).
     pub larger: (usize, usize),
     /// A0, sum of squares of the smaller model \[unit²\].
     pub sum_smaller: f64,
@@ -95,9 +95,9 @@ pub struct OrderTest {
     pub critical: f64,
     /// Probability of a larger F, were it F-distributed.
     pub p_value: f64,
-    /// F exceeds the critical value: the larger model is needed.
+    /// Whether F exceeds the critical value: the larger model is needed.
     pub significant: bool,
-    /// F exceeds [`PAPER_CRITICAL`], the value the paper takes.
+    /// Whether F exceeds [`PAPER_CRITICAL`], with which the source paper compares.
     pub significant_in_paper: bool,
 }
 
@@ -108,12 +108,12 @@ pub struct OrderRow {
     pub n: usize,
     /// The fit: sum of squares, AIC, BIC, coefficients.
     pub fit: ArmaFit,
-    /// The test against the row before.
+    /// The test against the row before; `None` in the first row, and where the models are not nested.
     pub test: Option<OrderTest>,
 }
 
 impl OrderRow {
-    /// (p, q).
+    /// The order (p, q) of the row.
     pub fn order(&self) -> (usize, usize) {
         self.fit.order()
     }
@@ -127,7 +127,7 @@ impl OrderRow {
     }
 }
 
-/// The whole procedure.
+/// All fits and tests of the procedure, and the order that each criterion chooses: what the source paper's tables are made of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanditWu {
     /// ARMA(1,1), then ARMA(2n, 2n−1), each tested against the row before. Ends with the first order
@@ -135,7 +135,7 @@ pub struct PanditWu {
     pub rows: Vec<OrderRow>,
     /// n of the last significant order: where the paper's loop stops.
     pub n: usize,
-    /// The loop ended because a test was not significant, not because n_max was reached.
+    /// Whether the loop ended because a test was not significant, not because n_max was reached.
     pub adequate: bool,
     /// The tests of stepping down from (2n, 2n−1), in the order made.
     pub step_down: Vec<OrderTest>,
@@ -154,14 +154,25 @@ pub struct PanditWu {
 }
 
 impl PanditWu {
-    /// The fit of an order, if it was made.
+    /// The fit of `order` (p, q), if it was made.
     pub fn fit(&self, order: (usize, usize)) -> Option<&ArmaFit> {
         self.fits.iter().find(|fit| fit.order() == order)
     }
 }
 
-/// The F test of `larger` against `smaller` at the given level, from their sums of squares. `None`
+/// The F test of `larger` against `smaller` at the given `level`, from their sums of squares, both fitted to the same record. `None`
 /// where `larger` has no more parameters or not enough samples remain.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{arma::{FitOptions, fit}, pandit_wu::f_test, synthesis::NoiseGenerator};
+/// let process = ShapingFilter::arma(&[0.9], &[0.5], 1e-3, 0.01)?;
+/// let record: Vec<f64> = NoiseGenerator::new(&process, 1).take(1000).collect();
+/// let [smaller, larger] = [fit(&record, 1, 0, &FitOptions::default())?, fit(&record, 1, 1, &FitOptions::default())?];
+/// let test = f_test(&smaller, &larger, 0.05).expect("nested");
+/// assert!(test.significant && test.added == 1 && test.sum_larger < test.sum_smaller);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn f_test(smaller: &ArmaFit, larger: &ArmaFit, level: f64) -> Option<OrderTest> {
     // σ² is in `parameters` and not in r.
     let added = larger.parameters.checked_sub(smaller.parameters)?;
@@ -191,7 +202,7 @@ pub fn f_test(smaller: &ArmaFit, larger: &ArmaFit, level: f64) -> Option<OrderTe
     })
 }
 
-/// The value that F(`added`, `remaining`) exceeds with probability `level`, or `None` outside (0, 1).
+/// The value that F with `added` and `remaining` degrees of freedom exceeds with probability `level`, or `None` for a level outside (0, 1).
 ///
 /// ```
 /// use undrift_noise::pandit_wu::{PAPER_CRITICAL, critical_value};
@@ -233,6 +244,7 @@ struct Fits<'a> {
 }
 
 impl Fits<'_> {
+    /// The fit of an order, made once, from the optima below it.
     fn at(&mut self, p: usize, q: usize) -> Result<ArmaFit, ArmaError> {
         if let Some(fit) = self.made.iter().find(|fit| fit.order() == (p, q)) {
             return Ok(fit.clone());

@@ -51,15 +51,15 @@ presets![
     "vn100",
 ];
 
-/// What shows the presets, for messages.
+/// Hint in messages: the command that shows the presets.
 pub const LISTED: &str = "`undrift model --list` shows the presets";
 /// Longest name that is compared \[bytes\].
 const LONGEST: usize = 40;
 /// Most names that are suggested.
 const SUGGESTED: usize = 3;
 
-/// The presets nearest to a name that is not a preset's: those of another spelling (`ADIS-16465`), else with the fewest
-/// other characters, else those that go on after it.
+/// The presets nearest to a `name` that is not a preset's, at most three: those of another spelling (`ADIS-16465`), else with the fewest
+/// other characters, else those that begin with it.
 pub fn near(name: &str) -> Vec<&'static str> {
     let letters = |c: char| c.is_ascii_alphanumeric().then(|| c.to_ascii_lowercase());
     let wanted: String = name.chars().filter_map(letters).collect();
@@ -81,7 +81,7 @@ pub fn near(name: &str) -> Vec<&'static str> {
     nearest.map(|(_, preset)| preset).take(SUGGESTED).collect()
 }
 
-/// What a message says after a name that is no preset: names near it, and where all are.
+/// Hint for an unknown preset name: names near it, and where all are.
 pub(crate) fn suggestion(name: &str) -> String {
     match near(name).join(" or ") {
         none if none.is_empty() => LISTED.into(),

@@ -72,7 +72,7 @@ impl<'a> Objective<'a> {
         }
     }
 
-    /// With a gradient in place of differences.
+    /// This objective with a gradient in place of differences.
     pub(crate) fn with_gradient(self, gradient: &'a Gradient<'a>) -> Self {
         Self {
             gradient: Some(gradient),
@@ -80,6 +80,7 @@ impl<'a> Objective<'a> {
         }
     }
 
+    /// Values at several points, +∞ in place of NaN; each counts as an evaluation.
     pub(crate) fn at_all(&mut self, z: &[Vec<f64>]) -> Vec<f64> {
         undrift_base::interrupt::check();
         self.evaluations += z.len();
@@ -90,6 +91,7 @@ impl<'a> Objective<'a> {
         values
     }
 
+    /// Value at one point.
     pub(crate) fn at(&mut self, z: &[f64]) -> f64 {
         self.at_all(&[z.to_vec()])[0]
     }
@@ -297,7 +299,7 @@ pub(crate) fn bfgs(
     here
 }
 
-/// Longest backtracking.
+/// Halvings of a step at most before a line search gives up.
 const TRIES: usize = 25;
 /// Sufficient decrease of the step that is taken, as a share of the slope's.
 const SUFFICIENT: f64 = 1e-4;

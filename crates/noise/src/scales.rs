@@ -25,7 +25,7 @@ use undrift_base::number::OrNull;
 use undrift_base::parallel;
 use undrift_nav::shaping::ShapingFilter;
 
-/// Block lengths tried, in samples.
+/// Block lengths that are tried, in samples.
 pub const BLOCKS: [usize; 5] = [1, 5, 20, 100, 500];
 
 /// Fewest averages that are fitted.
@@ -37,7 +37,7 @@ const SHARE: f64 = 0.02;
 /// A slow part is seen where its standard errors are below this share (in logarithms).
 const SEEN: f64 = 1.0;
 
-/// What should be said with a scale.
+/// Remark on a scale, to be read beside its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flag {
     /// Fewer than 200 averages: not fitted.
@@ -56,33 +56,33 @@ pub enum Flag {
     NotDistinguishable,
 }
 
-/// The record at one scale.
+/// ARMA(1,1) of the record at one scale, and the slow part that it implies at the full rate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ScaleFit {
-    /// Samples averaged.
+    /// Number of samples averaged to a block.
     pub block: usize,
-    /// Averages present.
+    /// Number of averages present.
     pub points: usize,
     /// φ of the averages' ARMA(1,1).
     #[serde(with = "OrNull")]
     pub phi: f64,
-    /// θ.
+    /// θ of the averages' ARMA(1,1).
     #[serde(with = "OrNull")]
     pub theta: f64,
-    /// Standard deviation of its innovations \[unit\].
+    /// Standard deviation of the innovations of the averages' ARMA(1,1) \[unit\].
     #[serde(with = "OrNull")]
     pub sigma: f64,
-    /// The slow part and white noise at the full rate; none where there is no slow part.
+    /// The slow part and white noise at the full rate; absent where there is no slow part.
     pub lifted: Option<Lifted>,
     /// Standard errors of the logarithms of white, sigma, tau and drive; infinite where not known.
     pub relative_errors: Lifted,
-    /// Shaping filter at the full rate; none where there is no slow part.
+    /// Shaping filter at the full rate; absent where there is no slow part.
     #[serde(skip)]
     pub filter: Option<ShapingFilter>,
     /// Whether the slow part is there and determined.
     pub seen: bool,
-    /// What should be said with it.
+    /// Remarks to be read beside the numbers.
     #[serde(skip)]
     pub flags: Vec<Flag>,
 }
@@ -117,18 +117,18 @@ impl ScaleFit {
     }
 }
 
-/// All scales of a record.
+/// A record at several scales, and the scale that shows what drifts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Scales {
-    /// By growing block length.
+    /// The scales, by growing block length.
     #[serde(rename = "fits")]
     pub scales: Vec<ScaleFit>,
     /// The finest scale that sees a slow part and agrees with every coarser one that sees one; where
     /// none does, the coarsest that sees one.
     #[serde(skip)]
     pub chosen: Option<usize>,
-    /// Its block length \[samples\].
+    /// Block length of the chosen scale \[samples\].
     pub chosen_block: Option<usize>,
     /// The number of scales that agree with the chosen one, itself included.
     pub agreeing: usize,
@@ -139,6 +139,17 @@ pub struct Scales {
 ///
 /// # Errors
 /// A record too short for the shortest block, or infinite; a bad interval.
+///
+/// ```
+/// use undrift_noise::{composite::CompositeTerms, scales::identify, synthesis::NoiseGenerator};
+/// let truth = CompositeTerms { white: 0.01, random_walk: 0.005, ..CompositeTerms::default() };
+/// let record: Vec<f64> = NoiseGenerator::new(&truth.to_shaping(0.01)?, 1).take(50_000).collect();
+/// let found = identify(&record, 0.01, &[5, 20, 100], 0.1)?;
+/// let chosen = &found.scales[found.chosen.expect("a slow part")];
+/// let lifted = chosen.lifted.expect("seen");
+/// assert!((lifted.white / 0.01).ln().abs() < 0.1 && (lifted.drive / 0.005).ln().abs() < 0.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn identify(
     record: &[f64],
     interval: f64,
@@ -178,6 +189,7 @@ pub fn identify(
     })
 }
 
+/// The record in blocks of one length: its ARMA(1,1), lifted, with flags.
 fn scale(record: &[f64], interval: f64, block: usize, effort: f64) -> ScaleFit {
     let mut scale = ScaleFit {
         block,

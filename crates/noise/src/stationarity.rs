@@ -40,7 +40,7 @@ pub use kpss::{Kpss, KpssLags, kpss};
 pub use phillips_perron::{PhillipsPerron, phillips_perron};
 pub use verdict::{Conclusion, Verdict, verdict};
 
-/// What a test regression takes out beside the lags.
+/// Deterministic part of a test regression, beside the lags.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Deterministic {
     /// Nothing: the mean is known to be 0.
@@ -62,17 +62,17 @@ impl Deterministic {
     }
 }
 
-/// Critical values of a test statistic.
+/// Critical values of a test statistic at three levels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Critical {
-    /// At 1 %.
+    /// Critical value at 1 %.
     #[serde(rename = "1%")]
     pub one: f64,
-    /// At 5 %.
+    /// Critical value at 5 %.
     #[serde(rename = "5%")]
     pub five: f64,
-    /// At 10 %.
+    /// Critical value at 10 %.
     #[serde(rename = "10%")]
     pub ten: f64,
 }

@@ -33,7 +33,7 @@ pub(crate) struct Innovations<const N: usize> {
     pub(crate) gain: Vector<N>,
     /// Driving noise of a missing sample.
     pub(crate) q: Matrix<N>,
-    /// P∞.
+    /// P∞, the covariance of the prediction once it has settled.
     pub(crate) p: Matrix<N>,
 }
 
@@ -57,6 +57,7 @@ struct Series<const N: usize> {
     b: Vector<N>,
 }
 
+/// The state of a pass over a record: sums, what the state before the record is still seen by, and the two series.
 struct Walk<'a, const N: usize> {
     model: &'a Innovations<N>,
     tables: &'a Tables<N>,

@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift_nav::shaping::{MAX_ORDER, ShapingFilter};
 
-/// Draws the samples ε_0, ε_1, … of a shaping filter.
+/// Draws the samples ε_0, ε_1, … of a shaping filter, without end: an iterator, or one by one.
 ///
 /// ```
 /// use undrift_nav::shaping::ShapingFilter;
@@ -36,7 +36,21 @@ impl NoiseGenerator {
         Self::with_rng(filter, Xoshiro256PlusPlus::seed_from_u64(seed))
     }
 
-    /// As [`NoiseGenerator::new`], from a generator of the caller, e.g. one jumped ahead per axis.
+    /// A generator that draws from `rng` of the caller, for example one jumped ahead for each axis, so that axes are independent.
+    ///
+    /// ```
+    /// use rand_xoshiro::{Xoshiro256PlusPlus, rand_core::SeedableRng};
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// use undrift_noise::synthesis::NoiseGenerator;
+    /// let filter = ShapingFilter::white(1e-3, 0.01)?;
+    /// let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
+    /// let [mut x, mut y] = [(); 2].map(|()| {
+    ///     rng.jump(); // 2¹²⁸ numbers on: the axes share none.
+    ///     NoiseGenerator::with_rng(&filter, rng.clone())
+    /// });
+    /// assert_ne!(x.sample(), y.sample());
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn with_rng(filter: &ShapingFilter, mut rng: Xoshiro256PlusPlus) -> Self {
         let initial = filter.initial_factor();
         let mut state = [0.0; MAX_ORDER];

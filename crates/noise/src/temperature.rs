@@ -30,14 +30,14 @@ use undrift_nav::shaping::ShapingFilter;
 
 /// Blocks that the regression is of, at most: no temperature changes faster than a thousandth of a record matters.
 const BLOCKS: usize = 1000;
-/// Least change of the temperature over the record \[K\], of block averages.
+/// Least change of the temperature over the record \[K\], of block averages, for an effect to be estimated.
 pub const LEAST_CHANGE_K: f64 = 0.5;
 /// Standard errors that a coefficient must be away from 0. At 3 two records in a hundred whose bias is a random walk would have
 /// an effect that is not there, since the walk is estimated too and two coefficients are tested; an effect between 3 and 3.5 is uncertain by a third.
 pub const SIGNIFICANT: f64 = 3.5;
 /// Fall of AIC that a coefficient must make besides, the noise fitted with and without it: a walk may explain what it does.
 const FALL: f64 = SIGNIFICANT * SIGNIFICANT;
-/// Standard errors of the ends of a 95 % interval.
+/// Standard errors from an estimate to an end of its 95 % interval.
 pub const NORMAL_95: f64 = 1.96;
 /// Models whose AIC is within this of the least are not distinguished.
 const ALIKE: f64 = 6.0;
@@ -99,26 +99,40 @@ const SETS: [(&str, TermSet); 3] = {
 };
 
 /// A bias that changes with temperature by `slope·(T − reference) + quadratic·(T − reference)²`. "unit" is rad/s or m/s².
+///
+/// ```
+/// use undrift_noise::temperature::Temperature;
+/// let gyro = Temperature {
+///     reference_c: 25.0,
+///     range_c: [10.0, 45.0],
+///     slope: 2e-5, // [rad/s/K]
+///     slope_sigma: 1e-6,
+///     quadratic: 0.0,
+///     quadratic_sigma: 0.0,
+///     body_axes: false,
+/// };
+/// assert!((gyro.bias(35.0) - 2e-4).abs() < 1e-18); // To be subtracted from the samples [rad/s].
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Temperature {
-    /// Temperature at which the effect is 0 [°C].
+    /// Temperature at which the effect is 0 [°C]: the mean of the record.
     pub reference_c: f64,
-    /// Temperatures that it was estimated between [°C].
+    /// Lowest and highest temperature of the record that it was estimated from [°C]; beyond, it is extrapolated.
     pub range_c: [f64; 2],
-    /// [unit/K]
+    /// Change of the bias with temperature at the reference [unit/K].
     pub slope: f64,
-    /// Its standard error [unit/K].
+    /// Standard error of the slope [unit/K].
     pub slope_sigma: f64,
-    /// [unit/K²]; 0 where there is none.
+    /// Quadratic part [unit/K²]; 0 of a straight line.
     pub quadratic: f64,
-    /// Its standard error [unit/K²]; 0 where there is none.
+    /// Standard error of the quadratic part [unit/K²]; 0 of a straight line.
     pub quadratic_sigma: f64,
-    /// Along the body axes of a drive file; otherwise along the sensor's own, whose columns the record has.
+    /// Whether it is along the body axes of a drive file; else along the sensor's own, whose columns the record has.
     pub body_axes: bool,
 }
 
 impl Temperature {
-    /// The bias at a temperature [°C] less that at the reference \[unit\].
+    /// The bias at `temperature_c` [°C] less that at the reference \[unit\].
     #[inline]
     pub fn bias(&self, temperature_c: f64) -> f64 {
         let above = temperature_c - self.reference_c;
@@ -126,36 +140,36 @@ impl Temperature {
     }
 }
 
-/// What a record says of the effect of temperature.
+/// Effect of temperature in a record, and whether it is beyond doubt.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     /// Slope and, where the likelihood wants it, quadratic.
     pub effect: Temperature,
     /// Whether the slope or the quadratic is [`SIGNIFICANT`].
     pub determined: bool,
-    /// The noise that the standard errors are of.
+    /// Model of the noise under which it was estimated, the most cautious of the likely ones.
     pub noise: &'static str,
-    /// Share of the variance of the block averages that the effect explains.
+    /// Share of the variance of the block averages that the effect explains [–].
     pub explained: f64,
 }
 
 impl Estimate {
-    /// The effect for a model, if it is determined.
+    /// The effect, to be put into a model; `None` unless it is determined.
     pub fn in_model(&self) -> Option<Temperature> {
         self.determined.then_some(self.effect)
     }
 }
 
-/// Why there is no estimate.
+/// Why the effect of temperature cannot be estimated.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum TemperatureError {
-    /// Its length is not that of the record.
+    /// The temperature's length is not that of the record.
     #[error("one temperature per sample is needed")]
     Length,
-    /// More than a tenth of it is missing.
+    /// More than a tenth of the temperature is missing.
     #[error("more than a tenth of the temperatures is missing")]
     Missing,
-    /// It hardly changes.
+    /// The temperature hardly changes, less than [`LEAST_CHANGE_K`].
     #[error("it changes by {change_k:.2} K, at least {LEAST_CHANGE_K} K are needed")]
     Steady {
         /// The change over the record \[K\].
@@ -166,8 +180,17 @@ pub enum TemperatureError {
     NoFit,
 }
 
-/// The temperature with the last finite value held over what is missing, the first before the first; an error where
-/// that is more than a tenth.
+/// `temperature_c` [°C] with the last finite value held over what is missing, and the first finite one before it: for sensors that give a
+/// temperature now and then.
+///
+/// ```
+/// use undrift_noise::temperature::held;
+/// let mut temperature = vec![25.0; 20];
+/// (temperature[0], temperature[10]) = (f64::NAN, f64::NAN);
+/// assert_eq!(held(&temperature)?, vec![25.0; 20]);
+/// assert!(held(&[f64::NAN, 25.0]).is_err());
+/// # Ok::<(), undrift_noise::temperature::TemperatureError>(())
+/// ```
 ///
 /// # Errors
 /// [`TemperatureError::Missing`].
@@ -195,7 +218,7 @@ pub struct Regressors {
 }
 
 impl Regressors {
-    /// Of `record` \[unit\], NaN where a sample is missing, with a finite temperature [°C] for every sample, taken every
+    /// Averages `record` \[unit\], NaN where a sample is missing, with a finite temperature [°C] for every sample, taken every
     /// `interval` \[s\].
     ///
     /// # Errors
@@ -239,13 +262,14 @@ impl Regressors {
         })
     }
 
-    /// Slope and quadratic by plain least squares: a first look, for what is robust against their errors.
+    /// Slope and quadratic by ordinary least squares: a first look, for what is robust against their errors. Its standard errors do not hold
+    /// beside a random walk.
     pub fn plain(&self) -> Option<Temperature> {
         Some(self.effect(&self.averages.plain(2)?))
     }
 
-    /// The estimate. The quadratic is kept where the AIC falls by more than [`SIGNIFICANT`]² for it; the effect is determined
-    /// where it makes the AIC fall by as much and its last coefficient is more than [`SIGNIFICANT`] standard errors from 0.
+    /// The estimate by generalised least squares. The quadratic is kept where the AIC falls by more than [`SIGNIFICANT`]² for it; the effect is
+    /// determined where it makes the AIC fall by as much and its last coefficient is more than [`SIGNIFICANT`] standard errors from 0.
     ///
     /// # Errors
     /// [`TemperatureError::NoFit`], where no model of the noise can be fitted.
@@ -285,7 +309,7 @@ impl Regressors {
         least.ok_or(TemperatureError::NoFit)
     }
 
-    /// Of the models that the likelihood does not tell apart the one under which the last coefficient is least certain.
+    /// The model, of those that the likelihood does not tell apart, under which the last coefficient is least certain.
     fn most_cautious(
         &self,
         regressors: usize,
@@ -331,167 +355,4 @@ impl Regressors {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_temperature_is_read_with_its_unit() {
-        for (text, expected) in [
-            ("25 degC", Some(25.0)),
-            ("25degC", Some(25.0)),
-            (" 25 °C ", Some(25.0)),
-            ("25 celsius", Some(25.0)),
-            ("-5 C", Some(-5.0)),
-            ("\u{2212}5C", Some(-5.0)),
-            ("300.15 K", Some(27.0)),
-            ("0 K", Some(-273.15)),
-            ("-273.15 C", Some(-273.15)),
-            ("-273.16 C", None),
-            ("-0.01 K", None),
-            ("inf C", None),
-            ("warm C", None),
-            ("25", None),
-            ("25 F", None),
-        ] {
-            let found = celsius(text);
-            assert_eq!(found.is_some(), expected.is_some(), "{text}");
-            let miss = found.zip(expected).map_or(0.0, |(a, b)| a - b);
-            assert!(miss.abs() < 1e-12, "{text}: {found:?}");
-        }
-    }
-
-    #[test]
-    fn a_missing_temperature_is_the_last_and_a_tenth_may_be_missing() {
-        let nan = f64::NAN;
-        let of = [nan, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
-        assert_eq!(
-            held(&of),
-            Ok(vec![1.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0])
-        );
-        assert_eq!(held(&of[..9]), Err(TemperatureError::Missing));
-        let mut two = [of, of].concat();
-        two[0] = 7.0;
-        two[19] = f64::INFINITY;
-        let found = held(&two).unwrap();
-        assert_eq!(
-            (found[0], found[9], found[10], found[19]),
-            (7.0, 9.0, 9.0, 8.0)
-        );
-    }
-
-    /// Temperatures about 20 °C, of which the squares of one and two steps are orthogonal.
-    fn steps() -> Vec<f64> {
-        (0..900).map(|k| 20.0 + f64::from(k % 3) - 1.0).collect()
-    }
-
-    #[test]
-    fn an_effect_without_noise_is_found_as_it_is() {
-        let temperature = steps();
-        let of = |t: &f64| 7.0 + 0.3 * (t - 20.0) - 0.2 * (t - 20.0).powi(2);
-        let record: Vec<f64> = temperature.iter().map(of).collect();
-        let regressors = Regressors::new(&record, &temperature, 0.5).unwrap();
-        let found = regressors.plain().unwrap();
-        assert!((found.slope - 0.3).abs() < 1e-9 && (found.quadratic + 0.2).abs() < 1e-9);
-        assert!((found.reference_c - 20.0).abs() < 1e-9);
-        assert_eq!((found.range_c, found.body_axes), ([19.0, 21.0], false));
-        // White noise of density 1 at 2 Hz: 2 over Σt² of 600, and for the squares over Σ(t² − 2/3)² of 200.
-        assert!((found.slope_sigma - (2.0f64 / 600.0).sqrt()).abs() < 1e-9);
-        assert!((found.quadratic_sigma - (2.0f64 / 200.0).sqrt()).abs() < 1e-9);
-        for (t, bias) in [(20.0, 0.0), (22.0, -0.2), (19.0, -0.5)] {
-            assert!((found.bias(t) - bias).abs() < 1e-9, "{t}");
-        }
-        let explained =
-            |coefficients: &[f64]| regressors.explained(&DVector::from_row_slice(coefficients));
-        // In units of the standard deviation √(2/3): the slope and the quadratic have 0.09 · 2/3 and 0.04 · 2/9 of variance.
-        let (slope, quadratic) = (0.3 * (2.0f64 / 3.0).sqrt(), -0.2 * 2.0 / 3.0);
-        let (a, b) = (0.06, 0.04 * 2.0 / 9.0);
-        assert!((explained(&[7.0, slope, quadratic]) - 1.0).abs() < 1e-9);
-        assert!((explained(&[0.0, slope]) - a / (a + b)).abs() < 1e-9);
-        assert!(explained(&[3.0]) < 1e-12);
-    }
-
-    #[test]
-    fn a_record_is_averaged_to_a_thousand_blocks_and_the_temperature_has_to_change() {
-        let ramp = |n: usize, change: f64| -> Vec<f64> {
-            (0..n)
-                .map(|k| 20.0 + change * k as f64 / (n - 1) as f64)
-                .collect()
-        };
-        let of = |n: usize, change: f64| Regressors::new(&vec![1.0; n], &ramp(n, change), 0.1);
-        for (n, block) in [(900, 1), (1000, 1), (1001, 2), (3500, 4)] {
-            let found = of(n, 10.0).unwrap().averages;
-            assert_eq!((found.block, found.rows.len()), (block, n / block), "{n}");
-            assert_eq!(found.interval, 0.1);
-        }
-        assert!(of(500, 0.5 + 1e-9).is_ok());
-        let Err(TemperatureError::Steady { change_k }) = of(500, 0.49) else {
-            panic!()
-        };
-        assert!((change_k - 0.49).abs() < 1e-9);
-        // Averages of 0 and 1 over pairs: rows are the record, one, and the temperature's powers of unit variance.
-        let rows = Regressors::new(&[4.0, 8.0], &[10.0, 14.0], 0.1).unwrap();
-        assert_eq!(
-            rows.averages.rows,
-            [[4.0, 1.0, -1.0, 0.0], [8.0, 1.0, 1.0, 0.0]]
-        );
-        assert_eq!((rows.scale, rows.reference_c), (2.0, 12.0));
-    }
-
-    #[test]
-    fn a_quadratic_is_integrated_out_where_it_is_in_the_effect() {
-        let temperature = steps();
-        let record: Vec<f64> = (0..900).map(|k| f64::from(k * 37 % 19)).collect();
-        let regressors = Regressors::new(&record, &temperature, 0.5).unwrap();
-        let white = ShapingFilter::white(3.0, 0.5).unwrap();
-        for (with_quadratic, count) in [(false, 1), (true, 2)] {
-            let found = regressors.restriction(&white, with_quadratic);
-            assert_eq!(
-                found,
-                regressors.averages.restriction(&white, count).unwrap()
-            );
-        }
-        assert!(regressors.restriction(&white, false) != regressors.restriction(&white, true));
-    }
-
-    #[test]
-    fn an_effect_is_determined_by_its_standard_errors_and_the_fall_of_the_criterion() {
-        let temperature: Vec<f64> = (0..900)
-            .map(|k| 20.0 + (f64::from(k) / 40.0).sin())
-            .collect();
-        let of = |slope: f64, quadratic: f64| {
-            let mut record = vec![0.0; 900];
-            let white = ShapingFilter::white(0.3, 1.0).unwrap();
-            crate::synthesis::NoiseGenerator::new(&white, 5).fill(&mut record);
-            for (x, t) in record.iter_mut().zip(&temperature) {
-                *x += slope * (t - 20.0) + quadratic * (t - 20.0).powi(2);
-            }
-            Regressors::new(&record, &temperature, 1.0)
-                .unwrap()
-                .estimate()
-                .unwrap()
-        };
-        // Noise of 0.3, Σ(t − 20)² of 450: a slope is known to 0.014, a quadratic to 0.027.
-        let none = of(0.0, 0.0);
-        assert!(!none.determined && none.effect.quadratic == 0.0 && none.explained < 0.02);
-        assert!((0.01..0.03).contains(&none.effect.slope_sigma), "{none:?}");
-        assert_eq!(none.in_model(), None);
-        let slope = of(0.3, 0.0);
-        assert!(
-            slope.determined && slope.effect.quadratic == 0.0,
-            "{slope:?}"
-        );
-        assert!((slope.effect.slope - 0.3).abs() < 0.06);
-        assert_eq!(slope.in_model(), Some(slope.effect));
-        let both = of(0.3, 0.5);
-        assert!(
-            both.determined && (both.effect.quadratic - 0.5).abs() < 0.12,
-            "{both:?}"
-        );
-        // A quadratic alone: the slope says nothing, the effect is determined all the same.
-        let bent = of(0.0, 0.5);
-        assert!(
-            bent.determined && (bent.effect.quadratic - 0.5).abs() < 0.12,
-            "{bent:?}"
-        );
-    }
-}
+mod tests;

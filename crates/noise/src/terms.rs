@@ -17,10 +17,10 @@ pub(crate) const SCALES: Scales = Scales {
 /// is a random walk.
 pub const FLICKER_TAUS: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
 
-/// Most Gauss-Markov processes in one model.
+/// Largest number of Gauss-Markov processes in one model.
 pub const MAX_GAUSS_MARKOV: usize = 2;
 
-/// Why a composite model cannot be evaluated or fitted.
+/// Why a composite model cannot be evaluated on a record or fitted to it.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CompositeError {
     /// Fewer samples than needed (missing ones not counted).
@@ -63,6 +63,13 @@ pub struct GaussMarkov {
 
 impl GaussMarkov {
     /// Coefficient σ √(2/τ) [unit/√s] of the random walk that the process is at times far below τ.
+    ///
+    /// ```
+    /// use undrift_noise::GaussMarkov;
+    /// // Over seconds a bias of 10 deg/h and 300 s is a walk of 0.82 deg/h/√s.
+    /// let bias = GaussMarkov { sigma: 10.0, tau_s: 300.0 };
+    /// assert!((bias.drive() - 0.816).abs() < 1e-3);
+    /// ```
     pub fn drive(&self) -> f64 {
         if self.sigma > 0.0 {
             self.sigma * (2.0 / self.tau_s).sqrt()
@@ -91,7 +98,7 @@ pub struct CompositeTerms {
     pub gauss_markov: [GaussMarkov; MAX_GAUSS_MARKOV],
 }
 
-/// Those that are there, as a list.
+/// Serialises the processes that are there, as a list.
 fn list<S: Serializer>(processes: &[GaussMarkov], to: S) -> Result<S::Ok, S::Error> {
     to.collect_seq(processes.iter().filter(|process| process.sigma > 0.0))
 }
@@ -124,6 +131,16 @@ pub(crate) fn quantisation(q: f64, interval: f64) -> Result<ShapingFilter, Shapi
 /// [unit/√s] of the random walk that the slower ones are over any drive. Processes of one σ, spaced by a factor ρ in τ, sum
 /// to the power density `σ²/(2 f ln ρ)` within 5 % for ρ = 10, so `σ² = B² ln ρ/π`; those of τ = 10⁴, 10⁵… s drive
 /// `K² = Σ 2σ²/τ`. Keshner 1982; IEEE Std 952-1997, C.1.1 for B.
+///
+/// ```
+/// use undrift_noise::composite::{FLICKER_TAUS, flicker};
+/// let (processes, walk) = flicker(1e-4);
+/// // One σ at all correlation times, σ² = B² ln 10/π; what is slower is a walk.
+/// assert!(processes.iter().all(|process| process.sigma == processes[0].sigma));
+/// assert!((processes[0].sigma / 1e-4 - 0.856).abs() < 1e-3);
+/// assert_eq!(processes[3].tau_s, FLICKER_TAUS[3]);
+/// assert!(walk > 0.0 && walk < processes[3].drive());
+/// ```
 pub fn flicker(b: f64) -> ([GaussMarkov; FLICKER_TAUS.len()], f64) {
     let sigma = b * (10f64.ln() / std::f64::consts::PI).sqrt();
     let next = 10.0 * FLICKER_TAUS[FLICKER_TAUS.len() - 1];
@@ -132,8 +149,7 @@ pub fn flicker(b: f64) -> ([GaussMarkov; FLICKER_TAUS.len()], f64) {
 }
 
 impl CompositeTerms {
-    /// The terms with flicker noise as the sum that approximates it: all Gauss-Markov processes, and the random walk
-    /// [unit/√s].
+    /// All slow terms as Gauss-Markov processes and the coefficient of a random walk [unit/√s], flicker noise as the sum that approximates it.
     pub fn slow(&self) -> (Vec<GaussMarkov>, f64) {
         let mut processes: Vec<GaussMarkov> = self.gauss_markov.to_vec();
         processes.retain(|process| process.sigma != 0.0);
@@ -167,7 +183,7 @@ impl CompositeTerms {
         Ok(sum)
     }
 
-    /// Which terms are present.
+    /// The set of terms that are present, to fit them again.
     pub fn set(&self) -> TermSet {
         TermSet {
             white: self.white != 0.0,
@@ -178,7 +194,7 @@ impl CompositeTerms {
         }
     }
 
-    /// The same terms with every amplitude times `factor` (correlation times kept).
+    /// These terms with every amplitude times `factor` (correlation times kept): of a sensor that is as noisy by that factor.
     pub fn scaled(&self, factor: f64) -> Self {
         let process = |g: GaussMarkov| GaussMarkov {
             sigma: g.sigma * factor,
@@ -194,23 +210,29 @@ impl CompositeTerms {
     }
 }
 
-/// Which terms a fit may use.
+/// Terms that a fit may use.
+///
+/// ```
+/// use undrift_noise::composite::TermSet;
+/// let set = TermSet { white: true, random_walk: true, gauss_markov: 1, ..TermSet::default() };
+/// assert_eq!(set.parameters(), 4); // N, K, σ and τ.
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TermSet {
-    /// White noise.
+    /// Whether with white noise.
     pub white: bool,
-    /// Quantisation.
+    /// Whether with quantisation.
     pub quantisation: bool,
-    /// Random walk.
+    /// Whether with a random walk.
     pub random_walk: bool,
-    /// Flicker noise.
+    /// Whether with flicker noise.
     pub flicker: bool,
     /// Number of Gauss-Markov processes, at most [`MAX_GAUSS_MARKOV`].
     pub gauss_markov: usize,
 }
 
 impl TermSet {
-    /// Number of parameters.
+    /// Number of parameters, the level of a record not counted.
     pub fn parameters(&self) -> usize {
         self.amplitudes() + self.gauss_markov
     }

@@ -31,10 +31,10 @@ use crate::allan::confidence::edf;
 use crate::allan::gauss_markov::{Ar1, ar1_variance};
 use crate::terms::{self, CompositeError, CompositeTerms, GaussMarkov};
 
-/// One scale.
+/// Wavelet variance at one scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WaveletPoint {
-    /// Samples to a mean.
+    /// Number of samples to a mean.
     pub m: usize,
     /// Scale m T \[s\].
     pub scale_s: f64,
@@ -42,19 +42,19 @@ pub struct WaveletPoint {
     pub variance: f64,
     /// Equivalent degrees of freedom, for the noise type that the slope at this scale shows.
     pub edf: f64,
-    /// Coefficients whose squares were averaged (at m > 32 one in m/32 is taken, which costs no
+    /// Number of coefficients whose squares were averaged (at m > 32 one in m/32 is used, which costs no
     /// information to speak of).
     pub coefficients: usize,
 }
 
-/// Wavelet variance over scale.
+/// Wavelet variance of a record over scale.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaveletVariance {
     /// Sample interval T \[s\].
     pub interval: f64,
-    /// Samples in the record, missing ones counted.
+    /// Number of samples of the record, missing ones counted.
     pub samples: usize,
-    /// The scales, growing.
+    /// The scales, growing by octaves.
     pub points: Vec<WaveletPoint>,
 }
 
@@ -113,8 +113,19 @@ pub fn wavelet_variance(record: &[f64], interval: f64) -> Result<WaveletVariance
     })
 }
 
-/// The wavelet variance of several records of one process: at each scale the average over all their coefficients;
-/// their degrees of freedom add up. `None` without one.
+/// The wavelet variance of several records of one process, of the same sample interval: at each scale the average over all their
+/// coefficients; their degrees of freedom add up. `None` of no record.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{synthesis::NoiseGenerator, wavelet::{pooled, wavelet_variance, white_variance}};
+/// let white = ShapingFilter::white(1e-3, 0.01)?;
+/// let curve = |seed| wavelet_variance(&NoiseGenerator::new(&white, seed).take(4000).collect::<Vec<_>>(), 0.01);
+/// let both = pooled(&[curve(1)?, curve(2)?]).expect("two curves");
+/// assert!((both.points[0].variance / white_variance(1e-3, 0.01) - 1.0).abs() < 0.1);
+/// assert!((both.points[0].edf / curve(1)?.points[0].edf - 2.0).abs() < 0.1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn pooled(curves: &[WaveletVariance]) -> Option<WaveletVariance> {
     let longest = curves.iter().max_by_key(|curve| curve.points.len())?;
     let mut pooled = longest.clone();
@@ -167,6 +178,15 @@ pub fn gauss_markov_variance(process: &GaussMarkov, m: usize, interval: f64) -> 
 }
 
 /// Wavelet variance \[unit²\] of composite terms at a scale of `m` samples of `interval` \[s\].
+///
+/// ```
+/// use undrift_noise::{composite::{CompositeTerms, GaussMarkov}, wavelet::{gauss_markov_variance, model_variance, white_variance}};
+/// let process = GaussMarkov { sigma: 1e-4, tau_s: 100.0 };
+/// let terms = CompositeTerms { white: 1e-3, gauss_markov: [process, GaussMarkov::default()], ..CompositeTerms::default() };
+/// // Independent terms: their variances add up, at 10 s as at any scale.
+/// let sum = white_variance(1e-3, 10.0) + gauss_markov_variance(&process, 1000, 0.01);
+/// assert!((model_variance(&terms, 1000, 0.01) / sum - 1.0).abs() < 1e-12);
+/// ```
 pub fn model_variance(terms: &CompositeTerms, m: usize, interval: f64) -> f64 {
     ModelCurve::new(terms, interval).at(m)
 }
@@ -193,7 +213,7 @@ impl ModelCurve {
         }
     }
 
-    /// See [`model_variance`].
+    /// Wavelet variance at `m` samples, by [`model_variance`].
     fn at(&self, m: usize) -> f64 {
         let scale_s = m.max(1) as f64 * self.interval;
         let processes = self.processes.iter();

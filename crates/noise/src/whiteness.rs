@@ -18,11 +18,11 @@ use crate::screening::record::RecordError;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// Ljung-Box and Box-Pierce tests up to one lag.
+/// Ljung-Box and Box-Pierce tests of the autocorrelations up to one lag.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Portmanteau {
-    /// Autocorrelations summed.
+    /// Number of autocorrelations summed, from lag 1 on.
     pub lags: usize,
     /// Degrees of freedom: lags less the parameters fitted.
     #[serde(skip)]
@@ -30,13 +30,13 @@ pub struct Portmanteau {
     /// Ljung & Box (Biometrika 65, 1978): n (n+2) Σ ρ_k² / (n − k).
     #[serde(rename = "statistic")]
     pub ljung_box: f64,
-    /// Its p by chi-squared; NaN without degrees of freedom.
+    /// Probability of a larger Ljung-Box statistic of a white series, by chi-squared; NaN without degrees of freedom.
     #[serde(rename = "p_value")]
     pub ljung_box_p: f64,
     /// Box & Pierce (J. American Statistical Association 65, 1970): n Σ ρ_k².
     #[serde(skip)]
     pub box_pierce: f64,
-    /// Its p by chi-squared; NaN without degrees of freedom.
+    /// Probability of a larger Box-Pierce statistic of a white series, by chi-squared; NaN without degrees of freedom.
     #[serde(skip)]
     pub box_pierce_p: f64,
 }

@@ -308,7 +308,7 @@ impl<const N: usize> State<N> {
                 outer[a] += weight * c * e[a];
             }
         }
-        noise::of_covariance(step, noise, &fixed.rule, &by_r, gradient);
+        noise::add_covariance_gradient(step, noise, &fixed.rule, &by_r, gradient);
         // P̄ ← P̄ − Hᵀ (Kᵀ P̄) − (…)ᵀ + Hᵀ inner H + ½ (x̄ eᵀ H + …).
         let mut of_h = [[0.0; N]; MOST];
         for a in 0..size {

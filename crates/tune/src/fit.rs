@@ -375,11 +375,11 @@ pub fn unseen_likelihood(
         ..*log
     });
     let whole: Vec<FitLog> = whole.collect();
-    let of_unseen = by_size!(logs, of_unseen);
-    of_unseen(&whole, start, noise, spans)
+    let likelihood = by_size!(logs, unseen_sized);
+    likelihood(&whole, start, noise, spans)
 }
 
-fn of_unseen<const N: usize>(
+fn unseen_sized<const N: usize>(
     logs: &[FitLog],
     start: &RestNoise,
     noise: &Noise,

@@ -214,7 +214,7 @@ fn at_rest(first: &Drive, options: &Options) -> Result<RestNoise, NavigateError>
         Some(model) => Ok(RestNoise::from_model(model, first.sample_interval()?)?),
         None => {
             let samples = first.open_imu()?.collect::<Result<Vec<_>, _>>()?;
-            RestNoise::of_samples(&samples).ok_or(NavigateError::NoModel)
+            RestNoise::from_samples(&samples).ok_or(NavigateError::NoModel)
         }
     }
 }

@@ -107,7 +107,7 @@ impl Noise {
 }
 
 /// Adds to a gradient what the derivative `by` of a measurement's covariance comes to.
-pub(super) fn of_covariance<const N: usize>(
+pub(super) fn add_covariance_gradient<const N: usize>(
     step: &LinearStep<N>,
     noise: &Noise,
     was: &NonHolonomic,
@@ -213,7 +213,7 @@ mod tests {
             let step = step(channel);
             let mut gradient = [0.0; COUNT];
             let (noise, (_, by)) = (Noise::new(&z), likelihood(&step, &z));
-            of_covariance(&step, &noise, &NonHolonomic::CAR, &by, &mut gradient);
+            add_covariance_gradient(&step, &noise, &NonHolonomic::CAR, &by, &mut gradient);
             for i in 0..COUNT {
                 let at = |off: f64| {
                     let mut z = z;

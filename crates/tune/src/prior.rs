@@ -52,7 +52,7 @@ impl Prior {
     /// Of a sensor, in drives with these settings; of white noise that follows the vibration where they say so.
     pub fn new(start: &RestNoise, drives: &[&Settings]) -> Self {
         let rule = drives.iter().find_map(|s| s.constraints.non_holonomic);
-        let of = rule.unwrap_or(NonHolonomic::CAR);
+        let slip = rule.unwrap_or(NonHolonomic::CAR);
         let follows = drives.iter().any(|s| s.vibration.is_some());
         let idle = start.idle.unwrap_or([0.0; AXES]);
         let (louder, idle): ([f64; AXES], [f64; AXES]) = match start.vibrating {
@@ -73,7 +73,7 @@ impl Prior {
             white: std::array::from_fn(|i| louder[i].max(idle[i] * DRIVING)),
             walk: std::array::from_fn(|i| start.walk[i].max(LEAST_WALK[i / 3])),
             factors: StdFactors::ONE,
-            rule: [of.right, of.down, of.slip.max(1e-3)],
+            rule: [slip.right, slip.down, slip.slip.max(1e-3)],
         };
         let mut prior = Self {
             centre: centre.ln(),

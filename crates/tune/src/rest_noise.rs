@@ -126,7 +126,7 @@ impl RestNoise {
     }
 
     /// Of the drive itself; `None` of too short a log.
-    pub fn of_samples(imu: &[ImuSample]) -> Option<Self> {
+    pub fn from_samples(imu: &[ImuSample]) -> Option<Self> {
         let interval = imu.get(imu.len() / 2)?.dt;
         let length = (QUIET / interval).ceil() as usize;
         let mut quiet: [Vec<f64>; AXES] = Default::default();

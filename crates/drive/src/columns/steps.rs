@@ -28,7 +28,7 @@ pub fn time_unit(stamps: &[f64], longest: f64) -> Option<(&'static str, f64)> {
     longest_unit(&units, stamps, longest)
 }
 
-/// The same of a column with a name, whose ticks may be others.
+/// The unit of a column with a name, whose ticks may be others than those of [`time_unit`].
 pub fn time_unit_of(column: &str, stamps: &[f64], longest: f64) -> Option<(&'static str, f64)> {
     let name = letters(column);
     match TICKS.iter().find(|(clock, _)| *clock == name) {

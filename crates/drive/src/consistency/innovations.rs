@@ -35,19 +35,18 @@ pub struct InnovationStatistics {
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Lagged {
     count: u64,
-    /// At lags 0 … [`LAGS`].
+    /// Sums of products at lags 0 … [`LAGS`].
     products: [f64; LAGS + 1],
     recent: VecDeque<f64>,
 }
 
 impl InnovationStatistics {
-    /// Nothing yet.
+    /// Statistics of no update.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Takes in the innovation of one update at `time` \[s\], normalised by the root of its
-    /// covariance ([`undrift_nav::filter::Update::whitened`]): one number per degree of freedom.
+    /// Counts the innovation of an update at `time` \[s\], whitened: each component in its standard deviations, independent of the others [–].
     pub fn add(&mut self, time: f64, normalised: &[f64]) {
         let nis: f64 = normalised.iter().map(|v| v * v).sum();
         let freedom = normalised.len();
@@ -90,7 +89,7 @@ impl InnovationStatistics {
         }
     }
 
-    /// Updates.
+    /// Number of updates.
     pub fn updates(&self) -> u64 {
         self.updates
     }
@@ -162,6 +161,14 @@ fn chi_squared_95(freedom: usize) -> f64 {
 
 /// Two-sided 95 % bounds of the average of `count` independent chi-squared values of `freedom` each.
 /// NaN without any.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::consistency::average_bounds;
+/// // The NEES of the position, three states, of 50 runs at one instant.
+/// let (low, high) = average_bounds(3, 50);
+/// assert!((low - 2.36).abs() < 0.01 && (high - 3.72).abs() < 0.01);
+/// ```
 pub fn average_bounds(freedom: usize, count: usize) -> (f64, f64) {
     let n = count as f64;
     ChiSquared::new(freedom as f64 * n).map_or((f64::NAN, f64::NAN), |law| {

@@ -8,9 +8,9 @@ use undrift_io::{
 
 /// The logs that aid a drive, opened by [`Drive::open_aids`](super::Drive::open_aids).
 pub struct Aids {
-    /// Fixes.
+    /// Reader of the fixes.
     pub gnss: GnssReader,
-    /// The logs of one number that there are.
+    /// Readers of the logs of one number, those that there are.
     pub scalars: Vec<(ScalarLog, ScalarReader)>,
 }
 
@@ -23,7 +23,7 @@ impl Aids {
         )
     }
 
-    /// Records that were skipped and gaps of the logs of one number.
+    /// Skipped records and gaps of each log of one number, as far as it was read.
     pub fn scalars_read(&self) -> Vec<(ScalarLog, Skipped, GapSummary)> {
         let logs = self.scalars.iter();
         logs.map(|(log, reader)| (*log, reader.skipped().clone(), reader.gaps()))
@@ -31,7 +31,7 @@ impl Aids {
     }
 }
 
-/// The measurements of these logs in order of time; of one time in the order of the logs.
+/// Measurements of these logs merged in order of time; of one time in the order of the logs.
 pub fn scalars(
     logs: &mut [(ScalarLog, ScalarReader)],
 ) -> Box<dyn Iterator<Item = Result<Measurement, ReadError>> + '_> {

@@ -19,7 +19,7 @@ const RECORDS: usize = 100;
 /// Samples that are read for their interval.
 const SAMPLES: usize = 2000;
 
-/// How an inertial log begins, as far as it can be read.
+/// Start and interval of an inertial log, as far as it can be read.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Beginning {
     /// Time of the first sample \[s\].
@@ -90,7 +90,7 @@ fn epoch_of<K: Kind>(
     reader.epoch()
 }
 
-/// As [`epoch_of`] of the inertial log, and how it begins.
+/// Epoch of the inertial log, as [`epoch_of`] finds it, and how the log begins.
 fn begin(logs: &Logs, (path, format): &(PathBuf, ImuFormat)) -> (Option<Epoch>, Beginning) {
     let Ok(mut reader) = logs.read::<Imu>(path, format) else {
         return Default::default();

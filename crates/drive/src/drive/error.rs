@@ -1,19 +1,19 @@
-//! What can be wrong with a drive.
+//! Errors of setting up a drive: of its file, its logs, its noise model.
 
 use undrift_io::ReadError;
 use undrift_noise::ModelError;
 
-/// What is wrong with a configuration file, and where.
+/// An error in a configuration file: which file, line and key, and what was expected there. Its text is one line with all four.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{file}{}{}: {message}", line.map_or(String::new(), |l| format!(" line {l}")), if key.is_empty() { String::new() } else { format!(", {key}") })]
 pub struct ConfigError {
-    /// The file as it was given.
+    /// Name of the file as it was given.
     pub file: String,
     /// Line from 1, where it is known.
     pub line: Option<usize>,
-    /// Dotted key.
+    /// Dotted key, such as `gnss.position_std`; empty of the file as a whole.
     pub key: String,
-    /// What is wrong and what was expected.
+    /// What is wrong, what was expected, and the remedy where it is known.
     pub message: String,
 }
 
@@ -29,9 +29,9 @@ pub enum DriveError {
     /// A log that a key names has to be looked into and cannot be read.
     #[error("{at}{error}")]
     Log {
-        /// Where it is specified.
+        /// Place in the drive file that names the log.
         at: ConfigError,
-        /// Why it cannot be read.
+        /// Reason why the log cannot be read.
         error: Box<ReadError>,
     },
     /// The model cannot be read.

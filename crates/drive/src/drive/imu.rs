@@ -12,19 +12,20 @@ use undrift_io::{format::Format, imu::ImuFormat, layouts};
 use undrift_nav::{Matrix3, Vector3, attitude::from_rpy, covariance::AXES, units::Quantity};
 use undrift_noise::model_file;
 
-/// The inertial log of a drive file.
+/// The inertial log of a drive file, without the rest of the drive.
 pub struct ImuLog {
-    /// Where it is, and the span of it that is read.
+    /// Folder of the log, and the span of it that is read.
     pub logs: Logs,
-    /// The file.
+    /// File of the log.
     pub path: PathBuf,
-    /// What its samples are.
+    /// Columns or stream, units and axes of the samples.
     pub format: ImuFormat,
     /// Units of gyro and accelerometer columns, as stated; of increments and logs `None`.
     pub units: Option<(String, String)>,
 }
 
-/// Reads the tables `[imu]` and `[span]` of a drive file; the others may be missing.
+/// Reads the tables `[imu]` and `[span]` of the drive file `path`; the others may be missing: for static recordings and descriptions of
+/// logs.
 ///
 /// # Errors
 /// As [`Drive::load`](super::Drive::load), for those tables.

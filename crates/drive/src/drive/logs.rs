@@ -1,4 +1,4 @@
-//! Where the logs of a drive are.
+//! Places of a drive's logs: a folder, or memory.
 
 use super::{
     error::{ConfigError, DriveError},
@@ -15,12 +15,12 @@ use undrift_io::{
     source::BytesRead,
 };
 
-/// Where the logs of a drive are, and the part of them that is read.
+/// Folder or memory that a drive's logs are in, and the part of them that is read.
 #[derive(Clone, Debug, Default)]
 pub struct Logs {
     /// Folder that the names of files are relative to.
     pub folder: PathBuf,
-    /// First and last time \[s\] that is read.
+    /// First and last time that is read \[s\], in the logs' time base; all of it if absent.
     pub span: Option<(f64, f64)>,
     /// Logs in memory by the names that stand in the place of files: columns, and what pipes and standard
     /// input had, since a drive is read more than once.
@@ -28,7 +28,7 @@ pub struct Logs {
 }
 
 impl Logs {
-    /// Opens a log from its start; `read` counts its bytes.
+    /// Opens the log `path` from its start; `read` counts its bytes.
     ///
     /// # Errors
     /// If it cannot be read.
@@ -39,7 +39,7 @@ impl Logs {
         }
     }
 
-    /// Reads the records of a log from its start.
+    /// Opens the log `path` and reads its records from its start, of the kind `K`: samples, fixes, numbers, truth.
     ///
     /// # Errors
     /// If the file cannot be opened, is not of its format or lacks a column or stream.

@@ -71,28 +71,38 @@ impl Drive {
         drive
     }
 
-    /// The drive of a vehicle: its constraints, and the constants that are estimated for them.
+    /// This drive of a vehicle: with its constraints, and the constants that are estimated for them (mounting, place of the axle).
+    ///
+    /// ```
+    /// # use undrift_drive as undrift;
+    /// use undrift::{Drive, nav::parameters::Parameter, vehicle::Profile};
+    /// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+    /// # let log = simulate(&Trajectory::car(5.0, 1), 50.0, None, &GnssNoise::default(), 1)?;
+    /// let car = Drive::from_samples(&log.imu, &log.gnss).with_vehicle(Profile::Car);
+    /// assert!(car.constraints.non_holonomic.is_some() && car.parameters.prior(Parameter::Mounting).is_some());
+    /// # Ok::<(), undrift_simulate::SimulationError>(())
+    /// ```
     pub fn with_vehicle(mut self, profile: Profile) -> Self {
         (self.constraints, self.parameters) = tables::vehicle_by_default(profile, self.parameters);
         self
     }
 
-    /// The drive with the antenna at a place that is known, from the IMU, body axes \[m\]: to 0.05 m, as with a tape.
+    /// This drive with the antenna at a known place, `lever_arm` from the IMU, body axes \[m\]: to 0.05 m each way, as with a tape.
     pub fn with_lever_arm(mut self, lever_arm: Vector3) -> Self {
         self.lever_arm = lever_arm;
         self.parameters = tables::with_given_lever_arm(self.parameters);
         self
     }
 
-    /// The drive with a reference solution in memory, in order of time.
+    /// This drive with a reference solution in memory, in order of time, to compare with.
     pub fn with_truth(mut self, truth: &[TruthSample]) -> Self {
         let path = self.hold(TRUTH, Memory::Truth(truth.into()));
         self.truth = Some((path, TruthSource::Samples { time_offset: 0.0 }));
         self
     }
 
-    /// The drive with the measurements of a sensor of one number in memory, in SI units and in order of time, and the
-    /// constants that such a sensor asks for where no more is known of it.
+    /// This drive with the measurements of a sensor of one number in memory, in SI units and in order of time, and the
+    /// constants that such a sensor asks for where no more is known of it (such as the scale factor of a wheel).
     pub fn with_scalars(mut self, log: ScalarLog, measured: &[Scalar]) -> Self {
         let path = self.hold(
             &format!("<{}>", log.name()),

@@ -36,7 +36,7 @@ const BIAS_WALK: f64 = 0.1;
 /// Heights of the standard atmosphere's lowest layer \[m\].
 const HEIGHTS: (f64, f64) = (-1000.0, 11_000.0);
 
-/// A log of one number: its file and layout.
+/// A log of one number: its file, and the columns or stream and units of it.
 pub type Source = (PathBuf, ScalarFormat);
 
 /// Reads a log's table of the drive file.
@@ -67,17 +67,17 @@ pub(super) fn about(log: ScalarLog) -> About {
     }
 }
 
-/// The logs of a drive by sensor, got by `scalars[log]`.
+/// The logs of a drive by sensor: `scalars[ScalarLog::Odometer]`, `None` where the drive has no such log.
 #[derive(Clone, Debug, Default)]
 pub struct Scalars([Option<Source>; ScalarLog::ALL.len()]);
 
 impl Scalars {
-    /// Those of all sensors in order.
+    /// The logs of all sensors, in the order of [`ScalarLog::ALL`].
     pub fn iter(&self) -> impl Iterator<Item = &Option<Source>> {
         self.0.iter()
     }
 
-    /// As [`Scalars::iter`], to be changed.
+    /// The logs of all sensors, in the order of [`ScalarLog::ALL`], to be changed.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut Option<Source>> {
         self.0.iter_mut()
     }
@@ -98,12 +98,25 @@ impl IndexMut<ScalarLog> for Scalars {
 }
 
 impl Drive {
-    /// The drive with wheel speeds in memory, forward positive \[m/s\], in order of time.
+    /// This drive with wheel speeds in memory, forward positive \[m/s\], in order of time; the wheel at the IMU unless
+    /// [`Constraints::odometer_lever`](crate::vehicle::Constraints::odometer_lever) is set.
     pub fn with_odometer(self, speeds: &[Scalar]) -> Self {
         self.with_scalars(ScalarLog::Odometer, speeds)
     }
 
-    /// The drive with barometric heights in memory \[m\], in order of time.
+    /// This drive with barometric heights in memory, up positive \[m\], in order of time.
+    ///
+    /// ```
+    /// # use undrift_drive as undrift;
+    /// use undrift::{Drive, drive::ScalarLog, nav::parameters::Parameter, replay::Scalar};
+    /// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+    /// # let log = simulate(&Trajectory::car(5.0, 1), 50.0, None, &GnssNoise::default(), 1)?;
+    /// let heights: Vec<Scalar> = (0..50).map(|k| Scalar { time: 0.1 * f64::from(k), value: 412.0, std: 1.0 }).collect();
+    /// let drive = Drive::from_samples(&log.imu, &log.gnss).with_barometer(&heights);
+    /// // Its offset to the ellipsoid is estimated.
+    /// assert!(drive.scalars[ScalarLog::Barometer].is_some() && drive.parameters.prior(Parameter::BarometerBias).is_some());
+    /// # Ok::<(), undrift_simulate::SimulationError>(())
+    /// ```
     pub fn with_barometer(self, heights: &[Scalar]) -> Self {
         self.with_scalars(ScalarLog::Barometer, heights)
     }

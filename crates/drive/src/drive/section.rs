@@ -6,9 +6,9 @@ mod value;
 pub use value::{Table, Value};
 
 use super::error::{ConfigError, DriveError};
-use super::text::line_at;
 use std::{cell::RefCell, fmt::Display, path::Path};
 use toml::de::DeTable;
+use undrift_base::toml_text::line_at;
 use undrift_io::nearby;
 use undrift_noise::{ImuModel, ModelError};
 
@@ -21,7 +21,20 @@ use page::Takes;
 /// The unit of latitudes and longitudes that are degrees times 100 and minutes, as NMEA has them.
 pub(crate) const DEGREES_MINUTES: &str = "ddmm.mmmm";
 
-/// One table of a file; remembers which keys were asked for, so that the others can be refused.
+/// One table of a file; remembers which keys were asked for, so that the others can be refused with the names of those known.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::drive::{Section, parse};
+/// use undrift::nav::units::Quantity;
+/// let text = "[wheel]\nspeed_std = \"10 cm/s\"\nlever = 3\n";
+/// let tables = parse(text, "car.toml")?;
+/// let wheel = Section::top(tables.get_ref(), text, "car.toml").section("wheel")?;
+/// assert_eq!(wheel.quantity("speed_std", Quantity::Velocity)?, Some(0.1)); // [m/s]
+/// let error = wheel.vector("lever", Quantity::Length).unwrap_err();
+/// assert_eq!((error.line, error.key.as_str()), (Some(3), "wheel.lever"));
+/// # Ok::<(), undrift::drive::ConfigError>(())
+/// ```
 pub struct Section<'a> {
     table: Option<Table<'a>>,
     text: &'a str,
@@ -32,7 +45,7 @@ pub struct Section<'a> {
 }
 
 impl<'a> Section<'a> {
-    /// The top of a file.
+    /// The top table of a file with this `text`, which gives its lines; `file` is its name in messages.
     pub fn top(table: &'a DeTable<'a>, text: &'a str, file: &'a str) -> Self {
         Self {
             text,
@@ -40,7 +53,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The top of a table without a text.
+    /// A table without a text, as a program has it; errors name no line.
     pub fn values(table: Table<'a>, file: &'a str) -> Self {
         Self {
             table: Some(table),
@@ -63,7 +76,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A sub-table; an absent one has no keys.
+    /// The sub-table `key`; an absent one has no keys, see [`Section::exists`].
     ///
     /// # Errors
     /// If the value is no table.
@@ -95,23 +108,23 @@ impl<'a> Section<'a> {
         items.into_iter().map(section).collect()
     }
 
-    /// Whether the table is there.
+    /// Whether the file has this table.
     pub fn exists(&self) -> bool {
         self.table.is_some()
     }
 
-    /// The keys, in the order of the alphabet.
+    /// The keys of the table, in alphabetical order.
     pub fn keys(&self) -> Vec<&'a str> {
         self.table.map(Table::keys).unwrap_or_default()
     }
 
-    /// The value of a key.
+    /// The value of a key, which counts as asked for.
     pub fn get(&self, key: &'a str) -> Option<Value<'a>> {
         self.asked.borrow_mut().push(key);
         Some(self.table?.get(key)?.0)
     }
 
-    /// The line of a key in the file's text.
+    /// Line of a key in the file's text, from 1.
     pub fn line_of(&self, key: &str) -> Option<usize> {
         let (_, at) = self.table?.get(key)?;
         at.map(|at| line_at(self.text, at))
@@ -125,7 +138,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// An error at a key of this table.
+    /// An error at `key` of this table with its file, line and dotted path.
     pub fn error(&self, key: &str, message: impl Into<String>) -> ConfigError {
         ConfigError {
             file: self.file.to_owned(),
@@ -135,7 +148,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The error of a key that is missing, by what it would say; or of a key that is there and has nearly that name.
+    /// The error of a key that is missing, by what it would say; or, where a key of nearly that name is there, of that one.
     pub fn missing(&self, key: &str, what: impl Display) -> ConfigError {
         match self.nearly(key) {
             Some(there) => self.error(there, format!("unknown key; did you mean {key}?")),
@@ -143,7 +156,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A key that is there, was not asked for and is nearly so called.
+    /// A key that is there, was not asked for, and has nearly this name.
     fn nearly(&self, key: &str) -> Option<&'a str> {
         let asked = self.asked.borrow();
         let mut keys = self.keys().into_iter();
@@ -182,7 +195,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A string.
+    /// A string; `None` where the key is absent, as in all functions below.
     ///
     /// # Errors
     /// If the value is no string.
@@ -215,7 +228,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The name of a file, which must be there.
+    /// The name of a file, which must be there and not be empty.
     ///
     /// # Errors
     /// If the key or its whole table is missing, or the value is no string or empty.
@@ -234,7 +247,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// One of a few words.
+    /// One of a few words, as the value that stands beside it in `words`.
     ///
     /// # Errors
     /// If the value is no string or none of `words`.
@@ -336,7 +349,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A whole number, not negative.
+    /// A whole number, zero or above.
     ///
     /// # Errors
     /// If the value is no whole number, negative or beyond 64 bits.

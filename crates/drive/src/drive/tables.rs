@@ -214,7 +214,7 @@ pub(crate) const AXLE_STD: f64 = 2.0;
 /// How far fixes are from their stamps, as a rule \[s\], and how much that changes [s/√s]: clocks drift, hosts stamp late.
 const TIME_OFFSET_STD: f64 = 0.1;
 const TIME_OFFSET_WALK: f64 = 6e-3;
-/// By how much a host's clock or a sensor's own is fast or slow [s/s]: crystals 50e-6, those of cheap sensors more.
+/// Rate by which a host's clock or a sensor's own is fast or slow [s/s]: crystals 50e-6, those of cheap sensors more.
 const CLOCK_RATE_STD: f64 = 3e-4;
 /// Where an antenna may be of which nothing is said, each way \[m\].
 const LEVER_ARM_STD: f64 = 0.5;

@@ -77,7 +77,7 @@ pub fn of_health(summary: &Summary) -> Vec<Finding> {
     found
 }
 
-/// From so many rows out of time order on, the log is unsorted; fewer are single rows that came late.
+/// Rows out of time order from which on a log is unsorted; fewer are single rows that came late.
 const LEAST_UNSORTED: u64 = 10;
 /// Share of the vertical in the axis of the gyro that is nearest to it.
 const VERTICAL: f64 = 0.7;

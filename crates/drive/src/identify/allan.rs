@@ -1,4 +1,4 @@
-//! The Allan deviations of a record alone: what is there in a second, before tests and models.
+//! The Allan deviations of a record alone: what takes a second, before tests and models.
 
 use super::{
     Prepared, Settings,

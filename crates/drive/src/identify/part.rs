@@ -31,7 +31,7 @@ const BACK: f64 = 1.0;
 pub(super) struct Part {
     /// The samples used.
     pub(super) used: Range<usize>,
-    /// Those of bumps, which are missing then.
+    /// Samples of bumps, which are missing then.
     pub(super) bumps: Vec<Range<usize>>,
     /// What is not used, in order.
     pub(super) left_out: Vec<Omitted>,

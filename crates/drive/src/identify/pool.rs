@@ -19,9 +19,9 @@ const LAID_DOWN: f64 = 0.087;
 /// Probability of taking a sensor that was not moved for one that was.
 const MOVED: f64 = 0.05;
 
-/// What several records show beyond their common model.
+/// What several records of one sensor show beyond their common model.
 pub struct Pool {
-    /// Names and samples of the records.
+    /// Names and numbers of samples of the records.
     pub records: Vec<(String, usize)>,
     /// The axes that were identified, by name.
     pub axes: Vec<(&'static str, noise::Pool)>,
@@ -31,12 +31,12 @@ pub struct Pool {
     pub tilt: f64,
 }
 
-/// The standard deviation of a turn-on constant that several records determine.
+/// Standard deviation of a turn-on constant that several records determine.
 #[derive(Clone, Copy, Debug)]
 pub struct Determined {
-    /// For a filter \[unit\].
+    /// Standard deviation for a filter \[unit\].
     pub sigma: f64,
-    /// Of two or three records, whose scatter bounds it from above alone.
+    /// Whether it is a bound of two or three records, whose scatter bounds it from above alone.
     is_bound: bool,
 }
 
@@ -258,7 +258,7 @@ impl Pool {
         text
     }
 
-    /// As a result.
+    /// The pool as a result.
     pub(super) fn result(&self) -> results::Pool {
         let axes = self
             .axes

@@ -1,4 +1,4 @@
-//! Everything found, as a result. SI units.
+//! An identification as a result. SI units.
 
 use super::Identified;
 use undrift_noise::{
@@ -16,7 +16,7 @@ use undrift_results::{
 };
 
 impl Identified {
-    /// Everything as a result; `record` is what the record is called.
+    /// The result under its schema, without sentences; `record` is the name of the record.
     pub fn result(&self, record: &str) -> Identify {
         let axes = self
             .axes
@@ -156,7 +156,7 @@ pub(super) fn deviation(points: &[Point], intervals: &[Interval], terms: &Terms)
     }
 }
 
-/// The table of orders.
+/// The table of orders as a result.
 pub fn order_rows(table: &PanditWu) -> Vec<OrderRow> {
     let rows = table.rows.iter();
     rows.map(|row| OrderRow {
@@ -174,7 +174,7 @@ pub fn order_rows(table: &PanditWu) -> Vec<OrderRow> {
     .collect()
 }
 
-/// The tests of its neighbours.
+/// The tests of its neighbours as a result.
 pub fn order_tests(table: &PanditWu) -> Vec<OrderTest> {
     let tests = table.neighbours.iter();
     tests

@@ -1,4 +1,4 @@
-//! What an axis is drawn from: its record over time and over value, its spectrum, its correlations.
+//! Data of an axis for plots: its record over time and over value, its spectrum, its correlations.
 
 use undrift_noise::{correlation::white_bound, identify::Axis, spectrum::Density};
 use undrift_results::{
@@ -14,7 +14,7 @@ const REACH: f64 = 5.0;
 /// Bands of the spectrum, evenly spaced in the logarithm of the frequency.
 const BANDS: usize = 300;
 
-/// A record of one axis for plots.
+/// A record of one axis reduced for plots.
 #[derive(Clone, Debug)]
 pub struct RecordSeries {
     record: Envelope,
@@ -27,7 +27,7 @@ pub struct RecordSeries {
 }
 
 impl RecordSeries {
-    /// Of samples at a rate \[Hz\] that lie on a grid of `step`, if they do.
+    /// Reduces samples at a rate \[Hz\] that lie on a grid of `step`, if they do.
     pub(super) fn new(samples: &[f64], rate_hz: f64, step: Option<f64>) -> Self {
         let mut record = Envelope::new(RECORD);
         for (k, value) in samples.iter().enumerate() {
@@ -84,7 +84,7 @@ impl RecordSeries {
         }
     }
 
-    /// With what was found of the axis.
+    /// The data as a result, with what was found of the axis.
     pub(super) fn result(&self, axis: &Axis) -> AxisSeries {
         let centres = (0..self.density.len()).map(|bar| self.first + bar as f64 * self.width);
         AxisSeries {
@@ -103,7 +103,7 @@ impl RecordSeries {
     }
 }
 
-/// The residuals of a fit as results have them.
+/// The residuals of a fit as a result.
 pub fn residuals(of: &undrift_noise::identify::Residuals) -> Residuals {
     Residuals {
         model: of.model.clone(),

@@ -1,4 +1,4 @@
-//! What a recording is identified with, and how it is made ready for that.
+//! Settings of an identification, and how a recording is made ready for it.
 
 use super::{NotStatic, part::Part, rest::static_part};
 use crate::record::Record;
@@ -9,7 +9,7 @@ use undrift_results::{self as results, Number, Omitted, Used};
 /// Most that a stated rate may be off the time stamps, relative.
 const RATE_TOLERANCE: f64 = 0.01;
 
-/// Why a recording makes no model.
+/// Why a recording makes no model; its text says what to change.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RecordingError {
     /// Nothing gives the sample rate.
@@ -22,9 +22,9 @@ pub enum RecordingError {
         "--rate is {stated} Hz but the time stamps give {stamps:.3} Hz; omit it or correct the stamps"
     )]
     WrongRate {
-        /// As stated \[Hz\].
+        /// Stated rate \[Hz\].
         stated: f64,
-        /// Of the stamps \[Hz\].
+        /// Rate of the stamps \[Hz\].
         stamps: f64,
     },
     /// The part to use begins after the end.
@@ -53,16 +53,16 @@ pub enum RecordingError {
     NoAxis,
 }
 
-/// What is asked of an identification.
+/// Settings of an identification; the default finds the rate and the part at rest by itself.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
-    /// Sample rate \[Hz\]; by the time stamps if absent.
+    /// Sample rate \[Hz\]; that of the time stamps if absent.
     pub rate_hz: Option<f64>,
-    /// The part of a recording to use, from and to \[s\] after its first sample; all of it if absent.
+    /// Part of a recording to use, from and to \[s\] after its first sample; all of it if absent.
     pub span: Option<(f64, f64)>,
     /// Largest n of ARMA(2n, 2n−1) that the Pandit-Wu search may choose.
     pub n_max: usize,
-    /// What is taken out first; temperature is not, of a record without one.
+    /// Trend that is removed first; that of temperature is not, of a record without one.
     pub trend: Trend,
 }
 
@@ -92,15 +92,15 @@ impl Settings {
 /// A recording ready to be identified: evenly sampled, NaN where a sample is missing.
 #[derive(Clone, Debug)]
 pub struct Prepared {
-    /// What results call it.
+    /// Name of the recording in results.
     pub name: String,
-    /// Its samples.
+    /// The samples.
     pub record: Record,
     /// Sample rate \[Hz\].
     pub rate_hz: f64,
-    /// Why it is not a static recording, if so; it is whole then.
+    /// Reason why it is not a static recording, if so; it is whole then.
     pub not_static: Option<NotStatic>,
-    /// The part that is used, where that is not all.
+    /// Part that is used, where that is not all.
     pub used: Option<Used>,
 }
 
@@ -110,6 +110,23 @@ pub struct Prepared {
 /// [`RecordingError::NoRate`] when neither settings nor time stamps give the rate, [`RecordingError::WrongRate`] when the one stated
 /// is off the time stamps by more than 1 %, [`RecordingError::Span`] when the part to use is empty. A record that is not static is
 /// no error here: see [`Prepared::not_static`].
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{Record, identify::{Settings, prepare}};
+/// // Twenty seconds at 50 Hz, of which the first two were handled.
+/// let mut rows: Vec<[f64; 6]> = (0..1500)
+///     .map(|k| f64::from(k * 7919 % 101 - 50) * 2e-5)
+///     .map(|noise| [noise, -noise, noise, noise, noise, noise - 9.81])
+///     .collect();
+/// for row in &mut rows[..100] {
+///     row[2] += 1.5; // [rad/s]
+/// }
+/// let prepared = prepare(Record::from_samples(&rows), &Settings { rate_hz: Some(50.0), ..Settings::default() })?;
+/// assert!(prepared.not_static.is_none());
+/// assert!(prepared.record.length() < 1450 && prepared.used.is_some());
+/// # Ok::<(), undrift::identify::RecordingError>(())
+/// ```
 pub fn prepare(record: Record, settings: &Settings) -> Result<Prepared, RecordingError> {
     let stamps = record.timing.as_ref().map(|timing| timing.rate_hz);
     let rate_hz = match (settings.rate_hz, stamps) {
@@ -200,7 +217,7 @@ pub(super) fn common_rate(records: &[Prepared]) -> Result<f64, RecordingError> {
     Ok(longest.rate_hz)
 }
 
-/// Where a model comes from: recordings, called `name`, at a rate \[Hz\], with the hashes of their files.
+/// Provenance of a model: recordings, called `name`, at a rate \[Hz\], with the hashes of their files.
 ///
 /// # Errors
 /// If a file cannot be read.

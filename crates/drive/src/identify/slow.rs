@@ -17,7 +17,7 @@ const CUTS: [f64; 7] = [0.0, 1.0 / 32.0, 0.0625, 0.125, 0.25, 0.375, 0.5];
 
 /// A part without what goes on slowly.
 pub(super) struct Steady {
-    /// Its windows.
+    /// Windows that are kept.
     pub(super) kept: Range<usize>,
     /// What is left out for it, or subtracted.
     pub(super) left_out: Vec<Omitted>,

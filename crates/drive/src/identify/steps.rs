@@ -15,9 +15,9 @@ const MOST: usize = 4;
 /// A step of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Step {
-    /// The axis.
+    /// Axis that steps.
     pub(super) axis: &'static str,
-    /// By how much \[unit\].
+    /// Height of the step \[unit\].
     pub(super) size: f64,
     /// The windows before and after which the level is another: the first of them, and the one after the last.
     pub(super) at: Range<usize>,

@@ -35,7 +35,7 @@ fn beside(window: usize) -> Range<usize> {
 pub(super) struct Windows {
     /// Samples of a window.
     pub(super) width: usize,
-    /// How many.
+    /// Number of windows.
     pub(super) count: usize,
     /// The axes by name.
     pub(super) axes: Vec<(&'static str, Levels)>,
@@ -44,7 +44,7 @@ pub(super) struct Windows {
 }
 
 impl Windows {
-    /// Of a record at a rate \[Hz\]; NaN is a missing sample.
+    /// The windows of a record at a rate \[Hz\]; NaN is a missing sample.
     pub(super) fn new(record: &Record, rate_hz: f64) -> Self {
         let present = |samples: &Vec<f64>| samples.iter().filter(|x| !x.is_nan()).count();
         let length = record.length() as f64;

@@ -33,7 +33,7 @@ const ALIKE: f64 = 0.7;
 
 /// Motion from one fix to a later one.
 struct Span {
-    /// Its end \[s\].
+    /// End of the span \[s\].
     time: f64,
     length: f64,
     /// Speeds at both ends [m/s], and the angle by which the course turns right \[rad\].
@@ -94,7 +94,8 @@ fn spans(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<(Vector3, Vec<Span>)> {
     (spans.len() >= FEWEST).then_some((down, spans))
 }
 
-/// How many times as fast the gyros turn as the course of the fixes; `None` where that does not show.
+/// Ratio of the turns of the gyros to those of the course of the fixes [–]: 1 where units are right, 57.3 where deg/s are taken for rad/s;
+/// `None` where it does not show.
 pub fn turn_ratio(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<f64> {
     let (correlation, ratio) = turns(imu, fixes)?;
     (correlation > ALIKE).then_some(ratio)
@@ -133,6 +134,8 @@ fn turns(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<(f64, f64)> {
 
 /// Roll, pitch and yaw of the sensor in the vehicle, and the standard deviation of the yaw \[rad\]; from samples in
 /// sensor axes and fixes with velocities. `None` where the motion does not show it.
+///
+/// A first look without a solution, from the forces in turns and when speeding up; [`estimate`](super::estimate) is the better one.
 pub fn by_force(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<(Vector3, f64)> {
     let (down, spans) = spans(imu, fixes)?;
     // Level axes: the sensor axis that is the most level, and what is to the right of it.

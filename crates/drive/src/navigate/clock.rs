@@ -1,4 +1,4 @@
-//! Whose times a solution has, and what its standard deviations say of that.
+//! Clock of a solution's times, and what its standard deviations contain of the doubt about it.
 
 use crate::estimator::ReceiverClock;
 use undrift_nav::{Vector3, covariance::NAV, mechanisation::NavState};
@@ -6,21 +6,28 @@ use undrift_nav::{Vector3, covariance::NAV, mechanisation::NavState};
 /// Time over which the acceleration is averaged \[s\].
 const AVERAGED: f64 = 0.1;
 
-/// Whose times a solution has.
+/// Clock of a solution's times (docs/conventions.md, Whose times).
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::navigate::Clock;
+/// assert_eq!("gnss".parse::<Clock>().ok(), Some(Clock::Gnss));
+/// assert!("utc".parse::<Clock>().is_err());
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Clock {
     /// The samples', as stamped. Where they turn out to be late, the standard deviations contain what is moved meanwhile: nothing
     /// says which of the two clocks is right.
     #[default]
     Unstated,
-    /// The samples', which are right.
+    /// The samples', stated to be right.
     Imu,
     /// The fixes': the samples' less the time offset that is estimated.
     Gnss,
 }
 
 impl Clock {
-    /// Its name.
+    /// Its name in arguments and results.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Unstated => "unstated",
@@ -30,7 +37,7 @@ impl Clock {
     }
 }
 
-/// No name of a clock.
+/// A name that is not that of a clock.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("\"{0}\" is no clock: imu or gnss")]
 pub struct UnknownClock(String);

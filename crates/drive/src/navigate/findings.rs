@@ -9,7 +9,7 @@ use crate::{
 };
 
 impl Report {
-    /// Everything that should be known with the solution: its end first, causes before symptoms.
+    /// Findings on the logs and the solution: its end first, causes before symptoms. Sentences of them are made by `undrift_report`.
     pub fn findings(&self) -> Vec<Finding> {
         let s = &self.summary;
         let mut found = Vec::new();
@@ -124,7 +124,7 @@ impl Report {
 /// Share of the inertial log below which the solution covers a small part of it.
 const LEAST_COVERED: f64 = 0.5;
 
-/// Of position and velocity the one that the model predicts worse.
+/// Of the findings on position and velocity the one that the model predicts worse.
 fn one_model(mut found: Vec<Finding>) -> Vec<Finding> {
     let factor = |of: &Finding| match of {
         Finding::OptimisticModel { factor, .. } => Some(*factor),
@@ -136,7 +136,7 @@ fn one_model(mut found: Vec<Finding>) -> Vec<Finding> {
 }
 
 impl NavigateError {
-    /// What was found out about the logs before it ended.
+    /// Findings on the logs from before the error ended the run.
     pub fn findings(&self) -> Vec<Finding> {
         match self {
             Self::Replay(error) | Self::Mounting(EstimateError::Replay(error)) => error.findings(),
@@ -146,7 +146,7 @@ impl NavigateError {
 }
 
 impl ReplayError {
-    /// What was found out about the logs before it ended.
+    /// Findings on the logs from before the error ended the run.
     pub fn findings(&self) -> Vec<Finding> {
         let Self::NotAligned(ended) = self else {
             return Vec::new();

@@ -1,4 +1,4 @@
-//! What is kept of a run while it goes: files, errors against the truth, curves.
+//! Outputs of a run while it goes: files, errors against the truth, curves.
 
 use super::{
     Hindsight,
@@ -35,7 +35,7 @@ use undrift_nav::{
     sample::{GnssFix, TruthSample},
 };
 
-/// From one NEES to the next \[s\].
+/// Time between two values of the NEES \[s\].
 const NEES_SPAN: f64 = 1.0;
 
 /// A truth reader that ends at its first error and keeps it.
@@ -64,20 +64,20 @@ impl Iterator for Readable {
     }
 }
 
-/// What a drive is navigated for.
+/// Outputs of a navigated drive. The default asks for the summary and the findings of a causal run alone.
 #[derive(Default)]
 pub struct Wanted {
-    /// Where the solution goes.
+    /// Files that the solution is written to.
     pub files: Vec<SolutionFile>,
-    /// What the solution may know at each instant.
+    /// How much of the log the solution may know at each instant.
     pub hindsight: Hindsight,
-    /// Whose times the solution has.
+    /// Clock of the solution's times.
     pub clock: Clock,
-    /// The run over time in [`super::Report::recording`].
+    /// Whether with the run over time in [`super::Report::recording`].
     pub recording: bool,
-    /// The solution at every sample in [`super::Report::rows`]: 31 numbers each.
+    /// Whether with the solution at every sample in [`super::Report::rows`]: 31 numbers each.
     pub rows: bool,
-    /// The fixes that are rejected in [`super::Report::rejected`]: it grows with their number.
+    /// Whether with the fixes that are rejected in [`super::Report::rejected`]: it grows with their number.
     pub rejected: bool,
     /// Counts the samples that are navigated, for progress bars.
     pub samples: Arc<AtomicU64>,
@@ -95,7 +95,7 @@ pub(super) struct Recorder {
     compared: [u64; COMPONENTS.len()],
     /// While the filter runs for a smoother.
     history: Option<History>,
-    /// Of the filter's errors against its covariance, and when next \[s\].
+    /// Sums of the filter's errors against its covariance, and the time of the next \[s\].
     consistency: Consistency,
     next_nees: f64,
     /// Where they are asked for.
@@ -325,8 +325,8 @@ fn of_vehicle(
     (NavState { q_nb: q_nv, ..*nav }, nav_std)
 }
 
-/// The solution at an instant: state, standard deviations as of [`Estimator::nav_std`], and sensor errors,
-/// [`Estimator::sensor_error`], with theirs.
+/// The row of a solution at an instant: state, standard deviations as of [`Estimator::nav_std`] [m, m/s, rad], and sensor errors,
+/// [`Estimator::sensor_error`] [rad/s, m/s²], with their standard deviations.
 pub fn solution_row(
     nav: &NavState,
     nav_std: [f64; NAV],

@@ -1,4 +1,4 @@
-//! What a run was like over time, for plots.
+//! Curves of a run over time, for plots.
 
 use crate::{
     consistency::COMPONENT_NAMES,
@@ -50,8 +50,8 @@ pub struct Recording {
     sensors: [Envelope; AXES],
     sensor_deviations: [Envelope; AXES],
     errors: [Envelope; COMPONENTS.len()],
-    /// Of position and velocity: whitened innovations and NIS over its degrees of freedom, and NIS
-    /// over the same of what was left out.
+    /// Whitened innovations of position and velocity and NIS over its degrees of freedom, and NIS
+    /// over its degrees of freedom of what was rejected.
     innovations: [[Envelope; INNOVATIONS.len()]; 2],
     left_out: [Envelope; 2],
     /// Time \[s\], latitude, longitude \[deg\] and standard deviations north and east \[m\] of the fixes used,
@@ -164,7 +164,7 @@ impl Recording {
         }
     }
 
-    /// All of it, with where the solution and the fixes disagree; what nothing was added to is missing.
+    /// The curves as a result, with the windows in which solution and fixes disagree; what nothing was added to is missing.
     pub fn series(&self, windows: &Windows) -> NavigateSeries {
         let innovations = |part: usize| {
             let mut curves = named(&INNOVATIONS, &self.innovations[part]);

@@ -1,4 +1,4 @@
-//! A navigated drive as its result.
+//! The result of a navigated drive.
 
 use super::{Hindsight, Report};
 use crate::{
@@ -16,7 +16,7 @@ use undrift_results::{
 const AXES: [&str; 3] = ["north", "east", "down"];
 
 impl Report {
-    /// Everything as a result but for its sentences; `drive` is what was navigated.
+    /// The result under its schema, without sentences; `drive` describes what was navigated.
     pub fn result(&self, kind: BiasModel, drive: Drive) -> Navigate {
         let s = &self.summary;
         let skipped = [

@@ -12,13 +12,25 @@ use undrift_noise::BiasModel;
 pub struct Started {
     /// The filter at the end of the sample that it began in, with the fixes up to there.
     pub filter: Box<dyn Estimator>,
-    /// What a replay of the drive goes on with.
+    /// Settings that a replay of the drive continues with.
     pub settings: Settings,
     /// What the samples up to there have shown of their noise, where the filter's follows it.
     pub vibration: Option<Vibration>,
 }
 
-/// Aligns a drive: its filter as [`super::navigate`] begins it.
+/// Aligns a drive: its filter as [`super::navigate`] begins it, to be stepped by the caller.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{BiasModel, Drive, ImuModel, navigate::start};
+/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+/// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, None, &GnssNoise::default(), 1)?;
+/// let drive = Drive { model: ImuModel::preset("adis16465"), ..Drive::from_samples(&log.imu, &log.gnss) };
+/// let started = start(&drive, BiasModel::Arma)?;
+/// // Aligned with the first metres after a minute at rest, to some degrees of heading.
+/// assert!(started.filter.nav().time > 30.0 && started.filter.nav_std()[8] < 0.1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// As [`super::navigate`].

@@ -1,4 +1,4 @@
-//! What is compared in the outages of a drive: bias models of one noise model, or noise models of one bias model.
+//! Models that are compared in the outages of a drive: bias models of one noise model, or noise models of one bias model.
 
 use super::Logs;
 use crate::{drive::Drive, navigate::NavigateError, temperature};
@@ -6,19 +6,30 @@ use std::{borrow::Cow, collections::HashSet};
 use undrift_nav::sample::ImuSample;
 use undrift_noise::{BiasModel, ImuModel};
 
-/// One row of the tables.
+/// One row of the tables: a bias model of the drive's noise model, or a noise model of its own.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// use undrift::{BiasModel, ImuModel, outages::ComparedModel};
+/// let arma = ComparedModel::from(BiasModel::Arma);
+/// assert!(arma.name == "arma" && arma.model.is_none());
+/// // Two noise models, each as a Gauss-Markov bias.
+/// let sensors = ["adis16465", "bmi088"].map(|name| (name.to_owned(), ImuModel::preset(name).expect("a preset")));
+/// let compared = ComparedModel::each(sensors, BiasModel::GaussMarkov);
+/// assert_eq!(compared[1].name, "bmi088");
+/// ```
 #[derive(Clone, Debug)]
 pub struct ComparedModel {
     /// Its name in the tables.
     pub name: String,
-    /// Its bias model.
+    /// Bias model of the filter.
     pub kind: BiasModel,
-    /// Its noise model; without one, the drive's.
+    /// Noise model; the drive's where absent.
     pub model: Option<ImuModel>,
 }
 
 impl From<BiasModel> for ComparedModel {
-    /// A bias model of the drive's noise model.
+    /// A bias model of the drive's noise model, under its own name.
     fn from(kind: BiasModel) -> Self {
         Self {
             name: kind.name().into(),
@@ -29,7 +40,7 @@ impl From<BiasModel> for ComparedModel {
 }
 
 impl ComparedModel {
-    /// Noise models with their names, each run as `kind`. A second one of a name becomes NAME-2.
+    /// Noise models under their names, each run as `kind`. A second one of a name becomes NAME-2.
     pub fn each(
         models: impl IntoIterator<Item = (String, ImuModel)>,
         kind: BiasModel,

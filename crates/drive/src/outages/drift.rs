@@ -1,4 +1,4 @@
-//! How far a model drifts since the cut.
+//! Growth of a model's error since the cut.
 
 use super::errors::OutageErrors;
 use undrift_base::order_statistics::median;

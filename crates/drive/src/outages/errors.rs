@@ -1,4 +1,4 @@
-//! What the outages did to the models.
+//! Errors of the models in the outages.
 
 use crate::{
     findings::Finding,
@@ -9,17 +9,18 @@ use crate::{
 /// Errors of one model in one outage.
 #[derive(Clone, Debug)]
 pub struct OutageErrors {
-    /// Start in the log's time base \[s\].
+    /// Start of the outage in the log's time base \[s\].
     pub start_s: f64,
-    /// Largest magnitude inside the outage, in the units of [`Errors`].
+    /// Largest magnitude of each component inside the outage [m, m/s, deg].
     pub max: Errors,
-    /// Error at its end.
+    /// Error at the outage's end.
     pub end: Errors,
-    /// Predicted standard deviations at its end.
+    /// Predicted standard deviations at the outage's end.
     pub sigma: Errors,
-    /// Normalised error squared at its end per degree of freedom, of [`crate::reference::GROUPS`].
+    /// Normalised error squared at the outage's end per degree of freedom, of [`crate::reference::GROUPS`]: about 1 on the average of many
+    /// outages where the covariance is right.
     pub nees: [f64; 3],
-    /// How many of its errors the predicted standard deviations cover.
+    /// Shares of its errors inside one, two and three predicted standard deviations.
     pub covered: Coverage,
     /// Horizontal error against time since the outage began: pairs of \[s\] and \[m\], at most about ten a second.
     pub drift: Vec<(f64, f64)>,
@@ -27,10 +28,10 @@ pub struct OutageErrors {
     pub way: Vec<[f64; 3]>,
 }
 
-/// Errors of one model over all outages.
+/// Errors of one model over all outages: the numbers of the source paper's Table 4 and more.
 #[derive(Clone, Debug)]
 pub struct ModelErrors {
-    /// Largest magnitude over all samples inside the outages.
+    /// Largest magnitude of each component over all samples inside the outages: the paper's figure.
     pub max: Errors,
     /// RMS over the outages of the largest error of each.
     pub rms: Errors,
@@ -43,11 +44,11 @@ pub struct ModelErrors {
     pub nees: [f64; 3],
     /// How many errors inside the outages the predicted standard deviations cover.
     pub coverage: Coverage,
-    /// Outages that are in none of these: they began before the solution.
+    /// Number of outages that are in none of these: they began before the solution.
     pub left_out: usize,
-    /// Outage by outage.
+    /// Errors outage by outage, in order of time.
     pub per_outage: Vec<OutageErrors>,
-    /// Set when the numbers cannot be trusted, and why.
+    /// Reason why the numbers cannot be trusted, where there is one.
     pub finding: Option<Finding>,
 }
 
@@ -56,7 +57,7 @@ pub struct ModelErrors {
 pub struct ModelRun {
     /// Name of the bias model.
     pub name: String,
-    /// The outcome.
+    /// Its errors in the outages.
     pub errors: ModelErrors,
     /// Counts and innovations of the replay.
     pub summary: Summary,

@@ -20,23 +20,23 @@ use undrift_results::NoiseModelRun;
 /// Longest span between two nodes of the smoother \[s\]: the errors are taken at nodes.
 const NODE_SPAN: f64 = 0.2;
 
-/// What was done with a drive.
+/// The experiment on a drive: models, outages, and the errors of each model in them.
 #[derive(Debug)]
 pub struct Experiment {
-    /// What the solutions know at each instant.
+    /// How much of the log the solutions know at each instant.
     pub hindsight: Hindsight,
-    /// What was compared.
+    /// Models that were compared.
     pub compared: Vec<ComparedModel>,
-    /// The outages.
+    /// Outages that were judged.
     pub cuts: Vec<Outage>,
-    /// Those that were asked for and are not among them, and why.
+    /// Outages that were asked for and are not among them, and why.
     pub left_out: Vec<(Outage, WhyLeftOut)>,
     /// The run without outages: what `navigate` makes of the drive.
     pub uncut: Result<Report, ReplayError>,
     /// Withheld fixes with a position, and how many of them the run without outages rejects: they are no reference. None
     /// of both where there is a truth.
     pub withheld: [u64; 2],
-    /// Every model.
+    /// Outcome of every model.
     pub runs: Vec<ModelOutcome>,
 }
 
@@ -58,12 +58,12 @@ impl Experiment {
 pub const UNCUT: BiasModel = BiasModel::Arma;
 
 impl Logs {
-    /// Samples that a run of this many models takes in all, for progress.
+    /// Samples that a run of this many models processes in all, for progress.
     pub fn samples(&self, models: usize) -> u64 {
         (self.imu.len() * (models + 1)) as u64
     }
 
-    /// [`Logs::compare`] of bias models of the drive's noise model.
+    /// Does [`Logs::compare`] with bias models of the drive's noise model.
     ///
     /// # Errors
     /// As [`Logs::compare`].

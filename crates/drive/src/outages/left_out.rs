@@ -43,9 +43,9 @@ impl Times {
 
 /// What the outages of a drive need.
 pub(super) struct Needs {
-    /// Of the fixes that are not rejected.
+    /// Times of the fixes that are not rejected.
     fixes: Times,
-    /// Of the references.
+    /// Times of the references.
     references: Times,
     /// First and last sample before and after each gap of the samples, and of the log \[s\].
     samples: Vec<(f64, f64)>,

@@ -19,21 +19,21 @@ use undrift_io::skipped::Skipped;
 use undrift_nav::sample::{GnssFix, ImuSample, TruthSample};
 use undrift_results::{self, Outages};
 
-/// A drive and all that its logs hold. Every model is run on the same.
+/// A drive and all records of its logs in memory. Every model is run on the same.
 pub struct Logs {
     /// The drive, in the vehicle's axes; in the sensor's where the mounting is to be found on the way.
     pub drive: Drive,
     /// The mounting, where the drive asks for an estimate and it was looked for ahead.
     pub mounting: Option<Mounting>,
-    /// Inertial samples.
+    /// Inertial samples in order of time.
     pub imu: Vec<ImuSample>,
-    /// Fixes.
+    /// Fixes in order of time.
     pub gnss: Vec<GnssFix>,
     /// Fixes and all other measurements in order of time.
     pub aiding: Vec<Measurement>,
     /// What the fixes show of themselves.
     study: Option<FixStudy>,
-    /// The reference; empty without one.
+    /// The reference in order of time; empty without one.
     pub truth: Vec<TruthSample>,
     skipped: Vec<(Log, Skipped)>,
 }
@@ -79,15 +79,27 @@ impl Logs {
         })
     }
 
-    /// What the fixes show of themselves.
+    /// What the fixes show of their own errors.
     pub fn study(&self) -> Option<&FixStudy> {
         self.study.as_ref()
     }
 
-    /// The outages of `length` \[s\] that a schedule asks for.
+    /// The outages of `length` \[s\] that a schedule asks for, in order of time.
     ///
     /// # Errors
     /// When there is no fix, or they do not fit the fixes or the truth.
+    ///
+    /// ```
+    /// # use undrift_drive as undrift;
+    /// use undrift::{Drive, Logs, Schedule, navigate::Hindsight};
+    /// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+    /// # let log = simulate(&Trajectory::car(200.0, 1), 50.0, None, &GnssNoise::default(), 1)?;
+    /// let logs = Logs::load(&Drive::from_samples(&log.imu, &log.gnss), Hindsight::Causal)?;
+    /// let cuts = logs.plan(&Schedule::Every { start: 60.0, every: 30.0, count: None }, 10.0)?;
+    /// assert!(cuts.len() == 5 && cuts.iter().all(|cut| (cut.end - cut.start - 10.0).abs() < 1e-9));
+    /// assert_eq!(logs.reference(), "gnss"); // Without a truth the withheld fixes.
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn plan(&self, plan: &Schedule, length: f64) -> Result<Vec<Outage>, ScheduleError> {
         let (Some(first), Some(last)) = (self.gnss.first(), self.gnss.last()) else {
             return Err(ScheduleError::NoFix(self.drive.gnss.0.clone()));
@@ -104,7 +116,7 @@ impl Logs {
         Ok(cuts)
     }
 
-    /// As [`Logs::plan`] of what is asked for, or else of [`Schedule::usual`].
+    /// The outages of the schedule that is `asked` for, or else of [`Schedule::usual`], the first `start` \[s\] after the first fix.
     ///
     /// # Errors
     /// As [`Logs::plan`].
@@ -120,7 +132,7 @@ impl Logs {
         self.plan(&plan, length)
     }
 
-    /// What the errors are measured against: "truth", or "gnss" for the withheld fixes.
+    /// Name of the reference of the errors: "truth", or "gnss" for the withheld fixes.
     pub fn reference(&self) -> &'static str {
         if self.truth.is_empty() {
             "gnss"
@@ -134,7 +146,7 @@ impl Logs {
         track(&self.truth, &self.gnss)
     }
 
-    /// What reading the logs showed.
+    /// Findings of reading the logs.
     pub fn read_findings(&self) -> Vec<Finding> {
         let mut found = Vec::new();
         found.extend(self.ends_early());
@@ -150,7 +162,7 @@ impl Logs {
         findings::of_ends(sample.time, ends).filter(|_| whole)
     }
 
-    /// What the drive shows without outages, as in `navigate`, and what the outages show.
+    /// Findings of the run without outages, as in `navigate`, and of the outages.
     pub fn findings(&self, experiment: &Experiment) -> Vec<Finding> {
         let mut found = match &experiment.uncut {
             Ok(report) => report.findings(),

@@ -15,7 +15,7 @@ use undrift_results::{
     series::{ROWS, Thinned, to_digits, to_millimetre, to_millisecond},
 };
 
-/// What outages did, model by model, on the way of `track`.
+/// Errors in the outages as a result, model by model, on the ground track `track`.
 pub fn result(outages: &[Outage], results: &[ModelOutcome], track: &[TruthSample]) -> Outages {
     let mut result = Outages {
         undrift: VERSION.into(),
@@ -114,7 +114,7 @@ fn way(run: &ModelRun) -> Track {
     }
 }
 
-/// A way of bounded length.
+/// A ground track of bounded length.
 pub fn thinned_track(track: &[TruthSample]) -> Track {
     let mut thinned = Thinned::new(ROWS);
     for sample in track {

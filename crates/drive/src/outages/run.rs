@@ -35,7 +35,7 @@ pub fn run(
     run_against(imu, aiding, reference, models, done)
 }
 
-/// As [`run`], where some of the withheld fixes may be no reference.
+/// Does [`run`] with a reference in which some of the withheld fixes may be excluded.
 pub fn run_against(
     imu: &[ImuSample],
     aiding: &[Measurement],

@@ -1,28 +1,28 @@
-//! Where the outages lie.
+//! Times of the outages.
 
 use crate::replay::Outage;
 use std::path::PathBuf;
 
-/// Where the outages lie, from the times of the fixes.
+/// Times of the outages, from those of the fixes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Schedule {
     /// `count` of them, evenly from `start` [s after the first fix] to the end of the fixes.
     Count {
-        /// After the first fix \[s\].
+        /// Start of the first outage after the first fix \[s\].
         start: f64,
-        /// How many.
+        /// Number of outages.
         count: usize,
     },
-    /// From `start` [s after the first fix] on, one every `every` \[s\], at most `count`.
+    /// One every `every` \[s\] from `start` [s after the first fix] on, at most `count`.
     Every {
-        /// After the first fix \[s\].
+        /// Start of the first outage after the first fix \[s\].
         start: f64,
-        /// From start to start \[s\].
+        /// Time from the start of one outage to that of the next \[s\].
         every: f64,
-        /// At most this many, as many as fit if `None`.
+        /// Number of outages at most; as many as fit if `None`.
         count: Option<usize>,
     },
-    /// At these times in the log's own time base \[s\].
+    /// At these starts, in the log's own time base \[s\].
     At(Vec<f64>),
 }
 
@@ -48,8 +48,16 @@ impl Schedule {
         }
     }
 
-    /// What serves where nothing is asked for: as many outages of `length` \[s\] as fit, a third of the time without GNSS;
+    /// The schedule where none is asked for: as many outages of `length` \[s\] as fit, a third of the time without GNSS;
     /// the first `start` \[s\] after the first fix or, without it, after [`FIRST`], sooner where the fixes `span` \[s\] little.
+    ///
+    /// ```
+    /// # use undrift_drive as undrift;
+    /// use undrift::outages::Schedule;
+    /// // Outages of 10 s in ten minutes of fixes: one every half minute, from a minute on.
+    /// let Schedule::Every { start, every, .. } = Schedule::usual(10.0, None, 600.0) else { panic!() };
+    /// assert_eq!((start, every), (60.0, 30.0));
+    /// ```
     pub fn usual(length: f64, start: Option<f64>, span: f64) -> Self {
         Self::Every {
             start: start.unwrap_or(FIRST.min((span / 3.0).round())),
@@ -65,7 +73,7 @@ pub const FIRST: f64 = 60.0;
 /// More outages than this are a mistake.
 const MOST_OUTAGES: usize = 100_000;
 
-/// Why outages cannot be laid out.
+/// Why outages cannot be laid out; its text names the argument to change.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ScheduleError {
     /// There is nothing to count the outages from.
@@ -130,7 +138,7 @@ pub enum ScheduleError {
     LongerThanFixes {
         /// Length \[s\].
         length: f64,
-        /// From the first fix to the last \[s\].
+        /// Time from the first fix to the last \[s\].
         span: f64,
     },
     /// An outage reaches beyond the fixes.
@@ -156,7 +164,7 @@ pub enum ScheduleError {
     BeyondTruth {
         /// First and last time of the truth \[s\].
         truth: [f64; 2],
-        /// The outage.
+        /// The outage that reaches beyond.
         outage: Outage,
     },
 }

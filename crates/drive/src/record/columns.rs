@@ -22,12 +22,12 @@ pub(super) fn as_axis(
 
 /// A column of a record.
 pub(super) struct AxisColumn {
-    /// Its place in [`AXES`].
+    /// Index in [`AXES`].
     pub(super) index: usize,
     pub(super) column: Column,
-    /// Its unit: stated, by its name, or guessed.
+    /// Unit: stated, by the column's name, or guessed.
     pub(super) unit: Option<String>,
-    /// From its unit to SI.
+    /// Factor from that unit to SI.
     pub(super) scale: f64,
 }
 

@@ -10,7 +10,7 @@ use undrift_io::table::{Column, Preview};
 pub(super) struct Guess {
     gyro: [Column; 3],
     accel: [Column; 3],
-    /// Of gyros and accelerometers.
+    /// Units of gyros and accelerometers.
     units: [String; 2],
     pub(super) time: Option<Column>,
     increments: bool,
@@ -20,7 +20,7 @@ const INCREMENTS: &str = "by their size the columns are increments: describe the
      that instead";
 
 impl Guess {
-    /// By the names and the first rows of a table; `None` where they do not show six axes.
+    /// Guesses from the names and the first rows of a table; `None` where they do not show six axes.
     pub(super) fn from_preview(beginning: &Preview) -> Option<Self> {
         let parts = inspect::of_table(beginning.clone());
         let imu = parts.into_iter().find(|part| part.table == "imu")?;

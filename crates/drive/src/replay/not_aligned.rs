@@ -111,7 +111,7 @@ enum Reason {
 }
 
 impl Reason {
-    /// Of two logs without a common time.
+    /// The error of two logs without a common time.
     fn of_clocks(imu: Stamps, gnss: Stamps, fault: ClockFault) -> Self {
         const GNSS: &str = "GNSS";
         match fault {

@@ -11,7 +11,8 @@ use undrift_nav::{
 /// Times closer than this \[s\] are the same.
 const SAME: f64 = 1e-6;
 
-/// The smoothed solution at every sample, from the nodes and a second pass over the log.
+/// The smoothed solution at every sample, from the nodes and a second pass over the log: between two nodes the samples are integrated
+/// from the first, and the difference at the second is spread over the span.
 pub struct Path<'a> {
     smoothed: &'a Smoothed,
     /// The node that the present span starts at.
@@ -26,7 +27,7 @@ pub struct Path<'a> {
 }
 
 impl<'a> Path<'a> {
-    /// From the first node on; `None` without nodes.
+    /// Starts at the first node; `None` without nodes.
     pub fn new(smoothed: &'a Smoothed) -> Option<Self> {
         Some(Self {
             nav: smoothed.nodes.first()?.nav,
@@ -38,7 +39,7 @@ impl<'a> Path<'a> {
         })
     }
 
-    /// Takes the next sample; gives `out` the solution at the ends of all samples that a node now
+    /// Adds the next sample; gives `out` the solution at the ends of all samples that a node now
     /// closes, in order, as a node of its own.
     ///
     /// # Errors

@@ -5,7 +5,8 @@ use undrift_nav::{
     Vector3, aiding::Observation, filter::Filter, parameters::Parameter, sample::Position,
 };
 
-/// What a position says that holds at `due` \[s\]; the filter is there or after it.
+/// Observation of a position that holds at `due` \[s\]; the filter is there or after it. Standard deviation `correlated` of the
+/// time-correlated part of its error \[m\].
 pub(super) fn observe_position<const N: usize>(
     filter: &Filter<N>,
     position: &Position,
@@ -25,7 +26,7 @@ pub(super) fn observe_position<const N: usize>(
     observed
 }
 
-/// What a velocity \[m/s\] says, north, east, down, as [`observe_position`].
+/// Observation of a velocity `v_n` \[m/s\], north, east, down, in the same way as [`observe_position`].
 pub(super) fn observe_velocity<const N: usize>(
     filter: &Filter<N>,
     v_n: &Vector3,

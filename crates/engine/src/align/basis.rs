@@ -11,7 +11,7 @@ use undrift_nav::{
 
 /// Constant error of an accelerometer that any model is taken to allow for \[m/s²\].
 const CONSTANT: f64 = 0.02;
-/// By how many standard deviations the specific force at rest differs from gravity where its model does not explain that.
+/// Standard deviations that the specific force at rest differs from gravity by where its model does not explain it.
 const UNEXPLAINED: f64 = 3.0;
 /// A state that lasts for less than this cannot hold a constant \[s\].
 const LASTS: f64 = 60.0;
@@ -49,7 +49,7 @@ pub(super) fn bias_variances(axes: &[ShapingFilter], floor: f64) -> Vector3 {
     })
 }
 
-/// By how much the mean specific force of a rest of `duration` \[s\] is larger than gravity \[m/s²\], where that is more than the
+/// Excess of the mean specific force of a rest of `duration` \[s\] over gravity \[m/s²\], where that is more than the
 /// accelerometers' model has.
 pub(super) fn force_excess(
     accel: &[ShapingFilter],

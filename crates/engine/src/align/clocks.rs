@@ -5,28 +5,28 @@ use core::{fmt, ops::Range};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 
-/// Time stamps of a log.
+/// First and last time stamp of a log, and how many there are. Its text gives the span to the millisecond.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stamps {
-    /// The first \[s\].
+    /// First stamp \[s\], in the log's own time base.
     pub first: f64,
-    /// The last \[s\].
+    /// Last stamp \[s\].
     pub last: f64,
-    /// How many.
+    /// Number of stamps.
     pub count: u64,
 }
 
-/// What is wrong with the times of an inertial and a GNSS log.
+/// The likeliest reason why an inertial and a GNSS log have no time in common.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ClockFault {
-    /// A log counts in this unit, not in seconds.
+    /// This log counts in this unit (`"ms"`, `"us"`, `"ns"`, `"d"`), not in seconds.
     Unit(Log, &'static str),
-    /// A log has Unix time, the other has not.
+    /// This log has Unix time, the other has not.
     Unix(Log),
-    /// GNSS is this many whole hours ahead of the inertial log, as of a time zone.
+    /// GNSS is this many whole hours ahead of the inertial log, as by a time zone.
     Hours(f64),
-    /// Something else.
+    /// Anything else: logs of different drives, perhaps.
     Apart,
 }
 
@@ -54,13 +54,13 @@ impl fmt::Display for Stamps {
     }
 }
 
-/// A time to the millisecond.
+/// `time` \[s\] rounded to the millisecond, for messages.
 pub fn rounded(time: f64) -> f64 {
     (time * 1e3).round() / 1e3
 }
 
 impl Stamps {
-    /// With one more, later stamp \[s\].
+    /// These stamps with one more, later stamp \[s\].
     pub(crate) fn and(before: Option<Self>, time: f64) -> Self {
         before.map_or(
             Self {
@@ -76,10 +76,12 @@ impl Stamps {
         )
     }
 
+    /// Time from the first stamp to the last \[s\].
     fn span(&self) -> f64 {
         self.last - self.first
     }
 
+    /// Mean time between two stamps \[s\].
     fn interval(&self) -> f64 {
         self.span() / self.count.saturating_sub(1).max(1) as f64
     }

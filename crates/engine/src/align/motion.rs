@@ -54,7 +54,7 @@ const LONGEST_PAUSE: f64 = 5.0;
 const FEWEST: usize = 6;
 /// How far apart the velocities of a search must be \[m/s\].
 const SPREAD: f64 = 1.0;
-/// The same of positions alone, which slow craft have.
+/// Spread that velocities of positions alone must have \[m/s\]: slow craft have such receivers.
 const SPREAD_OF_POSITIONS: f64 = 0.5;
 /// A second minimum is out of the question when the best one's squared residuals are less by this much.
 const RIVAL: f64 = 25.0;
@@ -134,7 +134,7 @@ pub(super) struct MotionAligner {
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct Solved {
     guess: Guess,
-    /// By how much fixes hold later than their stamps \[s\].
+    /// Delay of the fixes against their stamps \[s\].
     late: f64,
     /// The one of [`LOOSER`].
     looser: f64,
@@ -407,6 +407,7 @@ impl MotionAligner {
         })
     }
 
+    /// Motion of the window between the fixes of a search, linear about the gyro bias `gyro` [rad/s].
     fn segments(&self, seen: &[Sighting], gyro: &Vector3) -> Vec<Segment> {
         segments(self.samples.iter(), seen.iter(), SPACING, gyro)
     }

@@ -24,7 +24,7 @@ const RATE_NOISE: f64 = 1e-3;
 const SIGMAS: f64 = 5.0;
 /// What the mean rate of a rest wanders by beyond its white noise \[rad/s\].
 const RATE: f64 = 0.003;
-/// The same of the mean specific force \[m/s²\].
+/// What the mean specific force of a rest wanders by beyond its white noise \[m/s²\].
 const FORCE: f64 = 0.05;
 /// What reads more than [`SIGMAS`] times the bias of a gyro switched on, at least this one \[rad/s\], turns on the spot.
 const BIAS_FLOOR: f64 = 0.06;
@@ -56,7 +56,7 @@ pub(super) struct Rest {
 }
 
 impl Rest {
-    /// For gyros and accelerometers of the given noise.
+    /// A detector for gyros and accelerometers of the given noise.
     pub(super) fn new(gyro: &[ShapingFilter], accel: &[ShapingFilter]) -> Self {
         let blocks = |axes, wanted: f64| noise_of_mean(axes, BLOCK) / (wanted * wanted);
         let needed = blocks(gyro, RATE_NOISE)
@@ -150,7 +150,7 @@ impl Rest {
         self.dvel = Vector3::zeros();
     }
 
-    /// Forgets all rest: it was none.
+    /// Forgets all rest: it turned out to be motion.
     pub(super) fn forget(&mut self) {
         self.interrupt();
         self.bias_blocks = 0;
@@ -158,6 +158,7 @@ impl Rest {
         self.rested_force = None;
     }
 
+    /// Whether the present span is no longer than what makes a rest.
     fn fresh_span(&self) -> bool {
         self.blocks <= self.needed
     }

@@ -5,56 +5,56 @@ use alloc::{
     string::{String, ToString},
 };
 
-/// How the first attitude was found, and how well.
+/// Source and accuracy of the first attitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Alignment {
-    /// Where the attitude comes from.
+    /// Source of the attitude.
     pub source: AttitudeSource,
-    /// Standard deviation of the tilt, the larger of the two \[rad\].
+    /// Standard deviation of the tilt, the larger of its two axes \[rad\].
     pub level_std: f64,
     /// Standard deviation of the heading \[rad\].
     pub heading_std: f64,
     /// Standard deviation of the gyro bias, the largest of the axes \[rad/s\].
     pub gyro_bias_std: f64,
-    /// By how much the specific force at rest is larger than gravity \[m/s²\], where that is more than the accelerometers' noise
+    /// Excess of the specific force at rest over gravity \[m/s²\], where that is more than the accelerometers' noise
     /// model has: the filter then starts with so large constant errors.
     pub force_excess: Option<f64>,
 }
 
-/// Where the first attitude comes from.
+/// Source of the first attitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum AttitudeSource {
-    /// It is given.
+    /// The settings state it ([`AlignSettings::attitude`](crate::align::AlignSettings::attitude)).
     Given,
-    /// Level and gyro bias from rest.
+    /// Level and gyro bias from the mean over a rest.
     Rest {
         /// Length of the rest \[s\].
         duration: f64,
-        /// Where the heading comes from.
+        /// Source of the heading, which rest does not show.
         heading: HeadingSource,
     },
-    /// Velocity changes.
+    /// All of it from velocity changes seen by sensors and GNSS.
     Motion {
-        /// Length of the window \[s\].
+        /// Length of the window of motion \[s\].
         duration: f64,
         /// Whether the gyro bias is known from a rest before.
         bias_at_rest: bool,
     },
 }
 
-/// Where the heading after a rest comes from.
+/// Source of the heading after a rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum HeadingSource {
-    /// It is given.
+    /// The settings state it ([`Heading::Given`](crate::align::Heading::Given)).
     Given,
-    /// The GNSS course.
+    /// The GNSS course once the vehicle moved.
     Course,
 }
 
-/// Why there was no alignment.
+/// Why there was no alignment, and what to set or to change; its text is for the user.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum AlignmentFailure {
@@ -68,7 +68,7 @@ pub enum AlignmentFailure {
     #[error("the fixes have no velocity and are too sparse to derive one; set initial.velocity")]
     NoVelocity,
     /// Neither rest nor motion gave the attitude.
-    #[error("{}", of_attitude(.0, .1))]
+    #[error("{}", no_attitude(.0, .1))]
     NoAttitude(RestFailure, MotionFailure),
 }
 
@@ -84,7 +84,7 @@ pub enum RestFailure {
         "the vehicle never reached {min_speed:.1} m/s (at most {fastest:.1} m/s), so the course gives no heading: set initial.min_speed or initial.heading"
     )]
     TooSlow {
-        /// That speed \[m/s\].
+        /// Speed above which the course is the heading \[m/s\].
         min_speed: f64,
         /// The highest speed \[m/s\].
         fastest: f64,
@@ -102,7 +102,7 @@ pub enum RestFailure {
         "no fix after a rest was faster than {min_speed:.1} m/s, so the course gives no heading (set initial.heading or initial.attitude)"
     )]
     NoFastFix {
-        /// That speed \[m/s\].
+        /// Speed above which the course is the heading \[m/s\].
         min_speed: f64,
     },
     /// Nothing gives the heading.
@@ -123,7 +123,7 @@ pub enum MotionFailure {
         "alignment in motion needs speeding up, braking or turning: the velocity changed by at most {change:.1} m/s within {within:.0} s"
     )]
     TooSteady {
-        /// By how much at most \[m/s\] …
+        /// Largest change of the velocity \[m/s\] …
         change: f64,
         /// … within so long \[s\].
         within: f64,
@@ -148,8 +148,8 @@ pub enum MotionFailure {
     Misfit(f64),
 }
 
-/// Without speed there is no change of velocity either: one reason is enough.
-fn of_attitude(rest: &RestFailure, motion: &MotionFailure) -> String {
+/// Text of a missing attitude. Without speed there is no change of velocity either: one reason is enough.
+fn no_attitude(rest: &RestFailure, motion: &MotionFailure) -> String {
     match (rest, motion) {
         (
             RestFailure::TooSlow { .. } | RestFailure::NeverMoved { .. },
@@ -160,7 +160,7 @@ fn of_attitude(rest: &RestFailure, motion: &MotionFailure) -> String {
 }
 
 impl MotionFailure {
-    /// How far the search came.
+    /// Stage that the search reached, to keep the failure that says most.
     pub(super) fn stage(&self) -> u8 {
         match self {
             Self::TooFew => 0,

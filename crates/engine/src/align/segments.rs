@@ -64,7 +64,7 @@ pub(super) fn segments<'a>(
     segments
 }
 
-/// For how long the vehicle moved in a window \[s\].
+/// Time that the vehicle moved in a window \[s\].
 pub(super) fn moving(segments: &[Segment]) -> f64 {
     let moving = segments.iter().filter(|s| s.fix.v_n.xy().norm() > MOVES);
     moving.map(|s| s.motion.dt).sum()

@@ -197,13 +197,13 @@ mod tests {
 
     #[test]
     fn late_positions_end_at_the_end_of_the_window() {
-        let of = |time: f64| Sighting {
+        let sighting = |time: f64| Sighting {
             time,
             v_n: Vector3::repeat(time),
             place: Vector3::repeat(2.0 * time),
             variance: Vector3::repeat(1.0),
         };
-        let seen = [1.0, 2.0, 3.0].map(of);
+        let seen = [1.0, 2.0, 3.0].map(sighting);
         for (late, end, count) in [
             (0.0, 3.5, 3),
             (0.4, 3.5, 3),
@@ -214,8 +214,11 @@ mod tests {
         ] {
             let held = held_late(&seen, late, end);
             assert_eq!(held.len(), count + 1, "{late}");
-            for (k, of) in held[..count].iter().enumerate() {
-                assert_eq!((of.time, of.place), (seen[k].time + late, seen[k].place));
+            for (k, sighting) in held[..count].iter().enumerate() {
+                assert_eq!(
+                    (sighting.time, sighting.place),
+                    (seen[k].time + late, seen[k].place)
+                );
             }
             let last = held[count];
             assert_eq!((last.time, last.place), (end, seen[count - 1].place));

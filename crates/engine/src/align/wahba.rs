@@ -69,11 +69,11 @@ pub(super) struct Minimum {
 
 /// Everything but the guess.
 pub(super) struct Problem<'a> {
-    /// In order of time; the first one is the start.
+    /// Segments in order of time; the first one is the start.
     pub(super) segments: &'a [Segment],
     /// Gyro bias about which they are linear [rad/s].
     pub(super) reference: Vector3,
-    /// About where.
+    /// Approximate place, for gravity and the Earth's rate.
     pub(super) place: Geodetic,
     /// IMU → antenna, body axes \[m\].
     pub(super) lever_arm: Vector3,
@@ -233,6 +233,7 @@ impl Problem<'_> {
         }
     }
 
+    /// The end of the window by the whitening filter of `S` states, with positions or with velocities.
     fn end_of<const S: usize>(&self, guess: &Guess) -> Option<End> {
         let linear = self.linearise::<S>(guess, self.segments.len(), &self.gyro.0);
         let parameters = linear.information.try_inverse()?;

@@ -25,13 +25,14 @@ use undrift_nav::{
     reason = "passed on once, when a filter is made"
 )]
 pub(super) enum Initial<'a> {
+    /// A new filter: state, its uncertainty, models, parameters.
     New(
         NavState,
         &'a InitialStd,
         &'a [ShapingFilter; AXES],
         Parameters,
     ),
-    /// Another one, with the lasting errors as given.
+    /// A filter that goes on from another one, its estimates and covariance, with the time-correlated errors as given.
     Lasting(
         Carried,
         &'a [f64],
@@ -44,19 +45,20 @@ pub(super) enum Initial<'a> {
 pub(super) fn sized(states: usize, start: Initial) -> Result<Box<dyn Estimator>, FilterError> {
     match states {
         // Four columns go at a time: one that is left costs nearly as much.
-        ..=16 => of_size::<16>(start),
-        17..=21 => of_size::<21>(start),
+        ..=16 => build_sized::<16>(start),
+        17..=21 => build_sized::<21>(start),
         // The browser's page has no room for one more.
         #[cfg(not(target_family = "wasm"))]
-        22..=24 => of_size::<24>(start),
-        22..=28 => of_size::<28>(start),
-        29..=33 => of_size::<33>(start),
-        34..=45 => of_size::<45>(start),
-        _ => of_size::<73>(start),
+        22..=24 => build_sized::<24>(start),
+        22..=28 => build_sized::<28>(start),
+        29..=33 => build_sized::<33>(start),
+        34..=45 => build_sized::<45>(start),
+        _ => build_sized::<73>(start),
     }
 }
 
-fn of_size<const N: usize>(start: Initial) -> Result<Box<dyn Estimator>, FilterError> {
+/// The filter at one size.
+fn build_sized<const N: usize>(start: Initial) -> Result<Box<dyn Estimator>, FilterError> {
     let filter = match start {
         Initial::New(nav, std, sensors, parameters) => {
             Filter::<N>::new(nav, std, *sensors, parameters)
@@ -72,6 +74,7 @@ fn of_size<const N: usize>(start: Initial) -> Result<Box<dyn Estimator>, FilterE
     }))
 }
 
+/// A filter behind [`Estimator`], with what is recorded of it.
 struct Erased<const N: usize> {
     filter: Filter<N>,
     /// Since the last call of `record`, or since the last update that was logged.
@@ -80,6 +83,7 @@ struct Erased<const N: usize> {
 }
 
 impl<const N: usize> Erased<N> {
+    /// Updates with one observation, recorded or logged as asked for.
     fn take_in<const M: usize>(
         &mut self,
         channel: Channel,
@@ -98,6 +102,7 @@ impl<const N: usize> Erased<N> {
         .map(Some)
     }
 
+    /// Updates and gives the log the update with the transition since the one before: the tape begins again at each.
     fn take_in_logged<const M: usize>(
         &mut self,
         channel: Channel,

@@ -31,15 +31,15 @@ fn step_of(g: f64) -> f64 {
 fn gamma_is_half_the_mean_square_over_the_variance() {
     let time = seconds(100);
     let step = Vector3::new(3.0, 1.0, 2.0) * step_of(1e-3);
-    let of = steady(&time, step);
+    let differences = steady(&time, step);
     for lag in [1, 2, 5] {
         let g = 1e-3 * (lag * lag) as f64;
-        assert!((of.gamma(lag, true).unwrap() / g - 1.0).abs() < 1e-9);
+        assert!((differences.gamma(lag, true).unwrap() / g - 1.0).abs() < 1e-9);
         // The middle one of the axes.
-        assert!((of.gamma(lag, false).unwrap() / (4.0 * g) - 1.0).abs() < 1e-9);
+        assert!((differences.gamma(lag, false).unwrap() / (4.0 * g) - 1.0).abs() < 1e-9);
     }
-    assert!(of.gamma(100 - LEAST_PAIRS, true).is_some());
-    assert!(of.gamma(101 - LEAST_PAIRS, true).is_none());
+    assert!(differences.gamma(100 - LEAST_PAIRS, true).is_some());
+    assert!(differences.gamma(101 - LEAST_PAIRS, true).is_none());
     let mut louder = steady(&time, step);
     louder.variance = (0..100)
         .map(|k| Vector3::repeat(if k % 2 == 0 { 1.0 } else { 7.0 }))
@@ -52,29 +52,29 @@ fn gamma_is_half_the_mean_square_over_the_variance() {
 fn pairs_are_as_far_apart_as_their_lag() {
     // 0.6 s of slack from one to the next, 0.9 s of four.
     let time = [0.0, 1.0, 2.59, 3.59, 5.2, 5.61, 6.0];
-    let of = steady(&time, Vector3::zeros());
-    let pairs: Vec<_> = of.pairs(1).collect();
+    let differences = steady(&time, Vector3::zeros());
+    let pairs: Vec<_> = differences.pairs(1).collect();
     // Of 1, 1.59 and 1, and of 0.41 s; not of 1.61 and of 0.39 s.
     assert_eq!(pairs, [(0, 1), (1, 2), (2, 3), (4, 5)]);
     let time = [0.0, 1.0, 2.0, 3.0, 4.89, 5.91];
-    let of = steady(&time, Vector3::zeros());
-    assert_eq!(of.pairs(4).collect::<Vec<_>>(), [(0, 4)]);
+    let differences = steady(&time, Vector3::zeros());
+    assert_eq!(differences.pairs(4).collect::<Vec<_>>(), [(0, 4)]);
 }
 
 #[test]
 fn a_correlation_time_is_that_at_which_a_power_law_has_grown() {
-    let of = |g: f64, count: usize, interval: f64| {
+    let correlated = |g: f64, count: usize, interval: f64| {
         let time: Vec<f64> = seconds(count).iter().map(|t| t * interval).collect();
-        let mut of = steady(&time, Vector3::repeat(step_of(g) / interval));
-        of.interval = interval;
-        of.correlated(of.gamma(1, false).unwrap(), false)
+        let mut correlated = steady(&time, Vector3::repeat(step_of(g) / interval));
+        correlated.interval = interval;
+        correlated.correlated(correlated.gamma(1, false).unwrap(), false)
     };
     let part = 1.0 - (-1f64).exp();
     // Between lags it is found exactly: they are joined by a power of time.
     for (g, interval) in [(1e-3, 1.0), (5e-3, 1.0), (2e-3, 0.5)] {
         let grown = g + part * (1.0 - g);
         let time = interval * (grown / g).sqrt();
-        let found = of(g, 1200, interval).unwrap();
+        let found = correlated(g, 1200, interval).unwrap();
         assert!(
             (found.time / (SOONER * time) - 1.0).abs() < 1e-9,
             "{g} {found:?}"
@@ -82,12 +82,15 @@ fn a_correlation_time_is_that_at_which_a_power_law_has_grown() {
         assert!((found.share - (1.0 - g).min(MOST_SHARE)).abs() < 1e-9);
     }
     // Ignores correlation times below five seconds.
-    assert!(of(0.025, 600, 1.0).is_some() && of(0.027, 600, 1.0).is_none());
-    assert_eq!(of(1e-3, 1200, 50.0).unwrap().time, LONGEST_CORRELATION);
+    assert!(correlated(0.025, 600, 1.0).is_some() && correlated(0.027, 600, 1.0).is_none());
+    assert_eq!(
+        correlated(1e-3, 1200, 50.0).unwrap().time,
+        LONGEST_CORRELATION
+    );
     // Not grown by a quarter of the log, at lag 16: the time constant of an exponential follows from what has come.
     let g = 1e-3;
     let come = (256.0 * g - g) / (1.0 - g);
-    let found = of(g, 100, 1.0).unwrap();
+    let found = correlated(g, 100, 1.0).unwrap();
     let time = 16.0 / -(1f64 - come).ln();
     assert!(
         (found.time / (SOONER * time) - 1.0).abs() < 1e-9,
@@ -100,12 +103,12 @@ fn jumping(speed: f64, along: f64, across: f64) -> f64 {
     let time = seconds(100);
     let forward = Vector3::new(0.75f64.sqrt(), 0.5, 0.0);
     let right = Vector3::new(-0.5, 0.75f64.sqrt(), 0.0);
-    let mut of = steady(&time, Vector3::zeros());
-    for (k, error) in of.error.iter_mut().enumerate() {
+    let mut differences = steady(&time, Vector3::zeros());
+    for (k, error) in differences.error.iter_mut().enumerate() {
         let side = if k % 2 == 0 { 1.0 } else { -1.0 };
         *error = (forward * along + right * across) * side;
     }
-    of.jitter(&vec![forward * speed; 100])
+    differences.jitter(&vec![forward * speed; 100])
 }
 
 #[test]
@@ -129,8 +132,8 @@ fn stamps_that_jitter_move_fixes_along_the_track() {
 fn a_velocity_that_is_wrong_beyond_doubt_is_reported() {
     let time = seconds(100);
     let bias = |bias: Vector3, stated: f64, count: usize| {
-        let of = steady(&time[..count], -bias);
-        of.velocity_bias(&vec![Vector3::repeat(stated * stated); count])
+        let differences = steady(&time[..count], -bias);
+        differences.velocity_bias(&vec![Vector3::repeat(stated * stated); count])
     };
     let wrong = Vector3::new(0.3, -0.2, 0.16);
     assert!((bias(wrong, 0.1, 100) - wrong).norm() < 1e-9);
@@ -150,27 +153,27 @@ fn a_velocity_that_is_late_is_found_by_its_changes_and_taken_out() {
         .collect();
     let noise = |k: usize, axis: usize| 0.05 * ((3 * k + axis) as f64 * 78.233).sin();
     for late in [0.2, -0.1] {
-        let mut of = steady(&time, Vector3::zeros());
-        for (k, error) in of.error.iter_mut().enumerate() {
+        let mut differences = steady(&time, Vector3::zeros());
+        for (k, error) in differences.error.iter_mut().enumerate() {
             *error = velocity[k] * late + Vector3::from_fn(|i, _| noise(k, i));
         }
-        let (found, error) = of.remove_latency(&velocity).unwrap();
+        let (found, error) = differences.remove_latency(&velocity).unwrap();
         assert!(
             (found - late).abs() < 4.0 * error && error < 0.01,
             "{found} {error}"
         );
-        for (k, left) in of.error.iter().enumerate() {
+        for (k, left) in differences.error.iter().enumerate() {
             let expected = velocity[k] * (late - found) + Vector3::from_fn(|i, _| noise(k, i));
             assert!((left - expected).norm() < 1e-9);
         }
     }
     // Ignores a latency below three standard errors: no correction is applied.
-    let mut of = steady(&time, Vector3::zeros());
-    for (k, error) in of.error.iter_mut().enumerate() {
+    let mut differences = steady(&time, Vector3::zeros());
+    for (k, error) in differences.error.iter_mut().enumerate() {
         *error = Vector3::from_fn(|i, _| noise(k, i));
     }
-    let before = of.error.clone();
-    assert!(of.remove_latency(&velocity).is_none() && of.error == before);
+    let before = differences.error.clone();
+    assert!(differences.remove_latency(&velocity).is_none() && differences.error == before);
 }
 
 #[test]
@@ -301,7 +304,10 @@ fn what_positions_alone_do_not_scatter_by_lasts() {
     assert_eq!(share(0.01), Some(MOST_SHARE));
     // As white as they state, or more: nothing of it lasts.
     assert!(white(2.1) > WHITE_SHARE && share(2.1).is_none() && share(5.0).is_none());
-    let of = positions(5.0);
-    assert_eq!((of.errors.position_factor, of.velocity_late), (1.0, None));
-    assert!((of.interval - 0.2).abs() < 1e-9 && of.errors.known);
+    let study = positions(5.0);
+    assert_eq!(
+        (study.errors.position_factor, study.velocity_late),
+        (1.0, None)
+    );
+    assert!((study.interval - 0.2).abs() < 1e-9 && study.errors.known);
 }

@@ -21,7 +21,7 @@ pub(super) struct Seen {
 }
 
 impl Seen {
-    /// Of a fix with a position.
+    /// Position and velocity of a fix; `None` of one without a position.
     pub(super) fn from_fix(fix: &GnssFix) -> Option<Self> {
         let (position, r) = fix.position?;
         let seen = Self {

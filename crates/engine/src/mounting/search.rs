@@ -15,8 +15,8 @@ use undrift_nav::{Quaternion, Vector3, parameters::Parameter};
 /// Standard deviation of pitch and yaw from which a mounting is of use \[rad\]: less than what a mounting stated by hand is
 /// taken to be wrong by, 0.05.
 const USEFUL: f64 = 0.03;
-/// The same where constraints take it for right, without a state for the rest \[rad\]: at 15 m/s what a car's velocity to the
-/// right scatters by, 0.2 m/s.
+/// Standard deviation from which constraints may take a mounting for right, without a state for the rest \[rad\]: at 15 m/s what a car's
+/// velocity to the right scatters by, 0.2 m/s.
 const TRUSTED: f64 = 0.015;
 
 /// Looks for the mounting.
@@ -45,7 +45,7 @@ pub(crate) struct Search {
 pub(crate) struct Turned {
     /// What they turn to.
     pub(crate) mounting: Mounting,
-    /// From the axes so far.
+    /// Rotation from the axes so far to the new ones.
     pub(crate) turn: Quaternion,
     /// Whether those were the sensor's.
     pub(crate) first: bool,
@@ -200,6 +200,7 @@ impl Search {
         }
     }
 
+    /// Ends the search and frees what it has gathered.
     fn end(&mut self) {
         self.over = true;
         self.estimator = MountingEstimator::default();

@@ -104,7 +104,7 @@ fn nor_does_the_order_matter_where_the_mounting_is_found_on_the_way() {
     drive.settings.constraints.non_holonomic = Some(crate::vehicle::NonHolonomic::CAR);
     let prior = Prior::constant(0.05);
     drive.settings.parameters = drive.settings.parameters.with(Parameter::Mounting, prior);
-    let all = Measurement::of_fixes(&drive.log.gnss);
+    let all = Measurement::from_fixes(&drive.log.gnss);
     let found = |horizon: f64, arrivals: &[(f64, Measurement)]| {
         let mut navigator = Navigator::new(drive.settings.clone()).with_horizon(horizon);
         let mut arriving = arrivals.iter().peekable();

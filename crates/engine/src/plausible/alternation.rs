@@ -11,6 +11,7 @@ const LEAST: u32 = 30;
 /// Autocorrelations of these changes over one fix and over two: −1 and 1 of two alternating places, −2/3 and 1/6 of white noise
 /// of the positions, nearly 1 and 1 of motion.
 const LAG_ONE: f64 = -0.8;
+/// Autocorrelation over two fixes from which they do.
 const LAG_TWO: f64 = 0.7;
 /// Standard deviations as stated from which the distance matters.
 const SIGMAS: f64 = 2.0;

@@ -86,9 +86,9 @@ struct Integrals {
 struct Turn {
     start: f64,
     end: f64,
-    /// Of the course \[rad\].
+    /// Turn of the course \[rad\].
     turn: f64,
-    /// On the average, and by how much it grew [m/s].
+    /// Mean speed, and how much it grew [m/s].
     speed: f64,
     faster: f64,
 }
@@ -104,11 +104,11 @@ pub(super) struct Turns {
     course: Option<(f64, f64, f64)>,
     /// Windows whose later samples are still to come.
     waiting: VecDeque<Turn>,
-    /// Of the turns on those of the vertical at each lag, and of each axis at none.
+    /// Regressions of the turns on those of the vertical at each lag, and of each axis at none.
     #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::array"))]
     lags: [Regression; 2 * LAGS + 1],
     axes: [Regression; 3],
-    /// Of the accelerations along the course and to its right on the forces along forward and right.
+    /// Regressions of the accelerations along the course and to its right on the forces along forward and right.
     pushes: [[Regression; 2]; 2],
     /// Sum of the variances of the turns that noise makes \[rad²\].
     noise: f64,
@@ -165,7 +165,7 @@ impl Turns {
         self.pushes = Default::default();
     }
 
-    /// At the end of the log: what still waits is compared with what there is.
+    /// Ends the log: what still waits is compared with what there is.
     pub(super) fn finish(&mut self) {
         while let Some(window) = self.waiting.pop_front() {
             self.compare(&window);
@@ -217,7 +217,7 @@ impl Turns {
         })
     }
 
-    /// The same of the yaw alone; `after` is the first entry that is not before an earlier time, and moves on.
+    /// Yaw of the history at a time; `after` is the first entry that is not before an earlier time, and moves on.
     fn yaw_at(&self, time: f64, after: &mut usize) -> Option<f64> {
         while self.history.get(*after).is_some_and(|entry| entry.0 < time) {
             *after += 1;

@@ -23,7 +23,7 @@ pub(super) struct HeightGate(FixGate);
 
 impl HeightGate {
     pub(super) fn new(time: f64) -> Self {
-        Self(FixGate::of_height(time))
+        Self(FixGate::for_height(time))
     }
 
     /// What is added to the vertical variance of a position with this innovation and covariance \[m, m²\]: nothing, unless

@@ -29,6 +29,7 @@ impl Run {
         observer.mounted(&turned.mounting);
     }
 
+    /// Turns all that is in body axes by `turned`: samples, watches, vehicle, solution.
     fn turn(&mut self, turned: &Turned) {
         let c = turned.turn.to_rotation_matrix().into_inner();
         if let Some(previous) = &mut self.log.previous {

@@ -12,17 +12,26 @@ use undrift_nav::{
 
 /// The time-correlated part of a position's error: a Gauss-Markov process beside white noise. Both together have the
 /// variance that the fixes state.
+///
+/// ```
+/// use undrift_engine::settings::fix_errors::{Correlated, FixErrors};
+/// use undrift_nav::Matrix3;
+/// // 90 % of the variance lasts for about a minute, as with multipath and atmosphere.
+/// let errors = FixErrors { correlated: Some(Correlated { share: 0.9, time: 60.0 }), ..FixErrors::default() };
+/// let (white, std) = errors.split(&Matrix3::from_diagonal_element(4.0)); // 2 m stated.
+/// assert!((white[(0, 0)] - 0.4).abs() < 1e-12 && (std.x - 3.6_f64.sqrt()).abs() < 1e-12); // [m²], [m]
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Correlated {
-    /// Share of the variance, 0 to 1.
+    /// Share of the variance, 0 to 1 [–].
     pub share: f64,
-    /// Correlation time \[s\].
+    /// Correlation time τ \[s\]: the autocorrelation falls as `exp(−t/τ)`.
     pub time: f64,
 }
 
 impl Correlated {
-    /// What is known of it before, in units of its standard deviation.
+    /// Prior of its state, in units of its standard deviation.
     fn prior(&self) -> Prior {
         Prior {
             time: self.time,
@@ -31,34 +40,34 @@ impl Correlated {
     }
 }
 
-/// Factors on standard deviations, beyond what the fixes show of themselves, as learned from a drive.
+/// Factors on standard deviations [–], beyond what the fixes show of themselves, as learned from a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct StdFactors {
-    /// On the white part of position and velocity.
+    /// Factors on the white part of position and of velocity.
     pub white: [f64; 2],
-    /// On the time-correlated part of position and velocity, where they have one.
+    /// Factors on the time-correlated part of position and of velocity, where they have one.
     pub correlated: [f64; 2],
 }
 
 impl StdFactors {
-    /// None.
+    /// Changes nothing.
     pub const ONE: Self = Self {
         white: [1.0; 2],
         correlated: [1.0; 2],
     };
 }
 
-/// Whether errors of position fixes are treated as correlated in time.
+/// Whether errors of position fixes are treated as correlated in time; taken for white they make the solution far too certain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum Correlation {
-    /// Where the fixes show it themselves.
+    /// As the fixes show it themselves.
     #[default]
     Auto,
     /// Never: all of it is white noise.
     Off,
-    /// As given.
+    /// This share and correlation time.
     Given(Correlated),
 }
 
@@ -66,9 +75,9 @@ pub enum Correlation {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct FromFixes {
-    /// Of the position's correlation in time.
+    /// Whether and how the positions' errors are correlated in time.
     pub correlation: Correlation,
-    /// On what they show.
+    /// Factors on the standard deviations that the fixes show.
     pub factors: StdFactors,
 }
 
@@ -81,21 +90,21 @@ impl Default for FromFixes {
     }
 }
 
-/// What fixes are wrong by, beyond what they state.
+/// Errors of fixes beyond their stated standard deviations. The default changes nothing: factors of 1, white errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct FixErrors {
-    /// What the stated standard deviations of the position are multiplied by.
+    /// Factor on the stated standard deviations of the position [–].
     pub position_factor: f64,
-    /// What the stated standard deviations of the velocity north, east and down are multiplied by.
+    /// Factors on the stated standard deviations of the velocity, north, east, down [–].
     pub velocity_factor: Vector3,
     /// The time-correlated part of the position's error.
     pub correlated: Option<Correlated>,
-    /// The time-correlated part of the velocity's error, of the variance that is left of the stated one.
+    /// The time-correlated part of the velocity's error: share of the variance with the factor applied, and correlation time.
     pub velocity_correlated: Option<Correlated>,
-    /// The positions come in steps of this size north, east, down \[m\].
+    /// Step in which positions come, north, east, down \[m\], as of degrees rounded to six digits; 0 without.
     pub step: Vector3,
-    /// Standard deviation of the stamps \[s\].
+    /// Standard deviation of the stamps \[s\]: a moving antenna is elsewhere by then.
     pub jitter: f64,
     /// Bias of the velocity, measured less true, north, east, down [m/s]: it widens the covariance and is not taken out.
     pub velocity_bias: Vector3,
@@ -120,7 +129,15 @@ impl Default for FixErrors {
 
 impl FixErrors {
     /// These errors with what is stated in place of what the fixes showed: the correlation where it is off or given, then the
-    /// factors.
+    /// factors of [`FixErrors::scaled`].
+    ///
+    /// ```
+    /// use undrift_engine::settings::fix_errors::{Correlated, Correlation, FixErrors, FromFixes};
+    /// let shown = FixErrors { correlated: Some(Correlated { share: 0.9, time: 40.0 }), ..FixErrors::default() };
+    /// let white = FromFixes { correlation: Correlation::Off, ..FromFixes::default() };
+    /// assert!(shown.under(&white).correlated.is_none());
+    /// assert_eq!(shown.under(&FromFixes::default()), shown); // Nothing is stated: as shown.
+    /// ```
     pub fn under(mut self, stated: &FromFixes) -> Self {
         match stated.correlation {
             Correlation::Auto => {}
@@ -194,7 +211,18 @@ impl FixErrors {
         fix
     }
 
-    /// These errors with their white and correlated standard deviations multiplied by the factors.
+    /// These errors with the standard deviations of their white and correlated parts multiplied by the factors; shares change
+    /// accordingly.
+    ///
+    /// ```
+    /// use undrift_engine::settings::fix_errors::{Correlated, FixErrors, StdFactors};
+    /// let correlated = Some(Correlated { share: 0.5, time: 60.0 });
+    /// let errors = FixErrors { correlated, ..FixErrors::default() };
+    /// // Twice the white part: four parts of the variance against one.
+    /// let louder = errors.scaled(&StdFactors { white: [2.0, 1.0], ..StdFactors::ONE });
+    /// assert!((louder.correlated.expect("as before").share - 0.2).abs() < 1e-12);
+    /// assert!((louder.position_factor - 2.5_f64.sqrt()).abs() < 1e-12);
+    /// ```
     pub fn scaled(&self, factors: &StdFactors) -> Self {
         let mut errors = *self;
         let parts = [&mut errors.correlated, &mut errors.velocity_correlated];
@@ -213,7 +241,16 @@ impl FixErrors {
         errors
     }
 
-    /// The parameters with the states that the lasting parts need.
+    /// `parameters` with the states that the time-correlated parts need: [`Parameter::PositionError`] and [`Parameter::VelocityError`].
+    ///
+    /// ```
+    /// use undrift_engine::settings::fix_errors::{Correlated, FixErrors};
+    /// use undrift_nav::parameters::{Parameter, Parameters};
+    /// let errors = FixErrors { correlated: Some(Correlated { share: 0.9, time: 40.0 }), ..FixErrors::default() };
+    /// let parameters = errors.with_states(Parameters::none());
+    /// assert_eq!(parameters.states(), 3); // Of the positions, north, east, down.
+    /// assert_eq!(parameters.prior(Parameter::PositionError).map(|prior| prior.time), Some(40.0)); // [s]
+    /// ```
     pub fn with_states(&self, mut parameters: Parameters) -> Parameters {
         for (kind, part) in [
             (Parameter::PositionError, self.correlated),
@@ -226,17 +263,17 @@ impl FixErrors {
         parameters
     }
 
-    /// Of a position's covariance the white part, and the standard deviation of the correlated part \[m\].
+    /// White part of a position's `covariance` \[m²\], and the standard deviation of the correlated part, axis by axis \[m\].
     pub fn split(&self, covariance: &Matrix3) -> (Matrix3, Vector3) {
         split(self.correlated, covariance)
     }
 
-    /// The same of a velocity's covariance [m/s].
+    /// White part of a velocity's `covariance` [m²/s²], and the standard deviation of the correlated part, axis by axis [m/s].
     pub fn split_velocity(&self, covariance: &Matrix3) -> (Matrix3, Vector3) {
         split(self.velocity_correlated, covariance)
     }
 
-    /// Standard deviations of the correlated parts of a position and a velocity [m, m/s].
+    /// Standard deviations of the correlated parts of a position \[m\] and a velocity [m/s], from their covariances, axis by axis.
     pub fn correlated_std(&self, position: &Matrix3, velocity: &Matrix3) -> [Vector3; 2] {
         [self.split(position).1, self.split_velocity(velocity).1]
     }

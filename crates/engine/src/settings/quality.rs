@@ -8,7 +8,7 @@ const TYPICAL: [f64; 4] = [0.0, 0.3, 0.7, 2.5];
 /// Vertical ones are this many times as large.
 const VERTICAL: f64 = 1.5;
 
-/// How the standard deviation of the position depends on the kind of solution. Velocities are left as they are, and so are fixes
+/// Rule for the standard deviation of a position by the kind of solution. Velocities are left as they are, and so are fixes
 /// of unknown kind.
 ///
 /// ```
@@ -23,18 +23,18 @@ const VERTICAL: f64 = 1.5;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum QualityStd {
-    /// Not at all: the fixes carry their own.
+    /// The fixes' own, whatever the kind.
     #[default]
     AsStated,
     /// At least what is typical of the kind under an open sky, horizontally 0.3 m of float, 0.7 m of differential, 2.5 m of
     /// single solutions, vertically 1.5 times that; fixed ones as stated. For one standard deviation stated for a whole log.
     Typical,
-    /// Multiplied by these: fixed, float, differential, single.
+    /// The stated ones times the kind's factor [–]: fixed, float, differential, single.
     Factors([f64; 4]),
 }
 
 impl QualityStd {
-    /// The fix with the standard deviations of its kind.
+    /// `fix` with the standard deviations of its kind.
     pub fn apply(&self, fix: &GnssFix) -> GnssFix {
         let mut fix = *fix;
         let kind = match fix.quality {

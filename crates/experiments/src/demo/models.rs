@@ -88,7 +88,7 @@ fn left_after_rest(axis: &Axis) -> f64 {
 }
 
 /// A model of six axes.
-fn of_axes(
+fn model_of_axes(
     axes: &[(&'static str, &Axis)],
     mut of: impl FnMut(usize, &'static str, &Axis) -> AxisModel,
 ) -> ImuModel {
@@ -106,7 +106,7 @@ pub(super) fn candidate(
     start: &str,
     without: &mut Vec<&'static str>,
 ) -> ImuModel {
-    of_axes(axes, |_, name, axis| {
+    model_of_axes(axes, |_, name, axis| {
         let named = |start: &str| axis.candidates.iter().find(|c| c.name.starts_with(start));
         let chosen = named(start).or_else(|| {
             without.push(name);
@@ -124,15 +124,15 @@ pub(super) fn models(source: &Source, identified: &Identified) -> Result<Vec<Mod
     let axes = axes(identified)?;
     let interval = 1.0 / RATE_HZ;
     let sheet = ImuModel::preset(PRESET).unwrap_or_default();
-    let recommended = of_axes(&axes, |_, _, axis| AxisModel {
+    let recommended = model_of_axes(&axes, |_, _, axis| AxisModel {
         turn_on: left_after_rest(axis),
         ..axis.model()
     });
-    let uncalibrated = of_axes(&axes, |i, _, axis| AxisModel {
+    let uncalibrated = model_of_axes(&axes, |i, _, axis| AxisModel {
         turn_on: sheet.axes()[i].1.turn_on,
         ..axis.model()
     });
-    let of_sheet = of_axes(&axes, |i, _, axis| AxisModel {
+    let of_sheet = model_of_axes(&axes, |i, _, axis| AxisModel {
         turn_on: left_after_rest(axis),
         ..sheet.axes()[i].1.clone()
     });

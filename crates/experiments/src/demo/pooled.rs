@@ -59,14 +59,14 @@ pub(super) fn pooled(models: &[Model], runs: &[Vec<ModelOutcome>]) -> Vec<Pooled
     let rows: Vec<Pooled> = runs.iter().map(|drives| one(drives)).collect();
     let draws = draws(&rows);
     let ratio = |above: usize, below: usize| {
-        let of = |i: usize| rows[i].horizontal.value;
+        let horizontal = |i: usize| rows[i].horizontal.value;
         let drawn: Vec<f64> = draws.iter().map(|d| d[above] / d[below]).collect();
-        estimate(of(above) / of(below), &drawn)
+        estimate(horizontal(above) / horizontal(below), &drawn)
     };
     let finite = |i: &usize| rows[*i].horizontal.value.is_finite() && !models[*i].is_bound();
     let by_drift = |a: &usize, b: &usize| {
-        let of = |i: usize| rows[i].horizontal.value;
-        of(*a).total_cmp(&of(*b))
+        let horizontal = |i: usize| rows[i].horizontal.value;
+        horizontal(*a).total_cmp(&horizontal(*b))
     };
     let least = (0..rows.len()).filter(finite).min_by(by_drift);
     let white = models.iter().position(|m| m.name == WHITE);
@@ -118,8 +118,8 @@ fn draws(rows: &[Pooled]) -> Vec<Vec<f64>> {
             .map(|_| (random.next_u64() % outages as u64) as usize)
             .collect();
         let rms = |row: &Pooled| {
-            let of = |i: &usize| row.largest.get(*i).map_or(f64::NAN, |e| e * e);
-            (picked.iter().map(of).sum::<f64>() / outages as f64).sqrt()
+            let square = |i: &usize| row.largest.get(*i).map_or(f64::NAN, |e| e * e);
+            (picked.iter().map(square).sum::<f64>() / outages as f64).sqrt()
         };
         rows.iter().map(rms).collect()
     };
@@ -216,9 +216,9 @@ mod tests {
         // half of that: ±1.96·0.025, to a tenth with 2000 draws.
         let largest: Vec<f64> = (0..400).map(|i| f64::from(i % 2) * 2f64.sqrt()).collect();
         let drawn: Vec<f64> = draws(&[row(&largest)]).iter().map(|d| d[0]).collect();
-        let of = estimate(1.0, &drawn);
-        assert!((of.interval[0] - 0.951).abs() < 0.005, "{of:?}");
-        assert!((of.interval[1] - 1.049).abs() < 0.005, "{of:?}");
-        assert!(of.is_one());
+        let estimate = estimate(1.0, &drawn);
+        assert!((estimate.interval[0] - 0.951).abs() < 0.005, "{estimate:?}");
+        assert!((estimate.interval[1] - 1.049).abs() < 0.005, "{estimate:?}");
+        assert!(estimate.is_one());
     }
 }

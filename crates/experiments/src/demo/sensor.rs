@@ -118,7 +118,7 @@ impl Ride {
         let of_lengths = CUTS.iter().map(|of| cuts(of, first, last));
         let of_lengths = of_lengths.collect::<Result<_, _>>()?;
         Ok(Self {
-            fixes: Measurement::of_fixes(&simulation.gnss),
+            fixes: Measurement::from_fixes(&simulation.gnss),
             cuts: of_lengths,
             // The mean of what is sensed at rest less what is known there: constant and noise.
             rested: with(&mean.map(|m| -m)),
@@ -289,8 +289,8 @@ mod tests {
         let size = |axis: usize| 1e-3 * (axis + 1) as f64;
         // About a mean of 2, one way in the first stretch, the other in the second.
         let axis = |i: usize| {
-            let of = |sign: f64| vec![2.0 + sign * size(i); samples];
-            [of(1.0), of(-1.0)].concat()
+            let samples_of = |sign: f64| vec![2.0 + sign * size(i); samples];
+            [samples_of(1.0), samples_of(-1.0)].concat()
         };
         let record = Record {
             axes: AXES.to_vec(),

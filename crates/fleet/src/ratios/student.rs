@@ -100,7 +100,7 @@ impl Moments {
         Self { n, mean, squares }
     }
 
-    pub(super) fn of_logs(logs: &[Log<'_>]) -> Self {
+    pub(super) fn from_logs(logs: &[Log<'_>]) -> Self {
         Self::new(logs.iter().map(|log| log.value))
     }
 

@@ -301,8 +301,8 @@ fn comparisons_are_those_of_scipy_and_statsmodels() {
             assert_known(&levels[1].1, known);
             assert!((levels[0].1.value + known.value).abs() < 1e-9);
         }
-        assert_known(&of_temperature(&logs).unwrap(), &case.slope);
-        let units = Vec::from_iter(by_unit(&logs).map(Moments::of_logs));
+        assert_known(&slope_with_temperature(&logs).unwrap(), &case.slope);
+        let units = Vec::from_iter(by_unit(&logs).map(Moments::from_logs));
         let spread = Spread::within(&units);
         for (log, known) in logs.iter().zip(&case.deleted) {
             let test = spread.deleted(log.value, &units[log.unit]);

@@ -5,8 +5,9 @@ use crate::{filter::Filter, parameters::Parameter};
 use nalgebra::{SMatrix, SVector};
 
 impl<const N: usize> Filter<N> {
-    /// What a barometric height `height` [m, ellipsoidal but for its error] of the IMU says. Row
-    /// `[0 0 −1, 0, …]`, `−1` for the barometer's own error.
+    /// Observation of a barometric `height` \[m\] at the IMU, ellipsoidal but for its error: pressure heights are above a reference that
+    /// moves with the weather, which [`Parameter::BarometerBias`] takes up (it reads height + bias). Row `[0 0 −1, 0, …]`, and
+    /// `−1` for that bias. [`standard_height`](crate::earth::standard_height) makes a height of a pressure.
     pub fn observe_barometer(&self, height: f64) -> Observation<1, N> {
         let mut h = SMatrix::<f64, 1, N>::zeros();
         h[(0, 2)] = -1.0;

@@ -6,10 +6,12 @@ use core::f64::consts::{PI, TAU};
 use nalgebra::{SMatrix, SVector};
 
 impl<const N: usize> Filter<N> {
-    /// What a course over ground `course` [rad, from north to east] says of the heading of the
-    /// vehicle's forward axis f, as if there were no side slip: the slip belongs into the
-    /// measurement's variance. Row `∂yaw/∂f (−[ψ×] f)`, `yaw = atan2(f_E, f_N)`. `None` while the
-    /// vehicle points within 10° of up or down.
+    /// Observation of the vehicle's heading by a `course` over ground [rad, from north to east], as if there were no side slip: the
+    /// slip belongs into the measurement's variance. The innovation is heading less course \[rad\], wrapped to (−π, π].
+    ///
+    /// With f the vehicle's forward axis in `n` and `yaw = atan2(f_E, f_N)` the row is `∂yaw/∂f (−[ψ×] f)`, and that of a turn about
+    /// the vehicle's right and down axes for the mounting. `None` while the vehicle points within 10° of up or down, where it
+    /// has no heading.
     pub fn observe_course(&self, course: f64) -> Option<Observation<1, N>> {
         let c_vn = self.c_nb() * self.c_bv().transpose();
         let f: Vector3 = c_vn.column(0).into();

@@ -7,8 +7,9 @@ use crate::{
 use nalgebra::SMatrix;
 
 impl<const N: usize> Filter<N> {
-    /// What a mean angular rate at rest `omega_b` [rad/s] says about the gyros: it is the Earth's.
-    /// Rows `[0, 0, C_n^b [ω_ie×], H_g, 0]`.
+    /// Observation of the gyros by `omega_b`, their mean reading at rest [rad/s, body axes]: what it differs from the Earth's rate by
+    /// is their error. Rows `[0, 0, C_n^b [ω_ie×], H_g, 0]`; the innovation is the reading less its predicted error and less the
+    /// Earth's rate. To be used only where the body rests on the ground: a constant slow turn reads the same.
     pub fn observe_earth_rate(&self, omega_b: &Vector3) -> Observation<3, N> {
         let coupling = Coupling::new(
             self.parameters(),

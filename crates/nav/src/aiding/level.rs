@@ -5,9 +5,9 @@ use crate::{Vector3, attitude::skew, filter::Filter, parameters::Coupling};
 use nalgebra::SMatrix;
 
 impl<const N: usize> Filter<N> {
-    /// What a mean specific force at rest `f_b` [m/s²] says about level: it points up, so its
-    /// north and east parts are zero. Rows (north, east) `[0, 0, [f^n×], C_b^n H_a]`; the mean's own
-    /// predicted error is taken out. Groves section 5.6.2 (levelling).
+    /// Observation of level by `f_b`, the mean specific force at rest [m/s², body axes]: it points up, so its north and east parts
+    /// are zero. Rows (north, east) `[0, 0, [f^n×], C_b^n H_a]`, innovation [m/s²]; the mean's own predicted error is removed.
+    /// Roll, pitch and the level accelerometers' errors cannot be separated by it alone. Groves section 5.6.2 (levelling).
     pub fn observe_level(&self, f_b: &Vector3) -> Observation<2, N> {
         let coupling = Coupling::new(
             self.parameters(),

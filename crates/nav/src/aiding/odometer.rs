@@ -5,9 +5,9 @@ use crate::{Vector3, filter::Filter, parameters::Parameter};
 use nalgebra::{SMatrix, SVector};
 
 impl<const N: usize> Filter<N> {
-    /// What a wheel speed `speed` [m/s, forward positive] of the wheel at `lever_b` [m, body axes, from
-    /// the IMU] says: it reads `(1 + s)` times the velocity along the vehicle's forward axis, s the
-    /// scale factor error. Row 1 of the vehicle velocity's times `1 + s`, and `−v_x` for s.
+    /// Observation of a wheel `speed` [m/s, forward positive] of the wheel at `lever_b` [m, body axes, from the IMU]: it reads
+    /// `(1 + s)` times the velocity along the vehicle's forward axis, s the scale factor error ([`Parameter::OdometerScale`], of tyres
+    /// mostly). Row 1 of the vehicle velocity's times `1 + s`, and `−v_x` for s; innovation [m/s].
     pub fn observe_odometer(&self, speed: f64, lever_b: &Vector3) -> Observation<1, N> {
         let (rows, white) = self.vehicle_velocity_rows(lever_b);
         let forward = self.vehicle_velocity(lever_b).x;

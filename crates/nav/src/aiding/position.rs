@@ -8,15 +8,18 @@ use crate::{
 use nalgebra::SMatrix;
 
 impl<const N: usize> Filter<N> {
-    /// Antenna position; `lever_b` from IMU to antenna as configured, body axes \[m\].
+    /// Predicted position of the antenna, `lever_b` \[m\] from the IMU in body axes as configured; an estimated correction of the lever arm is
+    /// added to it.
     pub fn antenna_position(&self, lever_b: &Vector3) -> Geodetic {
         let lever_n = self.c_nb() * self.lever_arm(lever_b);
         self.nav().position.displaced(&lever_n)
     }
 
-    /// What a position fix says. Rows `[C_n^m, 0, C_n^m [l^n×], 0]`, m the frame of the fix: local
-    /// north-east-down, or the base station's for a baseline; `−C_n^m C_b^n` for the lever arm,
-    /// `−C_n^m v^n` for the time offset, times the filter's age for the clock's rate.
+    /// Observation of a position fix of the antenna at `lever_b` [m, body axes, from the IMU, as configured]. The innovation is
+    /// predicted less measured in the frame m of the fix \[m\]: north-east-down at the antenna, or of the base station for a baseline.
+    ///
+    /// Rows `[C_n^m, 0, C_n^m [l^n×], 0]`; `−C_n^m C_b^n` for the lever arm, `−C_n^m v^n` of the antenna for the time offset, times the
+    /// filter's age for the clock's rate. Groves section 14.3.1, the source paper's eq. 10.
     pub fn observe_position(&self, fix: &Position, lever_b: &Vector3) -> Observation<3, N> {
         let lever_n = self.c_nb() * self.lever_arm(lever_b);
         let antenna = self.antenna_position(lever_b);

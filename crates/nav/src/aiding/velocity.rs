@@ -5,16 +5,18 @@ use crate::{Matrix3, Vector3, attitude::skew, filter::Filter, parameters::Parame
 use nalgebra::SMatrix;
 
 impl<const N: usize> Filter<N> {
-    /// Antenna velocity over ground, north-east-down [m/s]; `lever_b` from IMU to antenna as
-    /// configured, body axes \[m\].
+    /// Predicted velocity of the antenna over ground, north-east-down [m/s]: the IMU's and `C_b^n (ω_nb^b × l^b)`, `lever_b` \[m\] from the IMU
+    /// in body axes as configured, with its estimated correction.
     pub fn antenna_velocity(&self, lever_b: &Vector3) -> Vector3 {
         self.nav().v_n + self.c_nb() * self.omega_nb_b().cross(&self.lever_arm(lever_b))
     }
 
-    /// What a velocity fix `v_n` [m/s] says. Rows
-    /// `[0, I, [ω_nb^n×][l^n×] − [l^n×][ω_ib^n×], −[l^n×] C_b^n H_g, 0]`: the source paper's row,
-    /// exact in the second rate (it has ω_nb there, which leaves out the frame's own rate);
-    /// `−C_b^n [ω_nb^b×]` for the lever arm, less the acceleration of the IMU for the time offset of the velocity.
+    /// Observation of a velocity fix `v_n` [m/s, north-east-down] of the antenna at `lever_b` [m, body axes, from the IMU, as configured].
+    ///
+    /// Rows `[0, I, [ω_nb^n×][l^n×] − [l^n×][ω_ib^n×], −[l^n×] C_b^n H_g, 0]`: the source paper's row (eq. 10),
+    /// exact in the second rate (it has ω_nb there, which leaves out the frame's own rate); `−C_b^n [ω_nb^b×]` for the lever arm, less
+    /// the acceleration of the IMU for the time offset of the velocity. The gyros' white noise enters through the lever
+    /// arm: it is in [`Observation::extra`].
     pub fn observe_velocity(&self, v_n: &Vector3, lever_b: &Vector3) -> Observation<3, N> {
         let c = self.c_nb();
         let lever_n = c * self.lever_arm(lever_b);

@@ -1,4 +1,7 @@
-//! Lasting errors of the fixes, estimated from some time on: they are behind all other states, which keep their places.
+//! Time-correlated errors of the fixes, estimated from some time on: they are behind all other states, which keep their places.
+//!
+//! How often fixes err alike is known only after some minutes of a drive, so these states come and go while a filter runs, and
+//! with them its size: [`Filter::carried`] and [`Filter::with_lasting`] move a filter to another one.
 
 use super::{Filter, FilterError};
 use crate::{
@@ -9,19 +12,22 @@ use crate::{
 };
 use nalgebra::SMatrix;
 
-/// The time-correlated part of the errors of a fix's position or velocity.
+/// The time-correlated part of the errors of a fix's position or velocity: a state for each of north, east, down, in units of the
+/// part's standard deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lasting {
-    /// What is known of it, in units of its standard deviation [–].
+    /// Prior of the state in units of its standard deviation [–]: usually `std` 1 and the correlation time of the errors \[s\].
     pub prior: Prior,
-    /// Its standard deviations over those it was estimated with before, where it was [–].
+    /// Ratio of the part's standard deviations, north, east, down, to those that it was estimated with before [–]; not used for a
+    /// part that was not estimated before.
     pub grown: Vector3,
-    /// Standard deviation of that part of the solution's own error, north, east, down [m or m/s]: what its fixes were
-    /// wrong by, the solution is too. For a part that was not estimated before.
+    /// Standard deviation of that part in the solution's own error, north, east, down [m or m/s]: what its fixes were
+    /// wrong by, the solution is too. Used only for a part that was not estimated before.
     pub shared: Vector3,
 }
 
-/// What a filter of any size has beside its states.
+/// Everything of a filter that does not depend on its size `N`: navigation state, models, the sample in progress. Its estimates and
+/// covariance are passed along with it, see [`Filter::with_lasting`].
 #[derive(Clone, Debug)]
 pub struct Carried {
     nav: NavState,
@@ -41,7 +47,8 @@ pub struct Carried {
 const KINDS: [Parameter; 2] = [Parameter::PositionError, Parameter::VelocityError];
 
 impl Carried {
-    /// The parameters, with those errors that last.
+    /// The parameters of the filter that [`Filter::with_lasting`] makes: those of this one, with position and velocity errors
+    /// (in this order) as `lasting` has them; `None` ends their estimation.
     pub fn parameters(&self, lasting: &[Option<Lasting>; 2]) -> Parameters {
         let both = KINDS.into_iter().zip(lasting);
         both.fold(
@@ -55,7 +62,7 @@ impl Carried {
 }
 
 impl<const N: usize> Filter<N> {
-    /// What it has beside its states.
+    /// A copy of everything but estimates and covariance, to go on in a filter of another size.
     pub fn carried(&self) -> Carried {
         Carried {
             nav: self.nav,
@@ -73,12 +80,33 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// A filter that goes on from another one, with its estimates `x` and covariance `p`, and from now on estimates
+    /// A filter that goes on from another one, with its estimates `x` and covariance `p(row, column)`, and from now on estimates
     /// [`Parameter::PositionError`] and [`Parameter::VelocityError`] as given, or not. What of them was estimated before
     /// keeps its value in metres.
     ///
     /// # Errors
     /// [`FilterError::TooManyStates`] where `N` does not hold the states.
+    ///
+    /// ```
+    /// # use undrift_nav::{Quaternion, Vector3, earth::Geodetic, mechanisation::NavState};
+    /// # use undrift_nav::{filter::{Filter, InitialStd}, shaping::ShapingFilter};
+    /// use undrift_nav::{filter::Lasting, parameters::{Parameter, Parameters, Prior}};
+    /// # let place = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    /// # let nav = NavState { time: 0.0, position: place, v_n: Vector3::zeros(), q_nb: Quaternion::identity() };
+    /// # let std = InitialStd { position: Vector3::repeat(1.0), velocity: Vector3::repeat(0.1), attitude: Vector3::repeat(0.01) };
+    /// # let filter = Filter::<9>::new(nav, &std, [ShapingFilter::white(1e-3, 0.01)?; 6], Parameters::none())?;
+    /// // The positions have turned out to err alike for a minute, by 1.5 m, which the solution has followed.
+    /// let positions = Lasting {
+    ///     prior: Prior { std: 1.0, time: 60.0, ..Prior::default() },
+    ///     grown: Vector3::repeat(1.0),
+    ///     shared: Vector3::repeat(1.5),
+    /// };
+    /// let (x, p) = (*filter.estimates(), *filter.covariance());
+    /// let filter = Filter::<12>::with_lasting(filter.carried(), &x, &|i, j| p[(i, j)], &[Some(positions), None])?;
+    /// assert_eq!(filter.parameter_start(Parameter::PositionError), Some(9));
+    /// assert!((filter.nav_std()[0] - (1.0_f64 + 1.5 * 1.5).sqrt()).abs() < 1e-12); // [m]
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn with_lasting(
         carried: Carried,
         x: &[f64],

@@ -8,12 +8,32 @@ use crate::{
     shaping::ShapingFilter,
 };
 
-/// What is called with each number; it may change it.
+/// Called with each number of a filter in turn; it may read the number or replace it.
 pub type Each<'a> = dyn FnMut(&mut f64) + 'a;
 
 impl<const N: usize> Filter<N> {
-    /// Calls `each` with every number that changes while the filter runs, always in the same order: it keeps them, or puts
-    /// kept ones in place in a filter of the same models and parameters, which then goes on as the other would.
+    /// Calls `each` with every number that changes while the filter runs, always in the same order: to store them, or to put stored
+    /// ones into a filter of the same models and parameters, which then continues as the first would have.
+    ///
+    /// ```
+    /// use undrift_nav::{Quaternion, Vector3, earth::Geodetic, mechanisation::NavState};
+    /// use undrift_nav::{filter::{Filter, InitialStd}, parameters::Parameters, sample::ImuSample, shaping::ShapingFilter};
+    /// # let nav = NavState {
+    /// #     time: 0.0, position: Geodetic::from_degrees(47.0, 8.0, 400.0), v_n: Vector3::zeros(), q_nb: Quaternion::identity(),
+    /// # };
+    /// # let std = InitialStd { position: Vector3::repeat(1.0), velocity: Vector3::repeat(1.0), attitude: Vector3::repeat(0.1) };
+    /// let sensors = [ShapingFilter::white(1e-3, 0.01)?; 6];
+    /// let mut first = Filter::<9>::new(nav, &std, sensors, Parameters::none())?;
+    /// let mut second = first.clone();
+    /// first.step(&ImuSample::from_rates(0.01, 0.01, [0.0; 3], [0.0, 0.0, -9.8]))?;
+    ///
+    /// let mut kept = Vec::new();
+    /// first.numbers(&mut |number| kept.push(*number));
+    /// let mut next = kept.into_iter();
+    /// second.numbers(&mut |number| *number = next.next().unwrap());
+    /// assert_eq!(second.nav(), first.nav());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn numbers(&mut self, each: &mut Each) {
         each(&mut self.nav.time);
         each(&mut self.nav.position.lat);
@@ -66,7 +86,7 @@ impl<const N: usize> Filter<N> {
 }
 
 impl ShapingFilter {
-    /// Calls `each` with every number of the filter, always in the same order.
+    /// Calls `each` with every number of the model, order and interval first, always in the same order.
     pub fn numbers(&mut self, each: &mut Each) {
         let mut order = self.order as f64;
         each(&mut order);

@@ -4,17 +4,18 @@ use super::{Filter, FilterError};
 use crate::{mechanisation::Increments, sample::ImuSample};
 use core::fmt;
 
-/// Longest sample that a step takes \[s\]: one that spans a gap has no motion within it.
+/// Longest interval of a sample that a step accepts \[s\]: a sample that spans a gap says nothing of the motion within it. A gap is taken by
+/// [`Filter::inflate_over_gap`].
 pub const LONGEST_STEP: f64 = 10.0;
 
-/// Why a sample was refused; the filter is then as it was, but for [`StepError::Diverged`].
+/// Why a sample was refused; the filter is then unchanged, except after [`StepError::Diverged`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepError {
-    /// Its time is not finite, or its length is not above 0 and at most [`LONGEST_STEP`].
+    /// The sample's time is not finite, or its length is not above 0 and at most [`LONGEST_STEP`].
     Invalid {
         /// End of the sample \[s\].
         time: f64,
-        /// Its length \[s\].
+        /// Length of the sample \[s\].
         dt: f64,
     },
     /// An increment is not finite.
@@ -25,10 +26,10 @@ pub enum StepError {
         reached: f64,
         /// End of the sample \[s\].
         time: f64,
-        /// Its length \[s\].
+        /// Length of the sample \[s\].
         dt: f64,
     },
-    /// Its increments would move the solution out of the range that [`Filter::check`] asks for.
+    /// The sample's increments would move the solution out of the range that [`Filter::check`] asks for.
     OutOfRange,
     /// The solution has diverged: start a new filter.
     Diverged,
@@ -80,6 +81,28 @@ impl<const N: usize> Filter<N> {
     ///
     /// # Errors
     /// As [`Filter::accepts_step`]; the filter is then as it was.
+    ///
+    /// A fix that holds inside a sample is used at its own time:
+    ///
+    /// ```
+    /// use undrift_nav::{Matrix3, Quaternion, Vector3, earth::Geodetic, mechanisation::NavState};
+    /// use undrift_nav::{filter::{Filter, Gate, InitialStd}, parameters::Parameters};
+    /// use undrift_nav::{sample::{ImuSample, Position}, shaping::ShapingFilter};
+    /// # let place = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    /// # let nav = NavState { time: 0.0, position: place, v_n: Vector3::zeros(), q_nb: Quaternion::identity() };
+    /// # let std = InitialStd { position: Vector3::repeat(5.0), velocity: Vector3::repeat(0.1), attitude: Vector3::repeat(0.01) };
+    /// # let sensors = [ShapingFilter::white(1e-3, 0.01)?; 6];
+    /// # let mut filter = Filter::<9>::new(nav, &std, sensors, Parameters::none())?;
+    /// # let fix = Position::Geodetic(place);
+    /// filter.begin_step(&ImuSample::from_rates(0.01, 0.01, [0.0; 3], [0.0, 0.0, -9.81]))?;
+    /// filter.advance_to(0.004, 1e-6); // The fix holds 4 ms into the sample.
+    /// assert_eq!(filter.reached(), 0.01);
+    /// let observed = filter.observe_position(&fix, &Vector3::zeros());
+    /// filter.update(&observed, &Matrix3::identity(), &Gate::OPEN)?;
+    /// filter.advance(1.0); // The rest of the sample.
+    /// assert_eq!(filter.nav().time, 0.01);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn begin_step(&mut self, sample: &ImuSample) -> Result<(), StepError> {
         self.accepts_step(sample)?;
         self.advance(1.0);

@@ -32,6 +32,23 @@ impl<const N: usize> Filter<N> {
     /// the prior's variance again.
     ///
     /// To be called between samples; a [`Tape`](crate::tape::Tape) does not know of it.
+    ///
+    /// ```
+    /// # use undrift_nav::{Quaternion, Vector3, attitude, earth::Geodetic, mechanisation::NavState};
+    /// # use undrift_nav::{filter::{Filter, InitialStd}, parameters::Parameters, shaping::ShapingFilter};
+    /// # let place = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    /// # let nav = NavState { time: 0.0, position: place, v_n: Vector3::zeros(), q_nb: Quaternion::identity() };
+    /// # let std = InitialStd { position: Vector3::repeat(1.0), velocity: Vector3::repeat(0.1), attitude: Vector3::repeat(0.01) };
+    /// # let mut filter = Filter::<9>::new(nav, &std, [ShapingFilter::white(1e-3, 0.01)?; 6], Parameters::none())?;
+    /// // The IMU turns out to sit in the vehicle with its forward axis 90° to the right of the vehicle's.
+    /// let q_vb = attitude::from_rpy(&Vector3::new(0.0, 0.0, 90f64.to_radians()));
+    /// let before = *filter.nav();
+    /// filter.turn(&q_vb);
+    /// // Forward of the vehicle is what was left of the sensor.
+    /// let forward = filter.nav().q_nb * Vector3::x();
+    /// assert!((forward - before.q_nb * -Vector3::y()).norm() < 1e-12 && filter.nav().position == before.position);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn turn(&mut self, q_vb: &Quaternion) {
         let c = q_vb.to_rotation_matrix().into_inner();
         let raw = self.readings();
@@ -88,6 +105,8 @@ impl<const N: usize> Filter<N> {
 
     /// Makes a parameter unknown again: no correction to its configured value, of this standard deviation [its unit],
     /// free of correlation.
+    ///
+    /// For a drive in which it has changed on the way: an antenna that was moved, a tyre that was replaced.
     pub fn renew(&mut self, kind: Parameter, std: f64) {
         let Some(at) = self.parameter_start(kind) else {
             return;

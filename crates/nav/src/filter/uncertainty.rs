@@ -7,7 +7,7 @@ use crate::{Matrix3, Vector3, parameters::Parameter};
 const START_ACCEL: f64 = 2.0;
 
 impl<const N: usize> Filter<N> {
-    /// Sets the covariance of position and velocity [m², (m/s)²], north-east-down, as of a fix that they
+    /// Sets the covariance of position \[m²\] and velocity \[m²/s²\], north-east-down, to that of a fix that they
     /// were taken from: free of correlation with all else but the lever arm and the time offset, where
     /// these are estimated. A start taken from a fix that holds `τ` later is `v τ` ahead, and its
     /// velocity off by what the vehicle accelerates meanwhile.
@@ -47,8 +47,8 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// Position and velocity were taken from a fix whose errors have time-correlated parts, of these standard
-    /// deviations north, east, down [m, m/s]: they have those parts, too. To be called after
+    /// States that position and velocity were taken from a fix whose errors have time-correlated parts, of these standard
+    /// deviations north, east, down [m, m/s]: the solution then has those errors, too. To be called after
     /// [`Filter::set_position_velocity_covariance`]; it does nothing where [`Parameter::PositionError`] and
     /// [`Parameter::VelocityError`] are not estimated.
     pub fn correlate_with_fix_errors(&mut self, position: &Vector3, velocity: &Vector3) {
@@ -65,8 +65,9 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// Adds uncertainty to position \[m\], velocity [m/s] and tilt \[rad\], one standard deviation each axis:
-    /// for a solution that fixes have contradicted for a while.
+    /// Adds uncertainty to position [m, north-east-down], velocity [m/s] and tilt \[rad\], one standard deviation each axis:
+    /// for a solution that fixes have contradicted for a while. The heading stays as certain as it was
+    /// ([`Filter::inflate_heading`]).
     pub fn inflate(&mut self, position: &Vector3, velocity: f64, tilt: f64) {
         for i in 0..3 {
             self.p[(i, i)] += position[i] * position[i];
@@ -77,8 +78,8 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// Adds uncertainty to the heading \[rad\] and to the error of gyro z [rad/s], one standard deviation: for a
-    /// heading that the course contradicts.
+    /// Adds uncertainty to the heading \[rad\] and to the error of gyro z [rad/s], one standard deviation each: for a
+    /// heading that the course over ground contradicts.
     pub fn inflate_heading(&mut self, heading: f64, gyro: f64) {
         self.p[(8, 8)] += heading * heading;
         let (sensor, at) = (self.sensors.axis(2), self.sensors.start(2));
@@ -93,8 +94,24 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// Adds uncertainty for `duration` seconds without samples in which the body may have turned
-    /// with `rate` [rad/s] and accelerated with `accel` [m/s²] (one standard deviation each axis).
+    /// Adds uncertainty for `duration` \[s\] without samples in which the body may have turned with `rate` [rad/s] and accelerated with
+    /// `accel` [m/s²], one standard deviation each axis: angle `rate · T`, velocity `accel · T`, position `½ accel · T²`, the last two
+    /// fully correlated. The next sample has no coning or sculling with the one before the gap.
+    ///
+    /// ```
+    /// # use undrift_nav::{Quaternion, Vector3, earth::Geodetic, mechanisation::NavState};
+    /// # use undrift_nav::{filter::{Filter, InitialStd}, parameters::Parameters, shaping::ShapingFilter};
+    /// # let place = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    /// # let nav = NavState { time: 0.0, position: place, v_n: Vector3::zeros(), q_nb: Quaternion::identity() };
+    /// # let std = InitialStd { position: Vector3::zeros(), velocity: Vector3::zeros(), attitude: Vector3::zeros() };
+    /// # let mut filter = Filter::<9>::new(nav, &std, [ShapingFilter::white(1e-3, 0.01)?; 6], Parameters::none())?;
+    /// // Four seconds in which the vehicle may have braked with 2 m/s² and turned with 0.2 rad/s.
+    /// filter.inflate_over_gap(4.0, 0.2, 2.0);
+    /// let std = filter.nav_std();
+    /// assert_eq!((std[0], std[3]), (16.0, 8.0)); // [m], [m/s]
+    /// assert!((std[8] - 0.8).abs() < 1e-12); // [rad]
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn inflate_over_gap(&mut self, duration: f64, rate: f64, accel: f64) {
         let (v, a) = (accel * duration, rate * duration);
         let r = 0.5 * v * duration;

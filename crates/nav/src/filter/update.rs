@@ -10,17 +10,18 @@ use crate::{
 };
 use nalgebra::{SMatrix, SVector};
 
-/// What an update did.
+/// What an update did: the statistics of the innovation, and whether the measurement was used. All are computed before the gate, so
+/// that a rejected measurement has them, too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Update {
     /// Normalised innovation squared `νᵀ S⁻¹ ν`, of the measurement at its stated covariance;
     /// chi-squared with `dof` degrees of freedom when the model is right. Bar-Shalom, Li &
     /// Kirubarajan section 5.4.
     pub nis: f64,
-    /// Number of scalar measurements.
+    /// Number of scalar measurements M, the degrees of freedom of `nis`.
     pub dof: usize,
-    /// The first three of the whitened innovation `L⁻¹ ν`, S = L Lᵀ: as many as there are measurements
-    /// are independent and standard normal when the model is right.
+    /// The first three components of the whitened innovation `L⁻¹ ν`, S = L Lᵀ: the first M are
+    /// independent and standard normal when the model is right; the others are zero.
     pub whitened: [f64; 3],
     /// Derivative of the log-likelihood by the logarithm of a common factor on the measurement's
     /// covariance R: `½ (νᵀ S⁻¹ R S⁻¹ ν − tr S⁻¹ R)`. On average zero when R is right.
@@ -31,20 +32,27 @@ pub struct Update {
     pub outcome: Outcome,
 }
 
-/// What a [`Gate`] made of a measurement.
+/// What a [`Gate`] decided about a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
-    /// Used as it was.
+    /// Used with the covariance it came with.
     Used,
     /// Used with its covariance multiplied by this factor.
     Weakened(f64),
-    /// Not used.
+    /// Not used; the filter is as if the measurement had not come.
     Rejected,
 }
 
 impl Outcome {
     /// Factor on the measurement's covariance: 1 of one used as it was, above 1 of one down-weighted, infinite of one
     /// rejected, which counts as if it had not been made.
+    ///
+    /// ```
+    /// use undrift_nav::filter::Outcome;
+    /// assert_eq!(Outcome::Used.factor(), 1.0);
+    /// assert_eq!(Outcome::Weakened(4.0).factor(), 4.0); // As with twice the standard deviation.
+    /// assert!(Outcome::Rejected.factor().is_infinite());
+    /// ```
     pub fn factor(self) -> f64 {
         match self {
             Self::Used => 1.0,
@@ -65,16 +73,26 @@ impl Outcome {
 
 /// Limits of the normalised innovation squared. Up to `weaken` a measurement is used as it is;
 /// above, its covariance grows in proportion to how far it is above; above `reject` it is not used.
+///
+/// Limits follow from the chi-squared distribution of M degrees of freedom: of 3, one right measurement in a thousand has a NIS above 16.3.
+/// After an outage the solution is what is uncertain, and a limit that rejects one right fix in a thousand rejects too many.
+///
+/// ```
+/// use undrift_nav::filter::Gate;
+/// // Down-weights beyond 99.9 % of what a fix of three numbers does, and rejects what is beyond doubt.
+/// let gate = Gate { weaken: 16.3, reject: 100.0 };
+/// assert!(gate.weaken < gate.reject && Gate::OPEN.reject == f64::INFINITY);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gate {
-    /// NIS from which the covariance is enlarged, to NIS/limit times itself (Huber's weights; Zhang 1997).
+    /// NIS above which the covariance is enlarged, to NIS/limit times itself (Huber's weights; Zhang 1997).
     pub weaken: f64,
-    /// NIS from which the measurement is rejected.
+    /// NIS above which the measurement is rejected.
     pub reject: f64,
 }
 
 impl Gate {
-    /// Everything passes.
+    /// Uses every measurement at its own covariance.
     pub const OPEN: Self = Self {
         weaken: f64::INFINITY,
         reject: f64::INFINITY,
@@ -83,7 +101,11 @@ impl Gate {
 
 impl<const N: usize> Filter<N> {
     /// Kalman update with a measurement of covariance `r`: innovation ν = predicted less measured,
-    /// `ν = h·error + noise`, past a gate ([`Gate::OPEN`]: every one is used). Joseph's form, in two rank-M passes.
+    /// `ν = h·error + noise`, past a gate ([`Gate::OPEN`]: every one is used). Joseph's form, in two rank-M passes; Groves
+    /// section 3.2.2.
+    ///
+    /// The estimated error is removed from navigation state, sensors' states and parameters at once (closed loop). May be called
+    /// between samples or, after [`Filter::begin`] and [`Filter::advance`], inside one.
     ///
     /// # Errors
     /// A covariance of the innovation that is not positive, or a correction after which there is no solution; the
@@ -97,7 +119,7 @@ impl<const N: usize> Filter<N> {
         self.update_with(observed, r, gate, None)
     }
 
-    /// As [`Filter::update`], recorded on `tape` for a smoother.
+    /// Does [`Filter::update`] and records it on `tape` for a smoother; a rejected measurement records nothing.
     ///
     /// # Errors
     /// As [`Filter::update`].
@@ -189,8 +211,9 @@ impl<const N: usize> Filter<N> {
         self.nav.without_error(&part(0), &part(3), &part(6))
     }
 
-    /// Takes an estimated error out of the navigation state and adds it to the sensors' states and the
-    /// parameters; the covariance stays, turned to the corrected attitude.
+    /// Removes an estimated `error`, in the order of the error state and estimate less truth for its first nine, from the navigation
+    /// state, and adds the rest to the sensors' states and the parameters. The covariance keeps its size and is turned to the corrected
+    /// attitude. For an error that was found outside of the filter, as a smoother's.
     pub fn apply_correction(&mut self, error: &SVector<f64, N>) {
         self.correct(self.without_error(error), error);
     }

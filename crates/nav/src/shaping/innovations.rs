@@ -10,16 +10,17 @@ use libm::sqrt;
 /// 2^40 steps: a zero nearer to the unit circle than their inverse counts as on it.
 const DOUBLINGS: usize = 40;
 
-/// Coefficients of an ARMA(n, n): `x_t − φ1 x_{t−1} − … = a_t − θ1 a_{t−1} − …`, `a_t ~ N(0, σ²)`.
+/// Coefficients of an ARMA(n, n): `x_t − φ1 x_{t−1} − … = a_t − θ1 a_{t−1} − …`, `a_t ~ N(0, σ²)`. An ARMA(p, q) has zeros
+/// behind its p and q.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmaCoefficients {
-    /// Number of coefficients used of each.
+    /// Number n of coefficients used of `phi` and `theta`.
     pub order: usize,
-    /// φ1…φn.
+    /// Autoregressive φ1…φn; zero beyond.
     pub phi: AxisVector,
-    /// θ1…θn.
+    /// Moving-average θ1…θn, in the sign of the equation above; zero beyond.
     pub theta: AxisVector,
-    /// σ \[unit\].
+    /// Standard deviation σ of the innovations \[unit\].
     pub sigma: f64,
 }
 
@@ -31,6 +32,9 @@ impl ShapingFilter {
     /// # Errors
     /// [`ShapingError::NoModelAtRate`] if no spectrum belongs to the covariances, or it has a zero
     /// on the unit circle that the recursion cannot settle on.
+    ///
+    /// Useful where one noise a sample is wanted (simulation, an ARMA's coefficients), or to compare models by their one-step
+    /// prediction error `r`.
     pub fn innovations_form(&self) -> Result<Self, ShapingError> {
         if !self.is_driven() {
             return Ok(*self);
@@ -49,6 +53,16 @@ impl ShapingFilter {
     /// # Errors
     /// As [`ShapingFilter::innovations_form`]; [`ShapingError::NoModelAtRate`] too if there is no
     /// noise at all but there are noise-driven states.
+    ///
+    /// ```
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// // White noise over a random walk is an ARMA(1, 1) with φ = 1 and θ just below.
+    /// let walk = ShapingFilter::white(1e-3, 0.01)?.plus(&ShapingFilter::random_walk(1e-4, 0.01)?)?;
+    /// let arma = walk.arma_coefficients()?;
+    /// assert!((arma.phi[0] - 1.0).abs() < 1e-12);
+    /// assert!((1.0 - arma.theta[0] - 1e-3).abs() < 1e-5); // K T / N: the walk of a step over the white noise.
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn arma_coefficients(&self) -> Result<ArmaCoefficients, ShapingError> {
         let n = self.order;
         let form = self.innovations_form()?;

@@ -34,6 +34,16 @@ impl ShapingFilter {
     /// [`ShapingError::NoRealLogarithm`] for a pole at zero or on the negative real axis,
     /// [`ShapingError::NoModelAtRate`] where the white part would be negative or no spectrum
     /// exists at the new rate.
+    ///
+    /// ```
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// // Identified at 200 Hz, used at 50 Hz: a sample of four times the length has a quarter of the white variance.
+    /// let model = ShapingFilter::white(1e-3, 0.005)?.plus(&ShapingFilter::gauss_markov(1e-4, 100.0, 0.005)?)?;
+    /// let slower = model.at_interval(0.02)?;
+    /// assert!((slower.r / model.r - 0.25).abs() < 1e-9);
+    /// assert!((slower.f[0][0] - (-0.02_f64 / 100.0).exp()).abs() < 1e-12);
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn at_interval(&self, interval: f64) -> Result<Self, ShapingError> {
         let blank = Self::none(interval)?;
         if interval == self.interval {

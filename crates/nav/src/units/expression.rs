@@ -56,7 +56,7 @@ pub(super) struct Unit {
 }
 
 impl Unit {
-    /// To the power `halves / 2`; none if an exponent would be a quarter or absurdly large.
+    /// The unit to the power `halves / 2`; `None` if an exponent would be a quarter or absurdly large.
     fn power(self, halves: i32) -> Option<Self> {
         let scaled = |exponent: i32| {
             let scaled = exponent.checked_mul(halves)?;

@@ -34,22 +34,36 @@ const SHARE: usize = 256;
 /// Averages from which on reflection adds nothing to the confidence of a total deviation.
 const MANY: usize = 32;
 
-/// Confidence of one point.
+/// Confidence of one point of a deviation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Noise type α assumed (−4 … 2).
     pub alpha: i32,
     /// Equivalent degrees of freedom of the variance.
     pub edf: f64,
-    /// Lower bound of the deviation [unit of the samples].
+    /// Lower bound of the deviation [unit of the samples]; at level 0.683 the deviation is below it in 16 records of 100.
     pub lower: f64,
     /// Upper bound of the deviation [unit of the samples].
     pub upper: f64,
 }
 
-/// Two-sided intervals of the true deviation at each point, `level` their probability (0.683 for one
-/// sigma), with the noise type found at each τ. The variance is taken to be chi-squared with the equivalent degrees of
+/// Two-sided intervals of the true deviation at each point of `curve`, which is of `rates`; `level` is their probability (0.683 for one
+/// sigma), the noise type is found at each τ. The variance is taken to be chi-squared with the equivalent degrees of
 /// freedom of [`edf`] (NIST SP 1065, section 5.3), each τ by itself: intervals of neighbouring τ share their errors.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{allan::{DeviationKind, Grid, deviations, intervals}, synthesis::NoiseGenerator};
+/// let white = ShapingFilter::white(1e-3, 0.01)?;
+/// let record: Vec<f64> = NoiseGenerator::new(&white, 1).take(20_000).collect();
+/// let curve = deviations(&record, 100.0, DeviationKind::Overlapping, Grid::Octave)?;
+/// let bounds = intervals(&record, &curve, 0.95)?;
+/// let (first, last) = (&bounds[0], &bounds[bounds.len() - 1]);
+/// // The true deviation of one sample is N/√T = 0.01; a few averages leave a factor of two and more.
+/// assert!(first.lower < 0.01 && 0.01 < first.upper && first.upper / first.lower < 1.04);
+/// assert!(last.upper / last.lower > 2.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// As [`noise_types`], or a level outside (0, 1).
@@ -58,7 +72,8 @@ pub fn intervals(rates: &[f64], curve: &Curve, level: f64) -> Result<Vec<Interva
     intervals_of(curve, &noise_types(rates, &factors)?, level)
 }
 
-/// As [`intervals`], with the noise type of each point given.
+/// The intervals of [`intervals`] for noise types `alphas` of the caller, one for each point: where the type is known, from the model that
+/// a record was made of for example.
 ///
 /// # Errors
 /// A level outside (0, 1), or not one type a point.
@@ -96,8 +111,16 @@ pub fn intervals_of(
     Ok(shares.into_iter().flatten().collect())
 }
 
-/// Equivalent degrees of freedom of a variance at `m` of `samples` rates under noise type `alpha`
-/// (clamped to −4 … 2, for Allan and total to −2 … 2); at least 1.
+/// Equivalent degrees of freedom of a variance of `kind` at `m` samples to a τ, of a record of `samples` rates under noise type `alpha`
+/// (clamped to −4 … 2, for Allan and total to −2 … 2); at least 1. The relative standard error of the deviation is about
+/// `1/√(2 edf)`.
+///
+/// ```
+/// use undrift_noise::allan::{DeviationKind, confidence::edf};
+/// // White noise, 10 000 samples: a tenth of the record as τ leaves some ten degrees of freedom, one sample thousands.
+/// assert!((5.0..20.0).contains(&edf(DeviationKind::Overlapping, 0, 10_000, 1000)));
+/// assert!(edf(DeviationKind::Overlapping, 0, 10_000, 1) > 5000.0);
+/// ```
 pub fn edf(kind: DeviationKind, alpha: i32, samples: usize, m: usize) -> f64 {
     let m = m.max(1);
     let least = if kind.order() == 3 { -4 } else { -2 };
@@ -182,7 +205,7 @@ fn structure(t: f64, fineness: f64, alpha: i32, order: usize) -> f64 {
     sum
 }
 
-/// `s_x`: the same of the averaged phase.
+/// Generalised autocovariance of the averaged phase, `s_x` of Greenhall & Riley.
 fn smoothed(t: f64, fineness: f64, alpha: i32) -> f64 {
     let t = t.abs();
     let step = 1.0 / fineness;
@@ -374,10 +397,10 @@ mod tests {
                 "{m}: {found} {exact}"
             );
         }
-        let of = |kind, alpha| edf(kind, alpha, 500, 1);
+        let freedom = |kind, alpha| edf(kind, alpha, 500, 1);
         for alpha in -2..=2 {
-            let plain = of(DeviationKind::Overlapping, alpha);
-            assert_eq!(of(DeviationKind::Modified, alpha), plain);
+            let plain = freedom(DeviationKind::Overlapping, alpha);
+            assert_eq!(freedom(DeviationKind::Modified, alpha), plain);
         }
     }
 

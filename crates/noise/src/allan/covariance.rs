@@ -43,7 +43,7 @@ pub(super) struct Covariance {
 }
 
 impl Covariance {
-    /// Of a record of `samples` at `rate_hz` \[Hz\].
+    /// The sums for `points` of a record of `samples` at `rate_hz` \[Hz\].
     pub(super) fn new(points: &[Point], samples: usize, rate_hz: f64) -> Self {
         let row = |i: usize| points[i..].iter().map(move |far| (&points[i], far));
         let pairs = (0..points.len())
@@ -56,7 +56,7 @@ impl Covariance {
         }
     }
 
-    /// At squares of the terms Q, N, B, K, R.
+    /// The covariance where the squares of the terms are Q, N, B, K, R.
     pub(super) fn at(&self, squares: &DVector<f64>) -> DMatrix<f64> {
         let mut covariance = DMatrix::zeros(self.count, self.count);
         let mut pairs = self.pairs.iter();
@@ -76,7 +76,7 @@ impl Covariance {
 }
 
 impl Pair {
-    /// Of averaging factors `near` ≤ `far`.
+    /// The sums of averaging factors `near` ≤ `far`.
     fn new(near: usize, far: usize, samples: usize, rate_hz: f64) -> Self {
         let terms = |m: usize| (samples + 1).saturating_sub(2 * m) as i64;
         let (terms_near, terms_far) = (terms(near), terms(far));

@@ -8,7 +8,7 @@ use super::{every_factor, octaves};
 use crate::screening::record::{RecordError, check, check_rate, mean, prefix_sums};
 use undrift_base::parallel;
 
-/// Which deviation. The terms of IEEE Std 952 are defined by the overlapping one, and [`fit_terms`](super::fit_terms) takes
+/// Kind of deviation. The terms of IEEE Std 952 are defined by the overlapping one, and [`fit_terms`](super::fit_terms) takes
 /// no other. The others are for a look: the modified one where quantisation hides what is slower, Hadamard's where
 /// the bias drifts in a straight line, the total one for averaging times near the record's length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,7 +25,7 @@ pub enum DeviationKind {
     Total,
 }
 
-/// Which averaging times.
+/// Averaging times of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grid {
     /// m = 1, 2, 4, 8, … samples.
@@ -39,29 +39,30 @@ pub enum Grid {
     All,
 }
 
-/// One averaging time.
+/// Deviation at one averaging time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Samples averaged.
+    /// Samples averaged, the averaging factor.
     pub m: usize,
     /// Averaging time τ = m / rate \[s\].
     pub tau_s: f64,
     /// Deviation [unit of the samples].
     pub deviation: f64,
-    /// Differences whose squares were averaged.
+    /// Number of differences whose squares were averaged; overlapping ones are not independent ([`edf`](super::confidence::edf)).
     pub terms: usize,
 }
 
-/// A deviation over averaging time.
+/// A deviation over averaging time: what is drawn on double logarithmic axes, slopes −½ for white noise, 0 for bias instability, ½ for
+/// a random walk.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// Which deviation.
+    /// Kind of deviation.
     pub kind: DeviationKind,
     /// Sample rate \[Hz\].
     pub rate_hz: f64,
-    /// Samples in the record.
+    /// Number of samples of the record.
     pub samples: usize,
-    /// The points, by growing τ.
+    /// The points by growing τ.
     pub points: Vec<Point>,
 }
 
@@ -78,7 +79,7 @@ impl DeviationKind {
         2 + usize::from(self == Self::Hadamard)
     }
 
-    /// Largest m of a record of `samples` rates.
+    /// Largest averaging factor of a record of `samples` rates, that leaves one difference; 0 where it is too short for any.
     pub fn largest_m(self, samples: usize) -> usize {
         match self {
             Self::Overlapping => samples / 2,
@@ -101,7 +102,13 @@ impl DeviationKind {
 }
 
 impl Grid {
-    /// The averaging factors up to `largest`, growing.
+    /// The averaging factors of the grid up to `largest`, growing.
+    ///
+    /// ```
+    /// use undrift_noise::allan::Grid;
+    /// assert_eq!(Grid::Octave.factors(20), [1, 2, 4, 8, 16]);
+    /// assert_eq!(Grid::Decade.factors(20), [1, 2, 5, 10, 20]);
+    /// ```
     pub fn factors(self, largest: usize) -> Vec<usize> {
         let mut factors = Vec::new();
         match self {
@@ -139,7 +146,18 @@ impl Grid {
     }
 }
 
-/// The averaging factors nearest to averaging times \[s\] at a sample rate \[Hz\], growing, each once.
+/// The averaging factors nearest to the averaging times `taus_s` \[s\] at the sample rate `rate_hz` \[Hz\], growing, each once; at least 1. For
+/// [`deviations_at`].
+///
+/// ```
+/// use undrift_noise::allan::{DeviationKind, deviations_at, factors_of};
+/// let rates: Vec<f64> = (0..1000).map(|k| f64::from(k * 7919 % 101)).collect();
+/// let factors = factors_of(&[0.1, 1.0], 100.0)?;
+/// assert_eq!(factors, [10, 100]);
+/// let curve = deviations_at(&rates, 100.0, DeviationKind::Overlapping, &factors)?;
+/// assert_eq!(curve.points[1].tau_s, 1.0);
+/// # Ok::<(), undrift_noise::screening::RecordError>(())
+/// ```
 ///
 /// # Errors
 /// A time that is not positive, a rate that is not positive.
@@ -193,8 +211,7 @@ pub fn deviations(
     )
 }
 
-/// As [`deviations`], at averaging factors `m` of the caller; those too large for the record or 0
-/// are left out.
+/// The deviation of [`deviations`] at averaging factors of the caller, in samples; those too large for the record or 0 are ignored.
 ///
 /// # Errors
 /// As [`deviations`].
@@ -423,7 +440,24 @@ fn total_energy(sums: &[f64], m: usize) -> f64 {
     ends + inner
 }
 /// The curve of several records of one process, of the same kind, rate and factors: at each averaging time the mean square
-/// over all their terms. `None` without one.
+/// over all their terms. `None` of no curve.
+///
+/// Records of one sensor that was switched off in between may be pooled so; to concatenate them would turn the step of the
+/// turn-on constants into a random walk.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{allan::{DeviationKind, Grid, deviations, pooled}, synthesis::NoiseGenerator};
+/// let white = ShapingFilter::white(1e-3, 0.01)?;
+/// let curve = |seed| {
+///     let record: Vec<f64> = NoiseGenerator::new(&white, seed).take(2000).collect();
+///     deviations(&record, 100.0, DeviationKind::Overlapping, Grid::Octave)
+/// };
+/// let both = pooled(&[curve(1)?, curve(2)?]).expect("two curves");
+/// assert_eq!(both.samples, 4000);
+/// assert!((both.points[0].deviation / 0.01 - 1.0).abs() < 0.05); // N/√T
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn pooled(curves: &[Curve]) -> Option<Curve> {
     if let [one] = curves {
         return Some(one.clone());

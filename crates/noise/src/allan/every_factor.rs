@@ -87,7 +87,7 @@ pub(super) fn energies(
 
 /// Energies by FFT, and what bounds their errors.
 struct Energies {
-    /// At m = 0, 1, …
+    /// Energies at m = 0, 1, …
     energies: Vec<f64>,
     /// Bound of the error by rounding in the FFTs.
     rounding: f64,
@@ -96,6 +96,7 @@ struct Energies {
 }
 
 impl Energies {
+    /// Adds `sign` times the energies of other blocks, and their bounds.
     fn add(&mut self, other: &Self, sign: f64) {
         for (sum, energy) in self.energies.iter_mut().zip(&other.energies) {
             *sum += sign * energy;

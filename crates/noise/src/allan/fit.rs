@@ -44,15 +44,15 @@ const SEEN: f64 = 2.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Term {
-    /// The term, 0 where the fit leaves it out.
+    /// Value of the term, 0 where the fit leaves it out.
     pub value: f64,
-    /// Its standard error, from that of its square; NaN where the value is 0.
+    /// Standard error of the value, from that of its square; NaN where the value is 0.
     #[serde(with = "OrNull")]
     pub standard_error: f64,
-    /// One-sided 95 % upper bound.
+    /// One-sided 95 % upper bound of the value.
     #[serde(with = "OrNull")]
     pub upper_95: f64,
-    /// True where the square of the term is more than two standard errors from 0.
+    /// Whether the square of the term is more than two standard errors from 0.
     pub seen: bool,
 }
 
@@ -105,7 +105,8 @@ impl Terms {
         self
     }
 
-    /// The fitted Allan variance at `tau_s` \[s\], \[u²\].
+    /// The fitted Allan variance at averaging time `tau_s` \[s\], \[u²\]: the sum of all terms, whose root is the curve to draw beside the
+    /// measured one.
     pub fn variance(&self, tau_s: f64) -> f64 {
         let terms = [
             self.quantisation,
@@ -156,7 +157,7 @@ pub fn fit_terms(curve: &Curve) -> Result<Terms, RecordError> {
     })
 }
 
-/// As [`fit_terms`], from `shortest_s` \[s\] on. Quantisation shows at the shortest τ of a curve: where
+/// The fit of [`fit_terms`] with the averaging times from `shortest_s` \[s\] on. Quantisation shows at the shortest τ of a curve: where
 /// that is left out, so is the term.
 ///
 /// # Errors
@@ -252,7 +253,7 @@ pub(crate) struct Problem {
     measured: DVector<f64>,
     /// Points by columns: variance of each unit term.
     shapes: DMatrix<f64>,
-    /// Of the points under the IEEE terms.
+    /// Covariance of the points under the IEEE terms.
     covariance: Covariance,
     /// Covariance of the points over the product of their variances, where no IEEE terms give it.
     relative: DMatrix<f64>,

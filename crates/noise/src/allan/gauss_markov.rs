@@ -43,6 +43,13 @@ pub fn gauss_markov_variance(tau_s: f64, sigma: f64, tau_c_s: f64) -> f64 {
 /// deviation `sigma` \[unit\]; `a` = T/τc > 0 or 1−φ ≈ a where φ is near 1. With φ = e^{−a}:
 /// `σ² [m(1−φ²) − φ(3 − 4φ^m + φ^{2m})] / (m²(1−φ)²)` by summing the autocovariances; a series in a
 /// where a·m < 0.5, exact down to a = 1e-300.
+///
+/// ```
+/// use undrift_noise::allan::gauss_markov::{ar1_variance, gauss_markov_variance};
+/// // Over many samples the sampled process is the continuous one: 100 Hz, τc = 100 s, at τ = 10 s.
+/// let (sampled, continuous) = (ar1_variance(1000, 1e-4, 1e-4), gauss_markov_variance(10.0, 1e-4, 100.0));
+/// assert!((sampled / continuous - 1.0).abs() < 1e-3);
+/// ```
 pub fn ar1_variance(m: usize, sigma: f64, a: f64) -> f64 {
     Ar1::new(sigma, a).variance(m)
 }
@@ -56,6 +63,7 @@ pub(crate) struct Ar1 {
 }
 
 impl Ar1 {
+    /// An AR(1) of standard deviation `sigma` \[unit\] and `a` = T/τc, from which 1 − φ keeps its digits.
     pub(crate) fn new(sigma: f64, a: f64) -> Self {
         Self {
             square: sigma * sigma,
@@ -64,7 +72,7 @@ impl Ar1 {
         }
     }
 
-    /// See [`ar1_variance`].
+    /// Allan variance at `m` samples, by [`ar1_variance`].
     pub(crate) fn variance(&self, m: usize) -> f64 {
         let width = m.max(1) as f64;
         let (decay, phi) = (self.decay, 1.0 - self.decay);
@@ -97,7 +105,8 @@ impl Ar1 {
     }
 }
 
-/// White noise, quantisation and one Gauss-Markov process fitted to an Allan variance.
+/// White noise, quantisation and one Gauss-Markov process fitted to an Allan variance: what a data sheet's "bias instability" amounts
+/// to as a model of a filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GaussMarkovFit {
     /// Quantisation Q [unit·s].
@@ -111,7 +120,7 @@ pub struct GaussMarkovFit {
     /// Squared residuals in units of their covariance, over the degrees of freedom; about 1 where
     /// the model holds.
     pub reduced_chi2: f64,
-    /// True where τc is at an end of the range searched: the record does not determine it.
+    /// Whether τc is at an end of the range searched: the record does not determine it.
     pub at_limit: bool,
 }
 
@@ -119,6 +128,21 @@ pub struct GaussMarkovFit {
 /// searching τc between a fifth of the shortest τ and five times the record, the other terms by
 /// non-negative weighted least squares at each; from the shortest τ on from which they describe the
 /// curve: below, a sensor's filter or resonance may add what neither term is.
+///
+/// ```
+/// use undrift_noise::{allan::{DeviationKind, Grid, deviations, fit_gauss_markov}, composite::{CompositeTerms, GaussMarkov}};
+/// use undrift_noise::synthesis::NoiseGenerator;
+/// let truth = CompositeTerms {
+///     white: 0.01,
+///     gauss_markov: [GaussMarkov { sigma: 0.01, tau_s: 20.0 }, GaussMarkov::default()],
+///     ..CompositeTerms::default()
+/// };
+/// let record: Vec<f64> = NoiseGenerator::new(&truth.to_shaping(0.01)?, 1).take(200_000).collect();
+/// let found = fit_gauss_markov(&deviations(&record, 100.0, DeviationKind::Overlapping, Grid::Octave)?)?;
+/// assert!((found.white / 0.01 - 1.0).abs() < 0.05 && !found.at_limit, "{found:?}");
+/// assert!((found.sigma / 0.01).ln().abs() < 0.3 && (found.tau_c_s / 20.0).ln().abs() < 0.6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// A curve that is not [`DeviationKind::Overlapping`], or fewer than 5 usable points.
@@ -129,7 +153,7 @@ pub fn fit_gauss_markov(curve: &Curve) -> Result<GaussMarkovFit, RecordError> {
     })
 }
 
-/// As [`fit_gauss_markov`], from `shortest_s` \[s\] on; quantisation only where that leaves out no τ.
+/// The fit of [`fit_gauss_markov`] with the averaging times from `shortest_s` \[s\] on; with quantisation only where that leaves out no τ.
 ///
 /// # Errors
 /// As [`fit_gauss_markov`], of the points that are left.

@@ -5,6 +5,15 @@ use nalgebra::{DMatrix, DVector};
 
 /// Coefficients c ≥ 0 that minimise |A c − b|, `a` row by row. Columns are scaled to unit length
 /// first. A column that is zero, or depends on the others, stays at 0.
+///
+/// ```
+/// use nalgebra::{DMatrix, DVector};
+/// use undrift_noise::allan::nnls::solve;
+/// // The unconstrained solution is (2, −1): the second coefficient is put to 0 and the first found again.
+/// let a = DMatrix::from_row_slice(3, 2, &[1.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
+/// let c = solve(&a, &DVector::from_vec(vec![2.0, -1.0, 1.0]));
+/// assert!((c[0] - 1.5).abs() < 1e-12 && c[1] == 0.0);
+/// ```
 pub fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     let columns = a.ncols();
     let mut scaled = a.clone();

@@ -51,7 +51,7 @@ pub fn noise_types(rates: &[f64], factors: &[usize]) -> Result<Vec<i32>, RecordE
     Ok(types)
 }
 
-/// The same at growing powers of two.
+/// Noise types at growing powers of two, each from the averages of the one before.
 fn at_octaves(rates: &[f64], factors: &[usize]) -> Vec<i32> {
     let centre = mean(rates);
     let mut sums: Vec<f64> = Vec::new();
@@ -129,6 +129,7 @@ struct LagOneSums {
 }
 
 impl LagOneSums {
+    /// Sums over `x` less `near`.
     fn about(x: &[f64], near: f64) -> Self {
         let (Some((&last, early)), Some(&first)) = (x.split_last(), x.first()) else {
             return Self {

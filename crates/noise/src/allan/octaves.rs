@@ -32,6 +32,7 @@ pub(super) fn energies(rates: &[f64], octaves: usize) -> Vec<f64> {
     })
 }
 
+/// The pass over a record, for the width of the processor's vectors.
 struct Octaves<'a> {
     rates: &'a [f64],
     centre: f64,

@@ -59,7 +59,7 @@ fn slide(of: &Transform, x: &[f64], short: usize, count: usize, long: usize, out
     );
 }
 
-/// At most `count` samples from `start` on, as far as there are.
+/// The samples from `start` on, at most `count`, as far as there are.
 fn part(x: &[f64], start: usize, count: usize) -> &[f64] {
     let start = start.min(x.len());
     &x[start..(start + count).min(x.len())]
@@ -69,14 +69,14 @@ fn part(x: &[f64], start: usize, count: usize) -> &[f64] {
 pub(super) struct Plan {
     largest: usize,
     whole: Transform,
-    /// Of the levels of the triangle, the widest nodes first.
+    /// Transforms of the levels of the triangle, the widest nodes first.
     nodes: Vec<Transform>,
     /// Width of the whole triangle, a power of two times that of its leaves.
     width: usize,
 }
 
 impl Plan {
-    /// For records of `length`, heads to lag `largest`, products of the whole to twice that, which is
+    /// Transforms for records of `length`, heads to lag `largest`, products of the whole to twice that, which is
     /// below `length`.
     pub(super) fn new(length: usize, largest: usize) -> Self {
         Self::with_longest(length, largest, LONGEST)

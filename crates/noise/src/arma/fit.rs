@@ -126,7 +126,7 @@ pub fn fit(
     climb_to(samples, p, q, options, &[], &mut Ladder::default())
 }
 
-/// As [`fit`], with further starts: coefficients (φ, θ) of models near which the optimum may lie,
+/// Does [`fit`] with further starts: coefficients (φ, θ) of models near which the optimum may lie,
 /// of any order up to (p, q); missing coefficients count as zero.
 ///
 /// # Errors
@@ -141,9 +141,9 @@ pub fn fit_from(
     fit_several(&[samples], p, q, options, known)
 }
 
-/// As [`fit_from`], of several independent records of one process: the likelihood is the product of
+/// Fits several independent records of one process: the likelihood is the product of
 /// theirs, each with a start and a mean of its own. The first should be the longest: it gives the starts of the
-/// search and the mean reported.
+/// search and the mean reported. Further starts are `known`, as in [`fit_from`].
 ///
 /// # Errors
 /// As [`fit`], of any of the records; no record at all.
@@ -169,6 +169,7 @@ pub(crate) fn climb_to(
     climb(&[samples], p, q, options, known, ladder)
 }
 
+/// The fit of several records, with the optima of other orders kept in `ladder`.
 fn climb(
     records: &[&[f64]],
     p: usize,
@@ -236,9 +237,9 @@ const FEW: usize = 1000;
 /// Records as the search sees them.
 struct Held<'a> {
     records: &'a [&'a [f64]],
-    /// Of unbroken records with a unit root, whose likelihood that of these is.
+    /// Differences of unbroken records with a unit root, whose likelihood is that of the records.
     differences: Vec<Vec<f64>>,
-    /// Of records in which few samples are missing.
+    /// Records in which few samples are missing, bridged.
     bridged: Vec<Vec<f64>>,
     /// Where each is looked at from, and how many of its samples are present.
     screened: Vec<(f64, usize)>,
@@ -327,7 +328,7 @@ impl<'a> Held<'a> {
 /// Log-likelihood within which [`refit`] is at its optimum: far below what a record shows of its own parameters.
 const NEAR: f64 = 1e-2;
 
-/// The same order fitted to other records of the same process, means estimated: the optimum next to `known`, without
+/// Fits the order of `known` to other records of the same process, means estimated: the optimum next to `known`, without
 /// standard errors and diagnosis.
 ///
 /// # Errors

@@ -28,16 +28,16 @@ pub(super) struct At<'a> {
     theta: &'a [f64],
     /// The record's level \[unit\], given or estimated.
     level: f64,
-    /// S \[unit²\].
+    /// S, the sum of squares \[unit²\].
     pub(super) squares: f64,
     p: DMatrix<f64>,
     /// `(P⁻¹ + M)⁻¹`.
     k: DMatrix<f64>,
     /// `(I + M P)⁻¹ M`.
     m: DMatrix<f64>,
-    /// c.
+    /// c of the module's equations.
     c: DVector<f64>,
-    /// x₀.
+    /// x₀, the most likely state before the first sample.
     start: DVector<f64>,
 }
 

@@ -37,6 +37,7 @@ struct Filter {
 }
 
 impl Filter {
+    /// The filter before the first sample: P stationary, or as a unit root leaves it. `None` where φ is not stationary.
     fn new(phi: &[f64], theta: &[f64], unit_root: bool) -> Option<Self> {
         let r = phi.len().max(theta.len());
         let p = match r {
@@ -147,6 +148,7 @@ impl Estimate {
         Self { x: vec![0.0; r] }
     }
 
+    /// Prediction of the next sample about the centre.
     fn predicted(&self) -> f64 {
         self.x.first().copied().unwrap_or(0.0)
     }
@@ -204,7 +206,7 @@ pub(super) fn with_gaps(
     likelihood(samples, mean, centre, (phi, theta), unit_root, order)
 }
 
-/// The same by the filter, one sample after the other, whose digits last where roots crowd at 1.
+/// Does [`with_gaps`] by the filter, one sample after the other, whose digits last where roots crowd at 1.
 pub(super) fn filtered(
     samples: &[f64],
     mean: Mean,
@@ -216,6 +218,7 @@ pub(super) fn filtered(
     likelihood(samples, mean, centre, (phi, theta), unit_root, usize::MAX)
 }
 
+/// The likelihood by whichever pass serves: the steady one, or sample by sample.
 fn likelihood(
     samples: &[f64],
     mean: Mean,

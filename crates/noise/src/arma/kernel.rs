@@ -76,6 +76,7 @@ pub(super) fn accumulate(
         .collect()
 }
 
+/// The sums of [`TOGETHER`] points or fewer in one pass over the record.
 fn accumulate_group(
     samples: &[f64],
     centre: f64,

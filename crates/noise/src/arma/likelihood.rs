@@ -20,7 +20,7 @@ use super::kernel::{Accumulated, Coefficients, accumulate, sums_about};
 use super::linear::{initial_covariance, semidefinite_cholesky};
 use nalgebra::{DMatrix, DVector};
 
-/// What is known of the record's mean.
+/// Mean of a record, as far as it is known. A constant that was removed as the record's own mean is estimated, not known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mean {
     /// Given [unit of the record]; 0 for a record whose constant has been removed for good.
@@ -40,14 +40,14 @@ pub struct Likelihood {
     pub variance: f64,
     /// The mean, given or estimated \[unit\].
     pub mean: f64,
-    /// Standard error of an estimated mean \[unit\]; 0 for a given one.
+    /// Standard error of an estimated mean \[unit\]; 0 for a given one. Of a slow process it is far above σ/√N.
     pub mean_standard_error: f64,
     /// Observations that count: samples present, less one where a unit root's level is free.
     pub observations: usize,
 }
 
 impl Likelihood {
-    /// That of two independent records with one σ²; the mean stays that of the first.
+    /// The likelihood of two independent records with one σ²; the mean stays that of the first.
     pub(super) fn and(self, other: Self) -> Option<Self> {
         let joint = concentrated(
             self.observations + other.observations,

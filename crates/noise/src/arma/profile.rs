@@ -14,12 +14,12 @@ use super::search::Problem;
 use crate::quasi_newton::{Objective, Point, bfgs};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-/// Which coefficient of an ARMA(1,1).
+/// Coefficient of an ARMA(1,1) whose interval is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Root {
-    /// φ.
+    /// The autoregressive one, φ: how long the slow part lasts.
     Ar,
-    /// θ.
+    /// The moving-average one, θ: with φ − θ, how large the slow part is.
     Ma,
 }
 
@@ -27,7 +27,7 @@ pub enum Root {
 /// time in samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProfileInterval {
-    /// At the optimum.
+    /// `log(1 − c)` at the optimum.
     pub estimate: f64,
     /// Lower end; −∞ where c = 1 is not contradicted.
     pub low: f64,
@@ -37,6 +37,13 @@ pub struct ProfileInterval {
 
 impl ProfileInterval {
     /// Whether the coefficient `c` is in the interval.
+    ///
+    /// ```
+    /// use undrift_noise::arma::ProfileInterval;
+    /// // Correlation times of 20 to 500 samples, the likeliest 100.
+    /// let interval = ProfileInterval { estimate: 0.01_f64.ln(), low: 0.002_f64.ln(), high: 0.05_f64.ln() };
+    /// assert!(interval.contains(0.99) && interval.contains(0.997) && !interval.contains(0.9));
+    /// ```
     pub fn contains(&self, c: f64) -> bool {
         let at = (-c).ln_1p();
         self.low <= at && at <= self.high

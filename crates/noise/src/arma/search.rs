@@ -16,7 +16,7 @@ pub(super) const TOLERANCE: f64 = 1e-5;
 const SAME: f64 = 1e-4;
 /// An optimum of the approximate likelihood so far below the best does not become the best.
 const HOPELESS: f64 = 30.0;
-/// The same after a few steps by the exact likelihood.
+/// [`HOPELESS`] after a few steps by the exact likelihood.
 const NEAR: f64 = 5.0;
 /// Local optima handed to the next order.
 const KEPT: usize = 4;
@@ -63,6 +63,7 @@ impl Ladder {
         self.at(p, q).ok_or(ArmaError::NoOptimum)
     }
 
+    /// Searches the orders (p − k, q − k) from the lowest up, each from the optima of those below it, where it has none yet.
     fn climb_all(
         &mut self,
         problem: &Problem,
@@ -97,6 +98,7 @@ impl Ladder {
     }
 }
 
+/// The best distinct optima of one order: from all starts by the approximate likelihood where there is one, else by the exact one.
 fn optima(
     problem: &Problem,
     (p, q): (usize, usize),
@@ -226,7 +228,7 @@ fn line_starts(n: usize, lower: &[Point], p: usize, candidates: &mut Vec<Vec<f64
     }
 }
 
-/// Of a long record: the candidates that are best on its first part. All of them otherwise.
+/// The candidates that are best on the first part of a long record; all of them for a short one.
 fn glance(problem: &Problem, candidates: Vec<Vec<f64>>, p: usize, budget: f64) -> Vec<Vec<f64>> {
     if problem.samples.len() <= 2 * GLANCE {
         return candidates;

@@ -5,7 +5,8 @@ use super::model::ArmaFit;
 use super::search::Ladder;
 use super::{ArmaError, MAX_FIT_ORDER};
 
-/// All fits of a grid and the orders that the criteria choose.
+/// All fits of a grid of orders, and the orders that the criteria choose. BIC's is the one to use for long records: AIC adds pairs of
+/// roots that cancel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selection {
     /// The fits, by p, then q; an order that the record is too short for is left out.
@@ -43,7 +44,7 @@ pub fn select(
     select_with_starts(samples, p_max, q_max, options, &[])
 }
 
-/// As [`select`]; `made` are fits of the same record and mean, which are taken where no neighbour is likelier.
+/// Does [`select`]; `made` are fits of the same record and mean, which are used where no neighbour is likelier.
 pub(crate) fn select_with_starts(
     samples: &[f64],
     p_max: usize,

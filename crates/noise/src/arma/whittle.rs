@@ -39,7 +39,7 @@ pub(super) struct Narrow {
 }
 
 impl Whittle {
-    /// Of a record about `centre`; missing samples are bridged by the one before. None of a short record.
+    /// The periodogram of a record about `centre`; missing samples are bridged by the one before. `None` of a short record.
     pub(super) fn new(record: &[f64], centre: f64, differenced: bool) -> Option<Self> {
         let record = &record[..record.len().min(MOST)];
         let mut last = 0.0;
@@ -200,12 +200,12 @@ mod tests {
         let (samples, mut sums, mut ordinates) = (4000.0, PowerSum::default(), Vec::new());
         for j in 1..=2000 {
             let omega = 2.0 * PI * j as f64 / samples;
-            let of = if (first..first + width).contains(&j) {
+            let factor = if (first..first + width).contains(&j) {
                 times
             } else {
                 1.0
             };
-            let power = of * PowerSum::gain(phi, theta, omega);
+            let power = factor * PowerSum::gain(phi, theta, omega);
             sums.push(omega, 2.0 * power);
             ordinates.push(power);
         }

@@ -59,12 +59,12 @@ pub fn fit(curve: &Curve) -> Result<CompositeTerms, Unfit> {
     })
 }
 
-/// The bound at a correlation time.
+/// Bound of measured Allan variances at one correlation time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bound {
-    /// N² \[unit²·s\].
+    /// Square N² of its white noise density \[unit²·s\].
     pub white: f64,
-    /// σ² \[unit²\].
+    /// Variance σ² of its process \[unit²\].
     pub process: f64,
     /// Sum of its ratios to the measured variances.
     pub excess: f64,

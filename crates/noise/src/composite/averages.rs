@@ -46,7 +46,7 @@ impl<'a> Averages<'a> {
     }
 
     /// Records as they are.
-    pub(crate) fn of_samples(records: Vec<Vec<f64>>, interval: f64) -> Self {
+    pub(crate) fn from_samples(records: Vec<Vec<f64>>, interval: f64) -> Self {
         Self {
             present: vec![1.0; records.len()],
             records,
@@ -56,7 +56,7 @@ impl<'a> Averages<'a> {
         }
     }
 
-    /// With something integrated out beside the levels.
+    /// These averages with something integrated out beside the levels.
     pub(crate) fn marginal(self, marginal: Marginal<'a>) -> Self {
         Self { marginal, ..self }
     }
@@ -69,12 +69,17 @@ impl<'a> Averages<'a> {
         self.under(&terms.to_shaping(self.interval)?)
     }
 
+    /// Likelihood of each record's averages under a filter of the full rate.
     fn under(&self, filter: &ShapingFilter) -> Result<Vec<RecordLikelihood>, CompositeError> {
-        let of = |(record, present): (&Vec<f64>, &f64)| {
+        let likelihood = |(record, present): (&Vec<f64>, &f64)| {
             let filter = block_average_of_share(filter, self.block, *present)?;
             log_likelihood(record, &filter, Level::Estimated)
         };
-        self.records.iter().zip(&self.present).map(of).collect()
+        self.records
+            .iter()
+            .zip(&self.present)
+            .map(likelihood)
+            .collect()
     }
 
     /// The negative restricted log-likelihood, +∞ without one.

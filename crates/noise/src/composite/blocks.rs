@@ -136,6 +136,15 @@ pub fn block_average(filter: &ShapingFilter, m: usize) -> Result<ShapingFilter, 
 ///
 /// # Errors
 /// `m` = 0 or larger than the record; an infinite sample.
+///
+/// ```
+/// use undrift_noise::composite::average_in_blocks;
+/// let record = [1.0, 2.0, 3.0, 4.0, f64::NAN, 8.0, f64::NAN, f64::NAN, 9.0, 7.0];
+/// let averages = average_in_blocks(&record, 3)?;
+/// assert_eq!(averages[..2], [2.0, 6.0]);
+/// assert!(averages[2].is_nan() && averages.len() == 3);
+/// # Ok::<(), undrift_noise::composite::CompositeError>(())
+/// ```
 pub fn average_in_blocks(record: &[f64], m: usize) -> Result<Vec<f64>, CompositeError> {
     if m == 0 || record.len() < m {
         return Err(CompositeError::TooShort {

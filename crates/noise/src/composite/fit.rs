@@ -34,14 +34,15 @@ const SAME_WHITE: f64 = 3.0;
 /// Relative error above which the blocks' white density is too uncertain to be compared.
 const KNOWN: f64 = 0.1;
 
-/// How to fit.
+/// Options of a fit of composite terms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitOptions {
-    /// A longer record is averaged in blocks until this many points or fewer are left.
+    /// Largest number of points: a longer record is averaged in blocks until that many or fewer are left.
     pub max_points: usize,
-    /// Samples to a block, if that is known: that of the whole record, of a part of it.
+    /// Number of samples to a block, where it is to be that of another fit: of the whole record for a part of it, so that both see the
+    /// same scales.
     pub block: Option<usize>,
-    /// Terms near which the optimum lies: the search starts there alone.
+    /// Terms near which the optimum lies: the search starts there alone, which is quicker. `None`: from wavelet moments.
     pub start: Option<CompositeTerms>,
 }
 
@@ -71,7 +72,7 @@ pub enum Term {
     GaussMarkov(usize),
 }
 
-/// What should be said with a fit.
+/// Remark on a fit, to be read beside its numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Flag {
     /// The likelihood does not want this term (removing it costs less than 0.01): it is 0 in the
@@ -107,12 +108,12 @@ pub struct CompositeFit {
     pub aic: f64,
     /// `−2 log L + k ln n`.
     pub bic: f64,
-    /// Parameters, the level included.
+    /// Number of parameters, the level included.
     #[serde(skip)]
     pub parameters: usize,
-    /// Samples averaged to a point.
+    /// Number of samples averaged to a point.
     pub block: usize,
-    /// Points present.
+    /// Number of points present.
     #[serde(skip)]
     pub points: usize,
     /// Constant offset of the record \[unit\].
@@ -125,13 +126,13 @@ pub struct CompositeFit {
     /// The wavelet moments that the search started from: those of the scales of a block and more.
     #[serde(rename = "wavelet_moments")]
     pub moments: MomentFit,
-    /// What should be said with it.
+    /// Remarks to be read beside the numbers.
     #[serde(skip)]
     pub flags: Vec<Flag>,
 }
 
 impl CompositeFit {
-    /// The shaping filter at a sample interval \[s\].
+    /// The shaping filter of the terms at a sample interval \[s\].
     ///
     /// # Errors
     /// A bad interval.
@@ -158,8 +159,22 @@ pub fn fit(
     fit_several(&[record], interval, set, options)
 }
 
-/// As [`fit`], of several independent records of one process: the likelihood is the product of theirs, each with a
+/// Fits several independent records of one process in the manner of [`fit`]: the likelihood is the product of theirs, each with a
 /// start and a level of its own. The level reported is that of the first.
+///
+/// ```
+/// use undrift_noise::composite::{CompositeTerms, FitOptions, TermSet, fit_several};
+/// use undrift_noise::synthesis::NoiseGenerator;
+/// let truth = CompositeTerms { white: 0.01, random_walk: 0.01, ..CompositeTerms::default() };
+/// let filter = truth.to_shaping(0.1)?;
+/// // Two switch-ons of one sensor, with other constants.
+/// let record = |seed, level| NoiseGenerator::new(&filter, seed).take(2000).map(move |x| x + level).collect();
+/// let (first, second): (Vec<f64>, Vec<f64>) = (record(1, 0.5), record(2, -0.3));
+/// let set = TermSet { white: true, random_walk: true, ..TermSet::default() };
+/// let found = fit_several(&[&first, &second], 0.1, set, &FitOptions::default())?;
+/// assert!((found.terms.white / 0.01).ln().abs() < 0.1 && (found.terms.random_walk / 0.01).ln().abs() < 0.3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// As [`fit`], of any of the records; no record at all.
@@ -172,7 +187,7 @@ pub fn fit_several(
     fit_marginal(records, interval, set, options, NO_MARGINAL)
 }
 
-/// As [`fit_several`], with something else integrated out of the records.
+/// Does [`fit_several`] with something else integrated out of the records.
 pub(crate) fn fit_marginal(
     records: &[&[f64]],
     interval: f64,
@@ -376,7 +391,7 @@ fn fast_terms(
 ) -> (f64, f64) {
     let most = (2 * options.max_points.max(100)).div_ceil(records.len());
     let first = |record: &&[f64]| record[..record.len().min(most)].to_vec();
-    let head = Averages::of_samples(records.iter().map(first).collect(), interval);
+    let head = Averages::from_samples(records.iter().map(first).collect(), interval);
     let with = |z: &[f64]| CompositeTerms {
         white: z[0].exp(),
         quantisation: z[1].exp(),
@@ -398,6 +413,7 @@ fn fast_terms(
     )
 }
 
+/// Ratio of the record's wavelet variance at one sample to that of the terms.
 fn full_rate_ratio(curve: &WaveletVariance, terms: &CompositeTerms) -> f64 {
     match curve.points.first() {
         Some(point) => point.variance / model_variance(terms, point.m, curve.interval),
@@ -405,6 +421,7 @@ fn full_rate_ratio(curve: &WaveletVariance, terms: &CompositeTerms) -> f64 {
     }
 }
 
+/// White density that the wavelet variance at one sample leaves beside the other terms [unit·√s].
 fn full_rate_white(curve: &WaveletVariance, terms: &CompositeTerms) -> f64 {
     let Some(point) = curve.points.first() else {
         return 0.0;

@@ -41,17 +41,17 @@ pub enum Parameter {
     Flicker,
     /// σ \[unit\] of the Gauss-Markov process of this index.
     Sigma(usize),
-    /// τ \[s\] of it.
+    /// τ \[s\] of the Gauss-Markov process of this index.
     Tau(usize),
 }
 
-/// What a record says of a parameter.
+/// Profile interval of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ParameterInterval {
-    /// The parameter.
+    /// Parameter that it is of.
     pub parameter: Parameter,
-    /// Its most likely value, in the parameter's unit as the ends.
+    /// Most likely value, in the parameter's unit, as the ends.
     pub estimate: f64,
     /// Lower end; 0 where the record does not bound it.
     pub low: f64,
@@ -93,7 +93,7 @@ pub fn intervals(
     intervals_of_several(&[record], interval, fit, level)
 }
 
-/// As [`intervals`], of a fit to several records.
+/// The intervals of [`intervals`] for a fit to several records ([`fit_several`](super::fit_several)), which are given again.
 ///
 /// # Errors
 /// As [`intervals`].
@@ -106,7 +106,7 @@ pub fn intervals_of_several(
     intervals_marginal(records, interval, fit, level, NO_MARGINAL)
 }
 
-/// As [`intervals_of_several`], of a fit with something else integrated out of the records.
+/// Does [`intervals_of_several`] for a fit with something else integrated out of the records.
 pub(crate) fn intervals_marginal(
     records: &[&[f64]],
     interval: f64,
@@ -211,6 +211,7 @@ fn kurtosis(records: &[&[f64]]) -> f64 {
     2.0 * count * fourths / (squares * squares) - 3.0
 }
 
+/// The restricted likelihood as a function of one parameter, the others at their best.
 struct Profile<'a> {
     averages: &'a Averages<'a>,
     set: TermSet,
@@ -218,7 +219,7 @@ struct Profile<'a> {
 }
 
 impl Profile<'_> {
-    /// In the order of the coordinates: logarithms of the parameters themselves.
+    /// The parameters in the order of the coordinates, whose logarithms those are.
     fn parameters(&self) -> Vec<Parameter> {
         let set = &self.set;
         let amplitudes = [
@@ -244,6 +245,7 @@ impl Profile<'_> {
         w
     }
 
+    /// Negative log-likelihood at coordinates with σ in place of the drive; infinite outside the range of τ.
     fn cost(&self, w: &[f64]) -> f64 {
         let (tau, count) = (self.set.amplitudes(), self.set.gauss_markov);
         if w[tau..].iter().any(|t| !self.tau_range.contains(t)) {
@@ -464,13 +466,15 @@ mod tests {
 
     #[test]
     fn an_interval_is_determined_at_both_ends() {
-        let of = |low, high| ParameterInterval {
+        let interval = |low, high| ParameterInterval {
             parameter: Parameter::White,
             estimate: 1.0,
             low,
             high,
         };
-        assert!(of(0.5, 2.0).is_determined());
-        assert!(!of(0.0, 2.0).is_determined() && !of(0.5, f64::INFINITY).is_determined());
+        assert!(interval(0.5, 2.0).is_determined());
+        assert!(
+            !interval(0.0, 2.0).is_determined() && !interval(0.5, f64::INFINITY).is_determined()
+        );
     }
 }

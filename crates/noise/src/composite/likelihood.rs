@@ -6,7 +6,7 @@ pub use crate::arma::Mean as Level;
 use crate::steady;
 use undrift_nav::shaping::ShapingFilter;
 
-/// Likelihood of a record under a model.
+/// Likelihood of a record under a shaping filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecordLikelihood {
     /// Log-likelihood, constants included; at the best level where it is estimated.
@@ -14,13 +14,13 @@ pub struct RecordLikelihood {
     /// Σ v²/V, the squared one-step prediction errors over their variances: about the number of
     /// observations where the model holds.
     pub sum_of_squares: f64,
-    /// Σ ln V.
+    /// Σ ln V, V the variances of the one-step predictions \[unit²\].
     pub log_determinant: f64,
-    /// Samples present.
+    /// Number of samples present.
     pub observations: usize,
-    /// The level, given or estimated \[unit\].
+    /// Constant offset of the record, given or estimated \[unit\].
     pub level: f64,
-    /// Its standard error \[unit\]; 0 where it is given, infinite where the record says nothing of it.
+    /// Standard error of the level \[unit\]; 0 where it is given, infinite where the record says nothing of it.
     pub level_standard_error: f64,
 }
 

@@ -31,9 +31,9 @@ pub(crate) struct Predictor<const N: usize> {
     r: f64,
     /// F, q without the correlation with the sample's own noise; none where r = 0.
     freed: Option<Freed<N>>,
-    /// Predicted state.
+    /// Predicted state before the next sample.
     pub(crate) x: [f64; N],
-    /// Its covariance \[unit²\].
+    /// Covariance of the predicted state \[unit²\].
     pub(crate) p: [[f64; N]; N],
     /// Gain of the next sample.
     pub(crate) gain: [f64; N],
@@ -51,6 +51,7 @@ pub(crate) struct Predictor<const N: usize> {
     seen: ([f64; N], f64),
 }
 
+/// The leading block of a matrix of an axis, of N states.
 fn leading<const N: usize>(a: &[[f64; 6]; 6]) -> [[f64; N]; N] {
     std::array::from_fn(|i| std::array::from_fn(|j| a[i][j]))
 }
@@ -106,6 +107,7 @@ impl<const N: usize> Predictor<N> {
         }
     }
 
+    /// A predictor that counts as settled below the relative change `still`.
     fn until(filter: &ShapingFilter, still: f64) -> Self {
         let mut this = Self {
             f: leading(&filter.f),
@@ -225,6 +227,7 @@ impl<const N: usize> Predictor<N> {
         self.look();
     }
 
+    /// Looks whether the gains have settled since the last look, and whether they may be kept up to the next.
     fn look(&mut self) {
         let (gain, variance) = self.seen;
         let largest = self.gain.iter().fold(0.0f64, |m, g| m.max(g.abs()));

@@ -4,13 +4,13 @@ use super::autocovariance;
 use crate::prediction::{self, Predictor};
 use crate::screening::record::{RecordError, check_varying};
 
-/// How partial autocorrelations are estimated.
+/// Method by which partial autocorrelations are estimated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Partial {
     /// Durbin-Levinson on autocovariances with divisor n: R's `pacf`, statsmodels' "ywmle" and
     /// "ldbiased". Never beyond ±1.
     YuleWalker,
-    /// The same with divisor n − k at lag k: statsmodels' "ywadjusted". May leave ±1.
+    /// Durbin-Levinson on autocovariances with divisor n − k at lag k: statsmodels' "ywadjusted". May leave ±1.
     YuleWalkerAdjusted,
     /// Burg's reflection coefficients of the record less its mean: statsmodels' "burg". O(N) a lag,
     /// and the one to trust near a unit root.
@@ -54,6 +54,14 @@ pub fn partial_autocorrelation(
 
 /// Partial autocorrelations of autocovariances γ_0 …, by Durbin's recursion (Box, Jenkins & Reinsel,
 /// appendix A3.2); 1 first. NaN from where the prediction variance is no longer positive.
+///
+/// ```
+/// use undrift_noise::correlation::partial::durbin_levinson;
+/// // An AR(1) with φ = 0.5 has one partial autocorrelation.
+/// let partial = durbin_levinson(&[1.0, 0.5, 0.25, 0.125]);
+/// assert_eq!(partial[..2], [1.0, 0.5]);
+/// assert!(partial[2..].iter().all(|value| value.abs() < 1e-15));
+/// ```
 pub fn durbin_levinson(covariance: &[f64]) -> Vec<f64> {
     let mut partial = vec![1.0];
     let Some(&zeroth) = covariance.first() else {

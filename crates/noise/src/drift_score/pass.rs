@@ -22,7 +22,7 @@ pub(super) struct Task<'a> {
     pub(super) sums: &'a RunningSums,
 }
 
-/// Of a record about its constant, up to each sample.
+/// Sums of a record about its constant, up to each sample.
 pub(super) struct RunningSums {
     values: Vec<f64>,
     missing: Vec<u32>,
@@ -65,7 +65,7 @@ struct Batch {
 
 /// One horizon while the pass runs.
 pub(super) struct Horizon<const N: usize> {
-    /// Samples.
+    /// Samples to the horizon.
     length: usize,
     /// H (I + F + … + F^{k−1}).
     row: [f64; N],
@@ -114,6 +114,7 @@ impl Task<'_> {
     }
 }
 
+/// Observes a sample, or predicts over a missing one.
 fn take_in<const N: usize>(predictor: &mut Predictor<N>, y: f64) -> Result<(), DriftError> {
     if y.is_nan() {
         predictor.skip();
@@ -130,6 +131,7 @@ fn take_in<const N: usize>(predictor: &mut Predictor<N>, y: f64) -> Result<(), D
 }
 
 impl<const N: usize> Horizon<N> {
+    /// A horizon of `length` samples in a scored part of `scored` samples.
     fn new(filter: &ShapingFilter, length: usize, scored: usize) -> Self {
         let span = Span::doubled(filter, length);
         let origins = scored + 1 - length;

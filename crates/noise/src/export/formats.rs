@@ -167,8 +167,8 @@ pub(super) fn matlab(imu: &Equivalent, rate_hz: f64) -> String {
             .max_by(f64::total_cmp);
         if let Some(tau) = tau {
             let sigma = list(&|axis| {
-                let of = axis.slow.slowest();
-                driven(of.map_or(0.0, GaussMarkov::drive), tau)
+                let slowest = axis.slow.slowest();
+                driven(slowest.map_or(0.0, GaussMarkov::drive), tau)
             });
             // 1 − φ² by exp_m1: φ is 1 to ten digits for a slow process.
             let step = -1.0 / (rate_hz * tau);
@@ -234,6 +234,7 @@ impl Text {
         self.comments += &format!("{} {}\n", self.mark, words.join(" "));
     }
 
+    /// The whole text, comments first.
     fn finish(self) -> String {
         self.comments + &self.body
     }

@@ -20,7 +20,7 @@ const UNIT_ROOT: f64 = 1e-9;
 pub(super) struct Parts {
     /// Density at frequency 0 of all that is no bias, N² [unit²·s]; not above zero where that is anti-persistent.
     pub(super) white: f64,
-    /// The bias.
+    /// The bias, as processes and a random walk.
     pub(super) slow: Slow,
     /// Frequencies of complex pairs of poles that are no bias \[Hz\].
     pub(super) pairs: Vec<f64>,
@@ -44,6 +44,7 @@ struct PartialFraction {
 }
 
 impl PartialFraction {
+    /// The share of the pole number `at` of all of them.
     fn new(arma: &Arma, poles: &[Complex64], at: usize) -> Self {
         let pole = poles[at];
         let others = poles.iter().enumerate().filter(|(l, _)| *l != at);
@@ -81,6 +82,7 @@ fn is_real(pole: Complex64) -> bool {
     pole.im.abs() < 1e-9
 }
 
+/// Splits an ARMA into white noise and a bias by its poles.
 pub(super) fn parts(arma: &Arma) -> Parts {
     let interval = 1.0 / arma.rate_hz;
     let poles = inverse_roots(&arma.ar);

@@ -14,7 +14,7 @@ use std::borrow::Cow;
 /// Equal samples in a row that a sensor at work does not give.
 const HANGING: usize = 1000;
 
-/// What was taken out beside the mean and the effect of temperature.
+/// Part of a record that was removed beside its mean and the effect of temperature.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "lowercase")]
@@ -24,9 +24,9 @@ pub enum Detrend {
     Constant,
     /// A straight line, by least squares over the whole record.
     Linear {
-        /// Its slope \[unit/h\].
+        /// Slope of the line \[unit/h\].
         slope_per_hour: f64,
-        /// Share of the variance that it explains.
+        /// Share of the variance that the line explains [–].
         explained: f64,
     },
 }
@@ -39,7 +39,7 @@ pub(super) struct Screened {
     pub(super) temperature: Option<Result<Estimate, TemperatureError>>,
     /// NaN where an outlier was.
     pub(super) cleaned: Vec<f64>,
-    /// The same with straight lines over what is missing.
+    /// The cleaned record with straight lines over what is missing.
     pub(super) bridged: Vec<f64>,
     pub(super) outliers: Vec<Outlier>,
     /// Samples that were missing.

@@ -1,6 +1,6 @@
 //! Reading of model files.
 
-use super::table::{Table, line_at};
+use super::table::Table;
 use super::{
     AXES, Arma, AxisModel, FORMAT, ImuModel, Line, MAX_PROCESSES, ModelError, Provenance,
     Recording, VERSION, group,
@@ -10,6 +10,7 @@ use crate::presets;
 use crate::temperature::Temperature;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+use undrift_base::toml_text::{is_log, line_at, syntax_error};
 use undrift_nav::shaping::ShapingFilter;
 use undrift_nav::units::Quantity;
 
@@ -64,17 +65,14 @@ const PROVENANCE_KEYS: [&str; 6] = [
 ];
 const RECORDING_KEYS: [&str; 3] = ["record", "samples", "sha256"];
 
+/// The tables of a model file's text.
 fn parse<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, ModelError> {
     DeTable::parse(text).map_err(|error| {
-        let line = error.span().map_or(1, |span| line_at(text, span.start));
-        let written = text.lines().nth(line - 1).unwrap_or_default();
+        let start = error.span().map_or(0, |span| span.start);
         ModelError::Syntax {
             file: file.to_owned(),
-            line,
-            message: match written.contains(['=', '[']) {
-                true => error.message().to_owned(),
-                false => format!("not TOML; expected {A_MODEL}"),
-            },
+            line: line_at(text, start),
+            message: syntax_error(text, start, error.message(), &format!("expected {A_MODEL}")),
         }
     })
 }
@@ -82,6 +80,7 @@ fn parse<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, ModelErr
 /// What is expected of a file that is no model.
 const A_MODEL: &str = "a model file (`undrift identify` writes one) or a preset";
 
+/// The error of a file that is something else.
 fn not_a_model(what: &str, file: &str) -> ModelError {
     ModelError::Entry {
         file: file.to_owned(),
@@ -91,22 +90,7 @@ fn not_a_model(what: &str, file: &str) -> ModelError {
     }
 }
 
-/// Whether a text begins as a table of numbers does.
-fn is_log(text: &str) -> bool {
-    let is_row = |line: &str| {
-        let mut fields = line.split([',', ';', '\t']).map(str::trim);
-        let mut number = || {
-            fields
-                .next()
-                .is_some_and(|field| field.parse::<f64>().is_ok())
-        };
-        number() && number()
-    };
-    let mut lines = text.lines().filter(|line| !line.starts_with(['#', '%']));
-    let first = lines.next().unwrap_or_default();
-    !first.contains(['=', '[']) && (is_row(first) || lines.next().is_some_and(is_row))
-}
-
+/// Reads the text of a model file, which must state format and version.
 pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> {
     if is_log(text) {
         return Err(not_a_model("a log", file));
@@ -128,6 +112,7 @@ pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> 
     model(&top)
 }
 
+/// Reads a model from its tables: a preset beneath, the axes over the groups.
 pub(super) fn model(top: &Table<'_>) -> Result<ImuModel, ModelError> {
     top.only(&TOP_KEYS)?;
     if let Some(format) = top.text("format")?
@@ -197,6 +182,7 @@ pub(super) fn model(top: &Table<'_>) -> Result<ImuModel, ModelError> {
     })
 }
 
+/// Reads `[provenance]`.
 fn provenance(top: &Table<'_>) -> Result<Provenance, ModelError> {
     let Some(table) = top.table("provenance")? else {
         return Ok(Provenance::default());
@@ -212,6 +198,7 @@ fn provenance(top: &Table<'_>) -> Result<Provenance, ModelError> {
     })
 }
 
+/// Reads `[[provenance.recording]]`.
 fn recordings(provenance: &Table<'_>) -> Result<Vec<Recording>, ModelError> {
     let tables = provenance.tables("recording")?;
     let recording = |table: &Table<'_>| {
@@ -226,6 +213,7 @@ fn recordings(provenance: &Table<'_>) -> Result<Vec<Recording>, ModelError> {
     tables.iter().map(recording).collect()
 }
 
+/// Reads one axis, its group's keys beneath its own.
 fn axis_model(table: &Table<'_>, gyro: bool) -> Result<AxisModel, ModelError> {
     let (rounding, level, noise, walk) = if gyro {
         (
@@ -306,6 +294,7 @@ fn processes(table: &Table<'_>, level: Quantity) -> Result<Vec<GaussMarkov>, Mod
     }
 }
 
+/// Reads one `[[…line]]`.
 fn line_of(table: &Table<'_>, level: Quantity) -> Result<Line, ModelError> {
     table.only(&LINE_KEYS)?;
     Ok(Line {
@@ -315,6 +304,7 @@ fn line_of(table: &Table<'_>, level: Quantity) -> Result<Line, ModelError> {
     })
 }
 
+/// Reads `[….temperature]`.
 fn temperature_of(table: &Table<'_>, gyro: bool) -> Result<Temperature, ModelError> {
     table.only(&TEMPERATURE_KEYS)?;
     let (slope, quadratic) = match gyro {
@@ -372,6 +362,7 @@ fn needed(
     })
 }
 
+/// Reads `[….arma]`.
 fn arma_of(table: &Table<'_>, level: Quantity) -> Result<Arma, ModelError> {
     table.only(&ARMA_KEYS)?;
     let arma = Arma {

@@ -7,6 +7,7 @@ use toml::{
     Spanned,
     de::{DeTable, DeValue, ValueDeserializer},
 };
+use undrift_base::toml_text::line_at;
 use undrift_nav::units::{self, Quantity};
 
 #[cfg(test)]
@@ -53,6 +54,7 @@ impl<'a> Table<'a> {
         layers.find_map(|layer| Some((layer.0.get(key)?, *layer)))
     }
 
+    /// The value of a key, of the first layer that has it.
     pub(super) fn get(&self, key: &str) -> Option<&'a DeValue<'a>> {
         self.find(key).map(|(value, _)| value.get_ref())
     }
@@ -76,6 +78,7 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// Dotted path of a key, for messages.
     fn dotted(&self, key: &str) -> String {
         match (self.path.as_str(), key) {
             ("", key) => key.to_owned(),
@@ -155,6 +158,7 @@ impl<'a> Table<'a> {
             .unwrap_or_default())
     }
 
+    /// A string.
     pub(super) fn text(&self, key: &str) -> Result<Option<String>, ModelError> {
         #[cfg(test)]
         page::note(&self.path, key, Takes::Text);
@@ -167,6 +171,7 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// A whole number, zero or above.
     pub(super) fn whole(&self, key: &str) -> Result<Option<u64>, ModelError> {
         #[cfg(test)]
         page::note(&self.path, key, Takes::Whole);
@@ -223,6 +228,7 @@ impl<'a> Table<'a> {
         read.map_err(|message| self.error(key, message))
     }
 
+    /// A number with its unit, above zero.
     pub(super) fn positive(
         &self,
         key: &str,
@@ -234,6 +240,7 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// A list of finite numbers without unit; empty where there is none.
     pub(super) fn numbers(&self, key: &str) -> Result<Vec<f64>, ModelError> {
         #[cfg(test)]
         page::note(&self.path, key, Takes::Numbers);
@@ -278,6 +285,7 @@ fn with_unit(value: &DeValue, quantity: Quantity) -> Result<f64, String> {
     }
 }
 
+/// A finite number without unit.
 fn number(value: &DeValue) -> Option<f64> {
     let number = match value {
         DeValue::Float(x) => x.as_str().parse().ok(),
@@ -287,8 +295,4 @@ fn number(value: &DeValue) -> Option<f64> {
         _ => None,
     };
     number.filter(|x: &f64| x.is_finite())
-}
-
-pub(super) fn line_at(text: &str, offset: usize) -> usize {
-    1 + text.bytes().take(offset).filter(|b| *b == b'\n').count()
 }

@@ -44,6 +44,7 @@ const ACCEL: Units = Units {
 const HERTZ: (&str, Quantity) = ("Hz", Quantity::Frequency);
 const SECONDS: (&str, Quantity) = ("s", Quantity::Time);
 
+/// The text of a model file.
 pub(super) fn to_text(model: &ImuModel) -> String {
     let mut out = String::new();
     line(&mut out, "format", &text("format", FORMAT));
@@ -97,6 +98,7 @@ pub(super) fn to_text(model: &ImuModel) -> String {
     out
 }
 
+/// Writes one axis, or a group of three that are alike, under its name.
 fn axis(out: &mut String, name: &str, axis: &AxisModel, units: &Units) {
     // Writing into a String cannot fail.
     let _ = writeln!(out, "\n[{name}]");
@@ -185,6 +187,7 @@ fn line(out: &mut String, key: &str, value: &str) {
     let _ = writeln!(out, "{key} = {value}");
 }
 
+/// A key with a list of numbers.
 fn numbers(key: &str, values: &[f64]) -> String {
     filled(key, values.iter().map(|value| format!("{value:?}")))
 }

@@ -8,10 +8,17 @@ pub fn plain_critical_5(samples: usize) -> f64 {
     1.358_098_638 / (samples.max(1) as f64).sqrt()
 }
 
-/// p of the plain two-sided test. Exact up to 500 samples (Marsaglia, Tsang & Wang, J. Statistical
-/// Software 8(18), 2003) as long as p is above 1e-6; otherwise Kolmogorov's limit at
+/// Probability of a larger `distance` of `samples` samples of a known distribution: the plain two-sided test. Exact up to 500 samples
+/// (Marsaglia, Tsang & Wang, J. Statistical Software 8(18), 2003) as long as it is above 1e-6; otherwise Kolmogorov's limit at
 /// z + 1/(6√n) + (z − 1)/(4n), z = √n D, good to order n^{−3/2} (Vrbik, Pioneer J. Theoretical and
 /// Applied Statistics 15, 2018).
+///
+/// ```
+/// use undrift_noise::normality::{lilliefors_p, plain_critical_5, plain_p};
+/// assert!((plain_p(plain_critical_5(1000), 1000) - 0.05).abs() < 2e-3);
+/// // The same distance is far less likely where mean and deviation are fitted.
+/// assert!(lilliefors_p(plain_critical_5(1000), 1000) < 1e-3);
+/// ```
 pub fn plain_p(distance: f64, samples: usize) -> f64 {
     let squared = distance * distance * samples as f64;
     if samples > 0 && samples <= EXACT && squared < 7.24 {
@@ -104,7 +111,7 @@ pub fn lilliefors_critical_5(samples: usize) -> f64 {
     0.895 / ((0.83 + count) / count.sqrt() - 0.01)
 }
 
-/// p of Lilliefors' test for a normal distribution with fitted mean and deviation: Dallal &
+/// Probability of a larger `distance` of `samples` normal samples whose mean and deviation are fitted (Lilliefors' test): Dallal &
 /// Wilkinson (American Statistician 40, 1986) where it is below 0.1, above it the modified distance
 /// of Stephens (J. American Statistical Association 69, 1974) by the polynomials of R's nortest.
 pub fn lilliefors_p(distance: f64, samples: usize) -> f64 {

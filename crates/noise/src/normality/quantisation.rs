@@ -3,18 +3,18 @@
 /// Steps off the grid that a sample may lie, for steps written with few digits.
 const OFF_GRID: f64 = 0.1;
 
-/// The step of quantised samples.
+/// The step of quantised samples: what an analogue-digital converter, or a logger that rounds, leaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantisation {
     /// Step \[unit\].
     pub step: f64,
     /// Step over the record's standard deviation: above about 0.1 normality tests reject at 10⁶ samples.
     pub step_over_deviation: f64,
-    /// Different values in the record.
+    /// Number of different values in the record.
     pub levels: usize,
 }
 
-/// The grid of sorted samples, None where there is none: more than half of the samples differ, or
+/// The grid of `sorted` samples with this standard `deviation` \[unit\]; `None` where there is no grid: more than half of the samples differ, or
 /// more than 1 % of the levels lie off it. The first step is the smallest gap; it grows more exact as
 /// the levels are walked through, so that a step of 1/300 written with five digits is found.
 pub fn quantisation_of_sorted(sorted: &[f64], deviation: f64) -> Option<Quantisation> {

@@ -92,12 +92,12 @@ fn each(of: impl Fn(&[f64]) -> f64) -> impl Fn(&[Vec<f64>]) -> Vec<f64> {
 
 #[test]
 fn central_differences_of_a_quadratic_are_exact_and_forward_ones_half_a_step_off() {
-    let of = each(bowl);
+    let objective = each(bowl);
     let step = 0.25;
     let z = [0.5, -1.0];
     // x − 1 = −0.5, y + 2 = 1: 4 · −0.5 + 3 and 1 − 1.5.
     let exact = [1.0, -0.5];
-    let mut central = Objective::new(&of, Scales { step, ..CURVED });
+    let mut central = Objective::new(&objective, Scales { step, ..CURVED });
     let (gradient, metric) = central.differences(&z, bowl(&z), true);
     assert_eq!(central.evaluations, 4);
     assert_eq!(gradient.as_slice(), exact);
@@ -106,7 +106,7 @@ fn central_differences_of_a_quadratic_are_exact_and_forward_ones_half_a_step_off
         metric,
         DMatrix::from_row_slice(2, 2, &[0.25, 0.0, 0.0, 1.0])
     );
-    let mut forward = Objective::new(&of, Scales { step, ..FORWARD });
+    let mut forward = Objective::new(&objective, Scales { step, ..FORWARD });
     let (gradient, metric) = forward.differences(&z, bowl(&z), false);
     assert_eq!(forward.evaluations, 2);
     assert_eq!(gradient.as_slice(), [exact[0] + 0.5, exact[1] + 0.125]);
@@ -118,8 +118,8 @@ fn central_differences_of_a_quadratic_are_exact_and_forward_ones_half_a_step_off
 
 #[test]
 fn the_first_metric_takes_a_curvature_without_its_sign_and_a_tenth_at_least() {
-    let of = each(|z: &[f64]| -z[0] * z[0] + 0.01 * z[1] * z[1]);
-    let mut objective = Objective::new(&of, CURVED);
+    let objective = each(|z: &[f64]| -z[0] * z[0] + 0.01 * z[1] * z[1]);
+    let mut objective = Objective::new(&objective, CURVED);
     let (_, metric) = objective.differences(&[0.0, 0.0], 0.0, true);
     assert!((metric[(0, 0)] - 0.5).abs() < 1e-9, "{metric}");
     assert_eq!(metric[(1, 1)], 10.0);
@@ -127,8 +127,8 @@ fn the_first_metric_takes_a_curvature_without_its_sign_and_a_tenth_at_least() {
 
 #[test]
 fn a_direction_into_an_invalid_region_counts_as_flat() {
-    let of = each(|z: &[f64]| if z[0] > 0.0 { f64::NAN } else { 3.0 * z[1] });
-    let mut objective = Objective::new(&of, CURVED);
+    let objective = each(|z: &[f64]| if z[0] > 0.0 { f64::NAN } else { 3.0 * z[1] });
+    let mut objective = Objective::new(&objective, CURVED);
     let (gradient, metric) = objective.differences(&[0.0, 0.0], 0.0, true);
     assert_eq!(gradient[0], 0.0);
     assert!((gradient[1] - 3.0).abs() < 1e-9);
@@ -149,9 +149,9 @@ fn a_direction_into_an_invalid_region_counts_as_flat() {
 
 #[test]
 fn a_gradient_that_is_known_is_taken_and_differences_where_it_is_not() {
-    let of = each(bowl);
+    let objective = each(bowl);
     let known = |z: &[f64]| (z[0] < 1.0).then(|| vec![7.0, 8.0]);
-    let mut objective = Objective::new(&of, FORWARD).with_gradient(&known);
+    let mut objective = Objective::new(&objective, FORWARD).with_gradient(&known);
     let here = [0.5, -1.0];
     assert_eq!(
         objective.gradient(&here, bowl(&here), true).as_slice(),
@@ -166,10 +166,11 @@ fn a_gradient_that_is_known_is_taken_and_differences_where_it_is_not() {
 
 #[test]
 fn second_differences_of_a_quadratic_are_its_hessian_at_any_step() {
-    let of = each(|z: &[f64]| bowl(z) + 1.5 * z[2] * z[2] - 0.5 * z[0] * z[2] + 2.0 * z[1] * z[2]);
+    let objective =
+        each(|z: &[f64]| bowl(z) + 1.5 * z[2] * z[2] - 0.5 * z[0] * z[2] + 2.0 * z[1] * z[2]);
     let exact = [4.0, 3.0, -0.5, 3.0, 1.0, 2.0, -0.5, 2.0, 3.0];
     let (z, steps) = ([0.5, -1.0, 0.25], [0.5, 0.25, 2.0]);
-    let mut objective = Objective::new(&of, FORWARD);
+    let mut objective = Objective::new(&objective, FORWARD);
     let value = objective.at(&z);
     let beside: Vec<[f64; 2]> = (0..3)
         .map(|i| [1.0, -1.0].map(|sign| objective.at(&moved(&z, i, sign * steps[i]))))
@@ -190,8 +191,8 @@ fn second_differences_of_a_quadratic_are_its_hessian_at_any_step() {
 
 #[test]
 fn a_line_goes_a_share_of_its_direction_and_stays_within_the_edges() {
-    let of = each(|z: &[f64]| z[0] + z[1]);
-    let mut objective = Objective::new(&of, FORWARD);
+    let objective = each(|z: &[f64]| z[0] + z[1]);
+    let mut objective = Objective::new(&objective, FORWARD);
     let here = Point::new(vec![1.0, 9.0], 10.0);
     let line = |objective: &mut Objective, direction: [f64; 2], share| {
         objective.line(&here, &DVector::from(direction.to_vec()), -1.0, share)
@@ -311,16 +312,16 @@ fn searched(
 #[test]
 fn with_its_inverse_hessian_a_quadratic_is_done_in_one_step() {
     // The Hessian 4, 1; 1, 2 about (0.2, −0.1).
-    let of = |z: &[f64]| {
+    let function = |z: &[f64]| {
         let (x, y) = (z[0] - 0.2, z[1] + 0.1);
         2.0 * x * x + x * y + y * y
     };
     let inverse = DMatrix::from_row_slice(2, 2, &[2.0, -1.0, -1.0, 4.0]) / 7.0;
     let start = Point {
         inverse: Some(inverse.clone()),
-        ..Point::new(vec![0.0, 0.0], of(&[0.0, 0.0]))
+        ..Point::new(vec![0.0, 0.0], function(&[0.0, 0.0]))
     };
-    let (seen, end) = searched(CURVED, &start, of, None, (1e-12, 20));
+    let (seen, end) = searched(CURVED, &start, function, None, (1e-12, 20));
     // Central differences, the step, and differences there.
     assert_eq!(seen.len(), 4 + 1 + 4);
     assert!(end.converged);
@@ -332,15 +333,15 @@ fn with_its_inverse_hessian_a_quadratic_is_done_in_one_step() {
         ..start.clone()
     };
     let plain = Point::new(start.z.clone(), start.value);
-    let ends = [other, plain].map(|start| searched(CURVED, &start, of, None, (1e-12, 50)).0);
+    let ends = [other, plain].map(|start| searched(CURVED, &start, function, None, (1e-12, 50)).0);
     assert_eq!(ends[0], ends[1]);
 }
 
 #[test]
 fn a_search_with_forward_differences_begins_with_a_short_step() {
-    let of = |z: &[f64]| 0.5 * (z[0] * z[0] + z[1] * z[1]);
+    let function = |z: &[f64]| 0.5 * (z[0] * z[0] + z[1] * z[1]);
     let start = Point::new(vec![3.0, 1.0], 5.0);
-    let (seen, end) = searched(FORWARD, &start, of, None, (1e-10, 100));
+    let (seen, end) = searched(FORWARD, &start, function, None, (1e-10, 100));
     let near = |found: &[f64], exact: [f64; 2]| {
         (found[0] - exact[0]).abs() < 1e-9 && (found[1] - exact[1]).abs() < 1e-3
     };
@@ -358,7 +359,7 @@ fn a_search_with_forward_differences_begins_with_a_short_step() {
     assert!(seen.len() < 35, "{}", seen.len());
     // With the gradient known nothing else is evaluated than the steps.
     let known = |z: &[f64]| Some(z.to_vec());
-    let (seen, end) = searched(FORWARD, &start, of, Some(&known), (1e-10, 100));
+    let (seen, end) = searched(FORWARD, &start, function, Some(&known), (1e-10, 100));
     assert!(near(&seen[0], [2.7, 0.9]) && near(&seen[1], [2.2, 2.2 / 3.0]));
     assert!(end.converged && seen.len() == 7, "{seen:?}");
     assert!((end.inverse.unwrap() - DMatrix::identity(2, 2)).amax() < 1e-9);
@@ -370,8 +371,8 @@ fn a_search_along_a_gradient_that_is_wrong_is_given_up_at_the_third_step() {
     {
         let wrong = |z: &[f64]| Some(vec![-slope * z[0].signum()]);
         let start = Point::new(vec![1.0], slope);
-        let of = |z: &[f64]| slope * z[0].abs();
-        let (seen, end) = searched(FORWARD, &start, of, Some(&wrong), (tolerance, 100));
+        let function = |z: &[f64]| slope * z[0].abs();
+        let (seen, end) = searched(FORWARD, &start, function, Some(&wrong), (tolerance, 100));
         // Predicted is half of the squared slope, 4.5: ten times the tolerance or not.
         assert_eq!(
             (seen.len(), end.converged),
@@ -389,26 +390,38 @@ fn a_search_along_a_gradient_that_is_wrong_is_given_up_at_the_third_step() {
 
 #[test]
 fn a_search_does_nothing_without_variables_a_value_or_an_iteration() {
-    let of = |z: &[f64]| z.iter().map(|x| x * x).sum();
-    let (seen, end) = searched(FORWARD, &Point::new(vec![], 1.0), of, None, (1e-8, 9));
+    let function = |z: &[f64]| z.iter().map(|x| x * x).sum();
+    let (seen, end) = searched(FORWARD, &Point::new(vec![], 1.0), function, None, (1e-8, 9));
     assert!(seen.is_empty() && end.converged);
     let infinite = Point::new(vec![1.0], f64::INFINITY);
-    let (seen, end) = searched(FORWARD, &infinite, of, None, (1e-8, 9));
+    let (seen, end) = searched(FORWARD, &infinite, function, None, (1e-8, 9));
     assert!(seen.is_empty() && !end.converged);
-    let (seen, end) = searched(FORWARD, &Point::new(vec![1.0], 1.0), of, None, (1e-8, 0));
+    let (seen, end) = searched(
+        FORWARD,
+        &Point::new(vec![1.0], 1.0),
+        function,
+        None,
+        (1e-8, 0),
+    );
     assert!(seen.len() == 1 && !end.converged && end.inverse.is_none());
-    let (_, end) = searched(FORWARD, &Point::new(vec![1.0], 1.0), of, None, (1e-8, 1));
+    let (_, end) = searched(
+        FORWARD,
+        &Point::new(vec![1.0], 1.0),
+        function,
+        None,
+        (1e-8, 1),
+    );
     assert!(!end.converged && end.inverse.is_some() && (end.z[0] - 0.7).abs() < 1e-9);
 }
 
 #[test]
 fn the_metric_begins_again_where_it_points_uphill() {
-    let of = |z: &[f64]| z[0] * z[0] + z[1] * z[1];
+    let function = |z: &[f64]| z[0] * z[0] + z[1] * z[1];
     let start = Point {
         inverse: Some(-DMatrix::identity(2, 2)),
         ..Point::new(vec![2.0, 1.0], 5.0)
     };
-    let (seen, end) = searched(FORWARD, &start, of, None, (1e-10, 100));
+    let (seen, end) = searched(FORWARD, &start, function, None, (1e-10, 100));
     // Down the slope (4, 2), 0.3 in the longest coordinate.
     assert!(
         (seen[2][0] - 1.7).abs() < 1e-9 && (seen[2][1] - 0.85).abs() < 1e-3,
@@ -443,7 +456,7 @@ fn a_curved_valley_is_gone_down_to_its_end() {
 #[test]
 fn the_best_end_is_of_the_best_starts_alone() {
     // Minima 0 at −3 and −1 at 3.
-    let of = each(|z: &[f64]| {
+    let objective = each(|z: &[f64]| {
         if z[0] < 0.0 {
             (z[0] + 3.0).powi(2)
         } else {
@@ -451,7 +464,7 @@ fn the_best_end_is_of_the_best_starts_alone() {
         }
     });
     let best = |starts: &[f64], count| {
-        let mut objective = Objective::new(&of, FORWARD);
+        let mut objective = Objective::new(&objective, FORWARD);
         let starts = starts.iter().map(|x| vec![*x]).collect();
         best_of(&mut objective, starts, count, 1e-10, 100)
     };

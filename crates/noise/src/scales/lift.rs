@@ -28,6 +28,7 @@ pub struct Lifted {
 }
 
 impl Lifted {
+    /// Standard errors of which nothing is known: infinite.
     pub(super) fn unknown() -> Self {
         Self {
             white: f64::INFINITY,
@@ -37,7 +38,7 @@ impl Lifted {
         }
     }
 
-    /// As composite terms.
+    /// The same as composite terms: white noise beside a Gauss-Markov process or a random walk.
     pub fn terms(&self) -> CompositeTerms {
         let mut terms = CompositeTerms {
             white: self.white,
@@ -59,6 +60,13 @@ impl Lifted {
 /// samples are the ARMA(1,1) `x_t − φ x_{t−1} = a_t − θ a_{t−1}`, a of standard deviation `sigma`
 /// \[unit\]: exact, by moments. White noise that would be negative is 0. None where the slow part
 /// would be negative, or φ is.
+///
+/// ```
+/// use undrift_noise::scales::lift;
+/// // A unit root in averages of 20 samples at 100 Hz: K² = (1 − θ)² σ²/(m² T).
+/// let walk = lift(1.0, 0.9, 1e-3, 20, 0.01).expect("a slow part");
+/// assert!(walk.tau_s.is_infinite() && (walk.drive - 1e-4 / 0.2_f64.sqrt()).abs() < 1e-12);
+/// ```
 pub fn lift(phi: f64, theta: f64, sigma: f64, block: usize, interval: f64) -> Option<Lifted> {
     let m = block.max(1) as f64;
     let variance = sigma * sigma;

@@ -44,7 +44,7 @@ fn mean_of<'a>(samples: impl Iterator<Item = &'a f64>) -> f64 {
     sum / count
 }
 
-/// By how much straight lines over missing samples raise the level of white noise near zero frequency: a neighbour of a gap
+/// Factor by which straight lines over missing samples raise the level of white noise near zero frequency: a neighbour of a gap
 /// of g samples counts 1 + g/2 times, so that the variance of a long sum is Σw², not the samples'. A gap that is itself long, as of
 /// a bump, does not count: the level is that of sums shorter than it.
 pub(crate) fn inflation(records: &[&[f64]]) -> f64 {

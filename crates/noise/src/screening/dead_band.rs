@@ -9,14 +9,14 @@ const FEWEST: usize = 50;
 const STEPS: f64 = 3.0;
 const WIDE: f64 = 0.1;
 
-/// A dead band.
+/// A dead band: the value that samples near it are replaced by, and its width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeadBand {
     /// The value that samples inside have \[unit\].
     pub value: f64,
     /// Distance of the nearest other sample \[unit\].
     pub width: f64,
-    /// Share of the samples inside.
+    /// Share of the samples inside [–].
     pub share: f64,
 }
 

@@ -4,10 +4,10 @@ use super::record::{RecordError, check, mean_and_squares};
 use serde::{Deserialize, Serialize};
 use undrift_base::order_statistics::upper_median;
 
-/// When a record counts as moving.
+/// Limits from which a record counts as moving. The default suits records of sensors on a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionRule {
-    /// Samples of a window; about a second.
+    /// Number of samples of a window; about a second.
     pub window: usize,
     /// A window moves where the square of the change of its mean is this many times what the white
     /// noise inside the windows allows.
@@ -31,7 +31,7 @@ impl Default for MotionRule {
     }
 }
 
-/// What the window means say.
+/// Finding of the comparison of window means: whether a record is static.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Motion {
@@ -41,9 +41,9 @@ pub struct Motion {
     pub ratio: f64,
     /// First samples of the windows whose mean changed too much from the window before.
     pub moving_windows: Vec<usize>,
-    /// Windows compared.
+    /// Number of windows compared.
     pub windows: usize,
-    /// True where the record is not static.
+    /// Whether the record moves: more windows than the rule allows.
     pub moving: bool,
 }
 
@@ -144,14 +144,22 @@ fn by_quarters(window: &[f64]) -> Option<f64> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Hanging {
-    /// Position of the first, from 0.
+    /// Position of the first sample, from 0.
     pub index: usize,
-    /// How many.
+    /// Number of samples.
     pub samples: usize,
 }
 
 /// Stretches of at least `least` equal samples. A sensor that hangs gives one; a constant record is one
 /// from end to end. Quantised samples repeat by chance, so `least` should be large (1000 samples).
+///
+/// ```
+/// use undrift_noise::screening::constant_runs;
+/// let mut x: Vec<f64> = (0..5000).map(|k| f64::from(k * 7919 % 101)).collect();
+/// x[2000..4000].fill(7.0);
+/// let runs = constant_runs(&x, 1000);
+/// assert_eq!((runs[0].index, runs[0].samples), (2000, 2000));
+/// ```
 pub fn constant_runs(x: &[f64], least: usize) -> Vec<Hanging> {
     let mut runs = Vec::new();
     let mut start = 0;

@@ -9,10 +9,10 @@ use undrift_base::order_statistics::{MAD_TO_SIGMA, upper_median};
 /// Median deviations at which squares are capped.
 const CAP: f64 = 5.0;
 
-/// When a sample is an outlier.
+/// Limits from which a sample is an outlier.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutlierRule {
-    /// Samples of the moving window.
+    /// Number of samples of the moving window.
     pub window: usize,
     /// Robust standard deviations from the window's median; more where the noise's own tail is heavier than normal.
     pub sigmas: f64,
@@ -32,15 +32,15 @@ impl Default for OutlierRule {
     }
 }
 
-/// One outlier.
+/// An outlier of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Outlier {
-    /// Its position, from 0.
+    /// Position of the sample, from 0.
     pub index: usize,
-    /// Its value \[unit\].
+    /// Value of the sample \[unit\].
     pub value: f64,
-    /// Its distance from the local median, in robust standard deviations (signed).
+    /// Distance from the local median, in robust standard deviations, with its sign.
     pub sigmas: f64,
 }
 

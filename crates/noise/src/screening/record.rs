@@ -1,14 +1,14 @@
 //! What every statistic asks of a record first: length, finite values, mean and variance.
 
-/// Why a statistic cannot be computed of a record.
+/// Why a statistic cannot be computed from a record.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RecordError {
     /// Fewer samples than the statistic needs.
     #[error("too short: {got} samples, but at least {needed} are needed; record for longer")]
     TooShort {
-        /// Samples needed.
+        /// Number of samples needed.
         needed: usize,
-        /// Samples there.
+        /// Number of samples of the record.
         got: usize,
     },
     /// A sample is NaN or infinite.
@@ -122,7 +122,7 @@ pub(crate) fn check_rate(rate_hz: f64) -> Result<(), RecordError> {
     ))
 }
 
-/// As [`check`], and the record must vary by more than the rounding of its mean.
+/// Does [`check`], and the record must vary by more than the rounding of its mean.
 /// Gives the mean and the sum of squared deviations [unit, unit²].
 pub(crate) fn check_varying(x: &[f64], needed: usize) -> Result<(f64, f64), RecordError> {
     check(x, needed)?;

@@ -22,17 +22,30 @@ pub const MOSTLY_SHOWN: f64 = 0.5;
 /// Standard deviation before rounding of samples on a grid of `step` \[unit\], by the shares of the levels: that of
 /// a normal distribution whose quantiles two edges are (median over windows without drift). `None` where no two edges have samples
 /// beyond them: the noise is then known together with the place of the mean only.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{screening::rounding::before_rounding, synthesis::NoiseGenerator};
+/// // Noise of 0.5 steps: rounding adds 1/12 of a step² to the variance of the samples, a sixth in deviation.
+/// let noise = NoiseGenerator::new(&ShapingFilter::white(0.05, 0.01)?, 1);
+/// let rounded: Vec<f64> = noise.take(40_000).map(f64::round).collect();
+/// assert!((before_rounding(&rounded, 1.0).expect("three levels") / 0.5 - 1.0).abs() < 0.05);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn before_rounding(x: &[f64], step: f64) -> Option<f64> {
     if !(step > 0.0 && step.is_finite()) {
         return None;
     }
-    let windows = x.chunks_exact(WINDOW).filter_map(|w| of_window(w, step));
+    let windows = x
+        .chunks_exact(WINDOW)
+        .filter_map(|w| deviation_in_window(w, step));
     let mut found: Vec<f64> = windows.collect();
     found.sort_by(f64::total_cmp);
     (found.len() >= WINDOWS).then(|| found[found.len() / 2])
 }
 
-fn of_window(x: &[f64], step: f64) -> Option<f64> {
+/// [`before_rounding`] of one window; `None` where it drifts or shows fewer than two edges.
+fn deviation_in_window(x: &[f64], step: f64) -> Option<f64> {
     let origin = *x.first()?;
     let (first, second) = x.split_at(x.len() / 2);
     let ((a, u), (b, v)) = (mean_and_squares(first), mean_and_squares(second));
@@ -54,7 +67,17 @@ fn of_window(x: &[f64], step: f64) -> Option<f64> {
     Some(step * apart / (place(last) - place(first)))
 }
 
-/// The number of samples that differ from the most common value.
+/// Number of samples that differ from the most common value.
+///
+/// ```
+/// use undrift_noise::screening::rounding::{largest_hidden, off_the_mode};
+/// // Ten samples in ten thousand leave the step that the others have: the noise may have up to a seventh of a step.
+/// let mut x = vec![3.0; 10_000];
+/// x[..10].fill(4.0);
+/// assert_eq!(off_the_mode(&x), 10);
+/// let hidden = largest_hidden(1.0, 10, x.len());
+/// assert!((0.1..0.25).contains(&hidden), "{hidden}");
+/// ```
 pub fn off_the_mode(x: &[f64]) -> usize {
     let mut sorted = x.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -146,7 +169,7 @@ mod tests {
             (0.5, 0.0),
             (0.25, 3.0),
         ] {
-            let found = of_window(&rounded(&window(place, 0.7), step), step).unwrap();
+            let found = deviation_in_window(&rounded(&window(place, 0.7), step), step).unwrap();
             // The shares below the edges are whole thousandths, of half of that beyond the last edges' five at least.
             assert!((found / 0.7 - 1.0).abs() < 0.02, "{step} {place}: {found}");
         }
@@ -162,7 +185,7 @@ mod tests {
             for k in 0..high {
                 x[k * 300 + 11] = 2.0;
             }
-            of_window(&x, 1.0)
+            deviation_in_window(&x, 1.0)
         };
         let exact = -1.0 / (2.0 * Normal::standard().inverse_cdf(5.0 / WINDOW as f64));
         assert!((levels(5, 5).unwrap() - exact).abs() < 1e-12);
@@ -180,7 +203,7 @@ mod tests {
             for v in &mut x[WINDOW / 2..] {
                 *v += errors * error;
             }
-            of_window(&rounded(&x, 1.0), 1.0)
+            deviation_in_window(&rounded(&x, 1.0), 1.0)
         };
         // Rounding adds 1/12 to the variance of 4, and moves the means by little.
         assert!(of(2.8).is_some() && of(-2.8).is_some());
@@ -193,7 +216,7 @@ mod tests {
             let windows: Vec<Vec<f64>> = deviations.iter().map(|s| window(0.1, *s)).collect();
             rounded(&windows.concat(), 1.0)
         };
-        let each = |deviation: f64| of_window(&all(&[deviation]), 1.0).unwrap();
+        let each = |deviation: f64| deviation_in_window(&all(&[deviation]), 1.0).unwrap();
         assert_eq!(before_rounding(&all(&[0.6, 1.2]), 1.0), None);
         assert_eq!(
             before_rounding(&all(&[1.2, 0.6, 0.8]), 1.0),

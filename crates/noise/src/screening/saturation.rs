@@ -9,13 +9,13 @@ const PILED_UP: usize = 3;
 /// Fewest different values: with fewer nothing can be said.
 const LEVELS: usize = 4;
 
-/// Samples piled up at an end of the range.
+/// An end of the range at which samples pile up.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Saturation {
-    /// The largest or smallest value \[unit\].
+    /// Value of the end, the largest or smallest of the record \[unit\].
     pub value: f64,
-    /// Samples there.
+    /// Number of samples that have it.
     pub samples: usize,
 }
 

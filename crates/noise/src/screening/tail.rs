@@ -40,14 +40,14 @@ pub(super) fn bound(mut distances: Vec<f64>, least: f64) -> f64 {
 
 /// 1/ν of the t distribution in which the quantile that `share` lie beyond is `ratio` times the median.
 fn inverse_freedom(ratio: f64, share: f64) -> f64 {
-    let of = |inverse: f64| quantile_of(inverse, share) / quantile_of(inverse, 0.5);
+    let ratio_of = |inverse: f64| quantile_of(inverse, share) / quantile_of(inverse, 0.5);
     let (mut low, mut high) = (0.0, HEAVY);
-    if ratio <= of(LIGHT) {
+    if ratio <= ratio_of(LIGHT) {
         return 0.0;
     }
     for _ in 0..20 {
         let middle = 0.5 * (low + high);
-        if of(middle) < ratio {
+        if ratio_of(middle) < ratio {
             low = middle;
         } else {
             high = middle;
@@ -126,9 +126,9 @@ mod tests {
                 // Twenty halvings of ½.
                 assert!((inverse_freedom(ratio, share) - inverse).abs() < 1e-6);
             }
-            let of = |inverse| quantile_of(inverse, share) / quantile_of(inverse, 0.5);
-            assert_eq!(inverse_freedom(of(0.99 * LIGHT), share), 0.0);
-            assert!(inverse_freedom(of(1.01 * LIGHT), share) > LIGHT);
+            let ratio_of = |inverse| quantile_of(inverse, share) / quantile_of(inverse, 0.5);
+            assert_eq!(inverse_freedom(ratio_of(0.99 * LIGHT), share), 0.0);
+            assert!(inverse_freedom(ratio_of(1.01 * LIGHT), share) > LIGHT);
             assert!((inverse_freedom(1e6, share) - HEAVY).abs() < 1e-6);
         }
     }

@@ -10,21 +10,21 @@ const GAP: f64 = 1.5;
 /// Jitter, as a share of the interval, above which samples do not count as evenly spaced.
 const EVEN: f64 = 0.05;
 
-/// A gap in a record.
+/// A gap in the time stamps of a record.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Gap {
-    /// Sample before the gap, from 0.
+    /// Position of the sample before the gap, from 0.
     pub index: usize,
     /// Stamp of that sample \[s\].
     pub start_s: f64,
     /// Length from that sample to the next \[s\].
     pub length_s: f64,
-    /// Samples missing, by the median interval.
+    /// Number of samples missing, by the median interval.
     pub missing: usize,
 }
 
-/// Report on time stamps.
+/// Rate, jitter and gaps of a record's time stamps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Timing {
@@ -41,7 +41,7 @@ pub struct Timing {
     pub gaps: Vec<Gap>,
     /// Positions (of the later sample) where a stamp repeats the one before or goes back.
     pub not_increasing: Vec<usize>,
-    /// True where there is no gap, every stamp increases and the RMS jitter is below 5 % of the
+    /// Whether there is no gap, every stamp increases and the RMS jitter is below 5 % of the
     /// interval: only then do the statistics of this crate mean what they say.
     pub even: bool,
 }

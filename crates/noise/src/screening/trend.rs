@@ -3,7 +3,7 @@
 use super::record::{Compensated, RecordError, check, mean, mean_and_squares};
 use serde::{Deserialize, Serialize};
 
-/// What is taken out of a record: the mean, and perhaps a slope.
+/// Trend that is removed from a record before identification: the mean, and perhaps a slope.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Trend {
@@ -17,7 +17,7 @@ pub enum Trend {
 }
 
 impl Trend {
-    /// All of them.
+    /// Every kind, in the order of help texts.
     pub const ALL: [Self; 3] = [Self::Constant, Self::Linear, Self::Temperature];
 
     /// Its name in files and arguments.
@@ -29,7 +29,7 @@ impl Trend {
         }
     }
 
-    /// The trend of a name.
+    /// The trend of this name; `None` of any other text.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|trend| trend.name() == name)
     }
@@ -48,7 +48,7 @@ pub struct Detrended {
     pub explained: f64,
 }
 
-/// Takes the mean out.
+/// Removes the mean. It is what a record at rest needs: anything more removes part of the slow noise that is to be identified.
 ///
 /// # Errors
 /// No sample, a sample that is not finite.
@@ -63,7 +63,7 @@ pub fn remove_constant(x: &[f64]) -> Result<Detrended, RecordError> {
     })
 }
 
-/// Takes the mean and a straight line out, by least squares. Of a random walk a line always explains much: what is left of it
+/// Removes the mean and a straight line, by least squares. Of a random walk a line always explains much: what is left of it
 /// looks less like one than it is.
 ///
 /// ```
@@ -81,18 +81,28 @@ pub fn remove_linear(x: &[f64]) -> Result<Detrended, RecordError> {
     Ok(linear(x))
 }
 
-/// [`remove_linear`] of a record that has been checked.
+/// Does [`remove_linear`] on a record that has been checked.
 pub(crate) fn linear(x: &[f64]) -> Detrended {
     let middle = 0.5 * (x.len() - 1) as f64;
     regress(x, |k| k as f64 - middle)
 }
 
-/// Takes the mean and a multiple of the temperature (`temperature_c` [°C or K], one a sample) out, by
-/// least squares. A temperature that only drifts cannot be distinguished from a linear trend.
+/// Removes the mean and a multiple of the temperature (`temperature_c` [°C or K], one a sample), by ordinary
+/// least squares. A temperature that only drifts cannot be distinguished from a linear trend, and beside a random walk the slope is
+/// wrong by many of its standard errors: [`crate::temperature`] allows for that.
 ///
 /// # Errors
 /// Fewer than 3 samples, a sample that is not finite, lengths that differ, [`RecordError::Constant`]
 /// where the temperature does not change.
+///
+/// ```
+/// use undrift_noise::screening::remove_temperature;
+/// let temperature: Vec<f64> = (0..200).map(|k| 25.0 + 5.0 * (0.05 * f64::from(k)).sin()).collect();
+/// let record: Vec<f64> = temperature.iter().map(|t| 0.1 + 2e-4 * t).collect();
+/// let found = remove_temperature(&record, &temperature)?;
+/// assert!((found.slope - 2e-4).abs() < 1e-12 && found.explained > 0.999); // [unit/K]
+/// # Ok::<(), undrift_noise::screening::RecordError>(())
+/// ```
 pub fn remove_temperature(x: &[f64], temperature_c: &[f64]) -> Result<Detrended, RecordError> {
     check(x, 3)?;
     check(temperature_c, 3)?;

@@ -35,7 +35,7 @@ const NEARBY: [f64; 2] = [1.0 / 6.0, 1.0 / 36.0];
 /// More than this is noise.
 const MOST_FOUND: usize = 16;
 
-/// The shape of a disturbance, its times in values of the series.
+/// Shape of a disturbance, its times in values of the series.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// The level is another one: before `from` surely the old, from `to` on surely the new.
@@ -51,14 +51,14 @@ pub enum Shape {
     Cycle(f64),
 }
 
-/// A disturbance of a level.
+/// A disturbance of a level: a step, a warm-up or a slow cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disturbance {
-    /// Its shape.
+    /// Shape, with its times.
     pub shape: Shape,
-    /// Of a step its height, of a warm-up its value at the start, of a cycle the parts of sine and cosine \[unit\].
+    /// Coefficients of the shape \[unit\]: of a step its height, of a warm-up its value at the start, of a cycle the parts of sine and cosine.
     pub coefficients: [f64; 2],
-    /// Fall of −2 ln likelihood by it.
+    /// Fall of −2 ln likelihood by it: its evidence.
     pub fall: f64,
 }
 
@@ -79,7 +79,7 @@ impl Disturbance {
 }
 
 impl Shape {
-    /// Its values for coefficients of 1.
+    /// Values of its two parts at a time, for coefficients of 1.
     fn parts(self, time: f64) -> [f64; 2] {
         match self {
             Self::Step { to, .. } => [f64::from(time > to as f64), 0.0],
@@ -91,6 +91,7 @@ impl Shape {
         }
     }
 
+    /// The shape as regressors of `count` values: two of a cycle, one of others.
     fn columns(self, count: usize) -> Vec<Vec<f64>> {
         let parts = match self {
             Self::Cycle(_) => 2,
@@ -103,6 +104,7 @@ impl Shape {
         (0..parts).map(column).collect()
     }
 
+    /// Fall of −2 ln likelihood that it takes to be found.
     fn enough(self) -> f64 {
         match self {
             Self::Step { .. } => ENOUGH_OF_STEP,
@@ -111,7 +113,7 @@ impl Shape {
     }
 
     /// The shape in a series whose values are `width` averages each.
-    fn of_values(self, width: usize) -> Self {
+    fn in_values(self, width: usize) -> Self {
         match self {
             Self::Step { to, .. } => Self::Step {
                 from: (to - 1) * width,
@@ -145,7 +147,7 @@ struct Noise {
 }
 
 impl Noise {
-    /// Of a drive and a correlation time in averages.
+    /// The noise of a drive and a correlation time in averages.
     fn new(drive: f64, memory: f64, present: &[bool]) -> Self {
         let left = (-1.0 / memory).exp();
         // An average of a walk is later than its end by a third of its steps: as much negative white noise.
@@ -176,18 +178,22 @@ impl Noise {
     /// The innovations of a series over their standard deviations.
     fn whitened(&self, series: &[f64]) -> Vec<f64> {
         let mut state = 0.0;
-        let of = |(value, &(weight, gain)): (&f64, &(f64, f64))| {
+        let whitened_value = |(value, &(weight, gain)): (&f64, &(f64, f64))| {
             let error = if weight > 0.0 { value - state } else { 0.0 };
             state = self.left * state + gain * error;
             weight * error
         };
-        series.iter().zip(&self.weights).map(of).collect()
+        series
+            .iter()
+            .zip(&self.weights)
+            .map(whitened_value)
+            .collect()
     }
 
     /// The products of a whitened series with whitened steps at every place.
     fn with_steps(&self, whitened: &[f64]) -> Vec<f64> {
         let (mut carried, mut sum) = (0.0, 0.0);
-        let of = |(value, &(weight, gain)): (&f64, &(f64, f64))| {
+        let product = |(value, &(weight, gain)): (&f64, &(f64, f64))| {
             let error = if weight > 0.0 {
                 weight * value + gain * carried
             } else {
@@ -198,7 +204,7 @@ impl Noise {
             sum
         };
         let back = whitened.iter().zip(&self.weights).rev();
-        let mut products: Vec<f64> = back.map(of).collect();
+        let mut products: Vec<f64> = back.map(product).collect();
         products.reverse();
         products
     }
@@ -208,19 +214,20 @@ impl Noise {
         // Of an error u at a place, what follows is a u² + 2 b u + c.
         let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
         let returned = 1.0 - self.left;
-        let of = |&(weight, gain): &(f64, f64)| {
+        let square = |&(weight, gain): &(f64, f64)| {
             let kept = self.left - gain;
             c += returned * (a * returned + 2.0 * b);
             b = kept * (a * returned + b);
             a = weight * weight + kept * kept * a;
             a + 2.0 * b + c
         };
-        let mut squares: Vec<f64> = self.weights.iter().rev().map(of).collect();
+        let mut squares: Vec<f64> = self.weights.iter().rev().map(square).collect();
         squares.reverse();
         squares
     }
 }
 
+/// Scalar product.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
@@ -292,22 +299,22 @@ impl Search<'_> {
         let mut least = vec![f64::INFINITY; shapes.len()];
         let mut step = (0, f64::INFINITY);
         for noise in &self.noises {
-            let of = self.whitened(noise, known);
-            without = without.min(self.cost(noise, of.squares, 0.0));
+            let whitened = self.whitened(noise, known);
+            without = without.min(self.cost(noise, whitened.squares, 0.0));
             for (least, columns) in least.iter_mut().zip(&columns) {
-                let mut basis = of.basis.clone();
+                let mut basis = whitened.basis.clone();
                 let mut explained = 0.0;
                 for column in columns {
                     if let Some(column) = normalised(noise.whitened(column), &basis) {
-                        explained += dot(&column, &of.rest).powi(2);
+                        explained += dot(&column, &whitened.rest).powi(2);
                         basis.push(column);
                     }
                 }
-                *least = least.min(self.cost(noise, of.squares, explained));
+                *least = least.min(self.cost(noise, whitened.squares, explained));
             }
             if with_steps {
-                let (at, explained) = likeliest_step(noise, &of);
-                let cost = self.cost(noise, of.squares, explained);
+                let (at, explained) = likeliest_step(noise, &whitened);
+                let cost = self.cost(noise, whitened.squares, explained);
                 if cost < step.1 {
                     step = (at, cost);
                 }
@@ -335,13 +342,13 @@ impl Search<'_> {
             return vec![0.0; columns.len()];
         };
         let series = noise.whitened(self.averages);
-        let of = |at: usize| {
+        let coefficient = |at: usize| {
             let others = [&columns[..at], &columns[at + 1..]].concat();
             let others = self.whitened(noise, &others).basis;
             let own = orthogonal(noise.whitened(&columns[at]), &others);
             dot(&own, &series) / dot(&own, &own)
         };
-        (0..columns.len()).map(of).collect()
+        (0..columns.len()).map(coefficient).collect()
     }
 }
 
@@ -364,7 +371,7 @@ fn likeliest_step(noise: &Noise, of: &Whitened) -> (usize, f64) {
 
 /// Averages of `width` values each, NaN where half of them or more are missing.
 fn averages(series: &[f64], width: usize) -> Vec<f64> {
-    let of = |block: &[f64]| {
+    let average = |block: &[f64]| {
         let (sum, count) = block
             .iter()
             .filter(|x| !x.is_nan())
@@ -374,7 +381,7 @@ fn averages(series: &[f64], width: usize) -> Vec<f64> {
             false => f64::NAN,
         }
     };
-    series.chunks_exact(width).map(of).collect()
+    series.chunks_exact(width).map(average).collect()
 }
 
 /// The disturbances of a level whose means are taken at even intervals, NaN where one is missing, beside what goes with each of
@@ -409,8 +416,8 @@ pub fn disturbances(means: &[f64], known: &[Vec<f64>]) -> Vec<Disturbance> {
         let drives = drives.map(|quarters| 10f64.powf(0.25 * f64::from(quarters)));
         let memory = share * count as f64;
         let present = &present;
-        let of = move |drive| Noise::new(drive, memory, present);
-        none.into_iter().chain(drives).map(of)
+        let noise = move |drive| Noise::new(drive, memory, present);
+        none.into_iter().chain(drives).map(noise)
     });
     let search = Search {
         averages: &series,
@@ -454,7 +461,7 @@ pub fn disturbances(means: &[f64], known: &[Vec<f64>]) -> Vec<Disturbance> {
             Shape::Step { .. } | Shape::WarmUp(_) => [next(), 0.0],
         };
         Disturbance {
-            shape: shape.of_values(width),
+            shape: shape.in_values(width),
             coefficients,
             fall,
         }

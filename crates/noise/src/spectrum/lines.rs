@@ -31,7 +31,7 @@ use sine::Sine;
 
 /// Probability that a record without lines shows one, over all frequencies and widths looked at.
 pub const FALSE_ALARM: f64 = 1e-3;
-/// Most lines and resonances of a record.
+/// Number of lines and resonances that are looked for in a record at most.
 pub const MOST: usize = 20;
 /// Shortest record that has room for a peak and what is beside it \[samples\].
 const FEWEST: usize = 128;
@@ -42,14 +42,14 @@ const BESIDE: f64 = 8.0;
 /// Lines this near to a resonance are part of it [the same].
 const PART: f64 = 64.0;
 
-/// A line, or a narrow resonance.
+/// A spectral line, or a narrow resonance: of an engine, a fan, the mains, or the sensor's own structure.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Line {
     /// Frequency, of a resonance its centre \[Hz\].
     pub frequency_hz: f64,
-    /// Amplitude, of a resonance that of a sine with its power \[unit\].
+    /// Amplitude of a line's sine, of a resonance that of a sine with its power \[unit\].
     pub amplitude: f64,
     /// Full width of a resonance at half its power \[Hz\]; 0 of a line.
     pub width_hz: f64,

@@ -9,20 +9,32 @@ const REACH: usize = 25;
 /// Bins on either side of a peak that a Hann window spreads a sine over.
 const LOBE: usize = 2;
 
-/// A peak.
+/// A peak of a density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak {
     /// Frequency \[Hz\], the power-weighted mean over the peak.
     pub frequency_hz: f64,
     /// Amplitude of a sine with the peak's power \[unit\].
     pub amplitude: f64,
-    /// Density of the peak over the local median.
+    /// Density of the peak over the local median [–].
     pub over_median: f64,
 }
 
 /// The peaks above `factor` times the median of the 51 bins around them, strongest first. The average
 /// of n segments scatters by 1/√n about its mean, so a factor of 5 is plenty from 10 segments on;
-/// bins 0 to 2 are left out (the mean, and what leaks of a drift).
+/// bins 0 to 2 are left out (the mean, and what leaks of a drift). For a test with a stated false-alarm probability see
+/// [`remove_lines`](super::remove_lines).
+///
+/// ```
+/// use undrift_noise::spectrum::{peaks, welch};
+/// // A fan of 30 Hz in noise, at 200 Hz.
+/// let states = std::iter::successors(Some(1_u32), |s| Some(s.wrapping_mul(1_664_525).wrapping_add(1_013_904_223)));
+/// let noise = states.map(|s| f64::from(s) / f64::from(u32::MAX) - 0.5);
+/// let x: Vec<f64> = (0..8192).zip(noise).map(|(k, noise)| 0.3 * (0.3 * std::f64::consts::PI * f64::from(k)).sin() + noise).collect();
+/// let found = peaks(&welch(&x, 200.0, 1024)?, 8.0);
+/// assert!((found[0].frequency_hz - 30.0).abs() < 0.2 && (found[0].amplitude - 0.3).abs() < 0.05);
+/// # Ok::<(), undrift_noise::screening::RecordError>(())
+/// ```
 pub fn peaks(density: &Density, factor: f64) -> Vec<Peak> {
     let power = &density.density;
     let mut found = Vec::new();

@@ -5,6 +5,7 @@ use realfft::RealFftPlanner;
 use std::f64::consts::TAU;
 
 /// One-sided power spectral density.
+/// A plot shows its root [unit/√Hz], whose flat is `√2 N`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Density {
     /// Frequencies from 0 on, evenly spaced \[Hz\].
@@ -12,7 +13,7 @@ pub struct Density {
     /// Density [unit²/Hz]; its integral over frequency is the variance. That of white noise N
     /// [unit/√Hz, two-sided as in the Allan variance] is 2 N².
     pub density: Vec<f64>,
-    /// Segments averaged.
+    /// Number of segments averaged: the relative standard error of a density is about `1/√segments`.
     pub segments: usize,
 }
 
@@ -24,6 +25,11 @@ impl Density {
 }
 
 /// Samples of a segment by default: an eighth of the record, at least 256, at most 8192.
+///
+/// ```
+/// use undrift_noise::spectrum::default_segment;
+/// assert_eq!([1000, 10_000, 1_000_000].map(default_segment), [256, 1250, 8192]);
+/// ```
 pub fn default_segment(samples: usize) -> usize {
     (samples / 8).clamp(256, 8192)
 }

@@ -12,15 +12,15 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
-/// How many lagged differences the regression has.
+/// Number of lagged differences of the regression. Too few leave the residuals correlated, which falsifies the test; too many cost power.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lags {
-    /// This many.
+    /// This number.
     Fixed(usize),
     /// The number up to `max` of least Akaike criterion, all compared on the sample that `max`
     /// leaves, then estimated on its own; without `max`, ⌈12 (n/100)^¼⌉.
     Aic(Option<usize>),
-    /// As [`Lags::Aic`], by Schwarz's criterion.
+    /// The number of least Schwarz criterion, searched as in [`Lags::Aic`].
     Bic(Option<usize>),
     /// From `max` down to the first whose last lag has |t| ≥ 1.645.
     LastSignificant(Option<usize>),
@@ -32,14 +32,14 @@ pub enum Lags {
 pub struct Adf {
     /// t statistic of γ.
     pub statistic: f64,
-    /// p by MacKinnon (1994), asymptotic.
+    /// Probability of a smaller statistic under a unit root, by MacKinnon (1994), asymptotic.
     pub p_value: f64,
-    /// Lagged differences used.
+    /// Number of lagged differences used.
     pub lags: usize,
-    /// Rows of the regression.
+    /// Number of rows of the regression.
     #[serde(skip)]
     pub observations: usize,
-    /// Critical values by MacKinnon (2010) for so many rows.
+    /// Critical values by MacKinnon (2010) for that many rows.
     pub critical: Critical,
     /// The criterion of the lag chosen (AIC, BIC or |t|), on the sample of the search.
     pub criterion: Option<f64>,
@@ -47,7 +47,18 @@ pub struct Adf {
 
 /// The test on a record. The null hypothesis is a unit root: reject it at 5 % where `statistic` is below `critical.five`.
 /// The record is expected without gaps; with [`Deterministic::Trend`] a bias that drifts in a straight line counts as
-/// stationary.
+/// stationary. White noise far above a random walk makes it reject, whatever the record's length
+/// ([`verdict`](super::verdict())).
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{stationarity::{Deterministic, Lags, adf}, synthesis::NoiseGenerator};
+/// let slow = ShapingFilter::gauss_markov(1e-3, 0.5, 0.01)?; // 50 samples to the correlation time.
+/// let record: Vec<f64> = NoiseGenerator::new(&slow, 1).take(5000).collect();
+/// let test = adf(&record, Deterministic::Constant, Lags::Aic(None))?;
+/// assert!(test.statistic < test.critical.one && test.p_value < 0.01);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// Fewer samples than the regression has coefficients plus one, a sample that is not finite, a constant
@@ -173,6 +184,7 @@ struct Products {
 const BLOCK: usize = 1024;
 
 impl Products {
+    /// Sums of products over the record with up to `lags` lagged differences, about `centre`.
     fn new(x: &[f64], centre: f64, lags: usize) -> Result<Self, RecordError> {
         let count = x.len();
         if count < lags.saturating_add(3) {
@@ -250,10 +262,12 @@ impl Products {
         })
     }
 
+    /// Columns of the deterministic part.
     fn deterministic(&self, kind: Deterministic) -> Vec<Column> {
         [Column::Constant, Column::Trend][..kind.columns()].to_vec()
     }
 
+    /// Sum of products of two columns over the rows.
     fn product(&self, a: Column, b: Column) -> f64 {
         use Column::{Constant, Difference, Level, Trend};
         let rows = self.rows as f64;

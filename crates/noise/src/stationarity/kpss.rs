@@ -7,10 +7,10 @@ use crate::screening::record::{Compensated, RecordError, check_varying, sum_of};
 use crate::screening::trend::linear;
 use serde::{Deserialize, Serialize};
 
-/// Lags of the long-run variance.
+/// Number of lags of the long-run variance, by the rules of other software.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KpssLags {
-    /// This many.
+    /// This number.
     Fixed(usize),
     /// ⌊4 (n/100)^¼⌋: "short" in R's urca and tseries.
     Short,
@@ -28,11 +28,12 @@ pub enum KpssLags {
 pub struct Kpss {
     /// η = Σ S_t² / (n² s²(L)).
     pub statistic: f64,
-    /// Interpolated in the authors' table 1; 0.01 and 0.1 stand for what lies beyond it.
+    /// Probability of a larger statistic of a stationary record, interpolated in the authors' table 1; 0.01 and 0.1 stand for what lies
+    /// beyond it.
     pub p_value: f64,
-    /// True where `p_value` is a bound only.
+    /// Whether `p_value` is only a bound, from an end of the table.
     pub p_is_bound: bool,
-    /// Lags of the long-run variance.
+    /// Number of lags of the long-run variance.
     pub lags: usize,
     /// Critical values at 1, 5 and 10 %.
     pub critical: Critical,
@@ -45,6 +46,15 @@ pub struct Kpss {
 /// # Errors
 /// Fewer than 4 samples, a sample that is not finite, a constant record (or an exact line), or
 /// [`Deterministic::None`], which the test has no form for.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{stationarity::{Deterministic, KpssLags, kpss}, synthesis::NoiseGenerator};
+/// let walk: Vec<f64> = NoiseGenerator::new(&ShapingFilter::random_walk(1e-3, 0.01)?, 1).take(5000).collect();
+/// let test = kpss(&walk, Deterministic::Constant, KpssLags::Long)?;
+/// assert!(test.statistic > test.critical.one && test.p_is_bound);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn kpss(x: &[f64], deterministic: Deterministic, lags: KpssLags) -> Result<Kpss, RecordError> {
     let (mean, _) = check_varying(x, 4)?;
     let count = x.len() as f64;

@@ -26,7 +26,14 @@ fn surface(deterministic: Deterministic) -> [[f64; 4]; 3] {
     }
 }
 
-/// Critical values of τ for a regression of `rows` rows: `β∞ + β1/n + β2/n² + β3/n³`.
+/// Critical values of the Dickey-Fuller τ for a regression of `rows` rows: `β∞ + β1/n + β2/n² + β3/n³`.
+///
+/// ```
+/// use undrift_noise::stationarity::{Deterministic, mackinnon::{critical_tau, p_tau}};
+/// let five = critical_tau(Deterministic::Constant, 100_000).five;
+/// assert!((five + 2.8615).abs() < 1e-3);
+/// assert!((p_tau(five, Deterministic::Constant) - 0.05).abs() < 1e-3);
+/// ```
 pub fn critical_tau(deterministic: Deterministic, rows: usize) -> Critical {
     let inverse = 1.0 / rows.max(1) as f64;
     let [one, five, ten] =
@@ -34,7 +41,7 @@ pub fn critical_tau(deterministic: Deterministic, rows: usize) -> Critical {
     Critical { one, five, ten }
 }
 
-/// Left-tail probability of τ, asymptotic; 0 and 1 beyond the range of the approximation.
+/// Probability of a smaller Dickey-Fuller τ under a unit root, asymptotic; 0 and 1 beyond the range of the approximation.
 pub fn p_tau(tau: f64, deterministic: Deterministic) -> f64 {
     // Range, switch between the two polynomials, and their coefficients.
     let (least, switch, most, small, large) = match deterministic {
@@ -74,7 +81,7 @@ pub fn p_tau(tau: f64, deterministic: Deterministic) -> f64 {
     normal_cdf(z)
 }
 
-/// Φ(z).
+/// Distribution function Φ of the standard normal.
 pub(crate) fn normal_cdf(z: f64) -> f64 {
     0.5 * erfc(-z / std::f64::consts::SQRT_2)
 }

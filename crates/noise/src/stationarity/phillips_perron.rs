@@ -15,22 +15,31 @@ pub struct PhillipsPerron {
     /// Z-tau: the t of ρ − 1, corrected for serial correlation.
     #[serde(rename = "statistic")]
     pub z_tau: f64,
-    /// p of Z-tau by MacKinnon (1994).
+    /// Probability of a smaller Z-tau under a unit root, by MacKinnon (1994).
     pub p_value: f64,
     /// Critical values of Z-tau by MacKinnon (2010).
     pub critical: Critical,
-    /// Z-rho: n (ρ − 1), corrected likewise.
+    /// Z-rho: n (ρ − 1), corrected for serial correlation.
     #[serde(skip)]
     pub z_rho: f64,
-    /// Lags of the long-run variance.
+    /// Number of lags of the long-run variance.
     pub lags: usize,
-    /// Rows of the regression, n.
+    /// Number of rows of the regression, n.
     #[serde(skip)]
     pub observations: usize,
 }
 
-/// The tests on a record, with ⌈12 (n/100)^¼⌉ lags by default. The null hypothesis is a unit root, as in [`super::adf()`]; serial
+/// The tests on a record, with ⌈12 (n/100)^¼⌉ lags where `lags` is `None`. The null hypothesis is a unit root, as in [`super::adf()`]; serial
 /// correlation is allowed for in the statistic in place of lagged differences in the regression.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{stationarity::{Deterministic, phillips_perron}, synthesis::NoiseGenerator};
+/// let walk: Vec<f64> = NoiseGenerator::new(&ShapingFilter::random_walk(1e-3, 0.01)?, 1).take(5000).collect();
+/// let test = phillips_perron(&walk, Deterministic::Constant, None)?;
+/// assert!(test.z_tau > test.critical.five, "a unit root is not rejected");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// Fewer than 6 samples or than lags, a sample that is not finite, a constant record or an exact line.

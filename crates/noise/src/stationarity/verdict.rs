@@ -6,7 +6,7 @@ use super::{Adf, Kpss, PhillipsPerron};
 /// of the time (Schwert 1989, table 6: at 0.8 already in 30 to 100 % of series).
 const NEAR_CANCELLING: f64 = 0.8;
 
-/// What the tests say together at 5 %.
+/// Conclusion of the three tests together at 5 %.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Conclusion {
     /// The unit root is rejected and stationarity is not.
@@ -27,7 +27,7 @@ pub enum Conclusion {
 /// The conclusion and the sentence to print.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
-    /// What the tests say together.
+    /// Conclusion of the tests together.
     pub conclusion: Conclusion,
     /// The reasoning in one or two sentences.
     pub sentence: String,
@@ -127,24 +127,24 @@ mod tests {
         root: Option<f64>,
     ) -> Verdict {
         // Between the critical values of 5 % and of the others, which decide nothing.
-        let of = |five: f64| Critical {
+        let critical = |five: f64| Critical {
             one: 2.0 * five,
             five,
             ten: 0.5 * five,
         };
         let adf = Adf {
             statistic: if adf_rejects { -3.0 } else { -2.8 },
-            critical: of(-2.9),
+            critical: critical(-2.9),
             ..Adf::default()
         };
         let perron = PhillipsPerron {
             z_tau: if pp_rejects { -3.0 } else { -2.8 },
-            critical: of(-2.9),
+            critical: critical(-2.9),
             ..PhillipsPerron::default()
         };
         let kpss = Kpss {
             statistic: if kpss_rejects { 0.5 } else { 0.4 },
-            critical: of(0.46),
+            critical: critical(0.46),
             ..Kpss::default()
         };
         verdict(&adf, &kpss, &perron, root)

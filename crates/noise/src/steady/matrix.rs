@@ -1,12 +1,15 @@
 //! Small matrices of known size.
 
+/// A square matrix by rows.
 pub(crate) type Matrix<const N: usize> = [[f64; N]; N];
+/// A column of a matrix.
 pub(crate) type Vector<const N: usize> = [f64; N];
 
 pub(crate) fn identity<const N: usize>() -> Matrix<N> {
     std::array::from_fn(|i| std::array::from_fn(|j| f64::from(i == j)))
 }
 
+/// `aᵀ b`, summed in order.
 pub(crate) fn dot<const N: usize>(a: &Vector<N>, b: &Vector<N>) -> f64 {
     let mut sum = 0.0;
     for i in 0..N {
@@ -15,14 +18,17 @@ pub(crate) fn dot<const N: usize>(a: &Vector<N>, b: &Vector<N>) -> f64 {
     sum
 }
 
+/// `a x`.
 pub(crate) fn apply<const N: usize>(a: &Matrix<N>, x: &Vector<N>) -> Vector<N> {
     std::array::from_fn(|i| dot(&a[i], x))
 }
 
+/// `aᵀ`.
 pub(crate) fn transposed<const N: usize>(a: &Matrix<N>) -> Matrix<N> {
     std::array::from_fn(|i| std::array::from_fn(|j| a[j][i]))
 }
 
+/// `a b`.
 pub(crate) fn product<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
     let mut out = [[0.0; N]; N];
     for i in 0..N {

@@ -9,10 +9,10 @@ pub(super) const LANES: usize = 8;
 /// Samples of a piece.
 pub(super) const PIECE: usize = 64;
 
-/// What a piece makes of a state of zeros.
+/// Sums over a piece, run from a state of zeros.
 #[derive(Clone, Copy)]
 pub(super) struct Summary<const N: usize> {
-    /// Σ v².
+    /// Σ v², v the innovations.
     pub(super) squares: f64,
     /// Σ v c, c the errors for a record of ones.
     pub(super) level: f64,
@@ -22,7 +22,7 @@ pub(super) struct Summary<const N: usize> {
     pub(super) end: Vector<N>,
 }
 
-/// Of a model, for pieces of 0 to [`PIECE`] samples.
+/// Matrices of a model for pieces of 0 to [`PIECE`] samples.
 pub(super) struct Tables<const N: usize> {
     closed: Matrix<N>,
     companion: bool,
@@ -31,7 +31,7 @@ pub(super) struct Tables<const N: usize> {
     /// H Aᵏ, and the error of a record of ones from a state of zeros.
     rows: [Vector<N>; PIECE],
     errors: [f64; PIECE],
-    /// Aᵏ.
+    /// Aᵏ, A the closed loop F − K H.
     pub(super) powers: Vec<Matrix<N>>,
     /// Σ (H Aᵏ)ᵀ H Aᵏ.
     pub(super) grams: Vec<Matrix<N>>,
@@ -85,9 +85,9 @@ impl<const N: usize> Tables<N> {
         tables
     }
 
-    /// Of a short piece.
+    /// The sums over a short piece.
     pub(super) fn summary(&self, piece: &[f64], centre: f64) -> Summary<N> {
-        let mut of = Summary {
+        let mut sums = Summary {
             squares: 0.0,
             level: 0.0,
             b: [0.0; N],
@@ -95,19 +95,19 @@ impl<const N: usize> Tables<N> {
         };
         for ((y, row), error) in piece.iter().zip(&self.rows).zip(&self.errors) {
             let y = y - centre;
-            let v = y - dot(&self.h, &of.end);
-            of.squares += v * v;
-            of.level += v * error;
+            let v = y - dot(&self.h, &sums.end);
+            sums.squares += v * v;
+            sums.level += v * error;
             for i in 0..N {
-                of.b[i] += v * row[i];
+                sums.b[i] += v * row[i];
             }
-            let next = apply(&self.closed, &of.end);
-            of.end = std::array::from_fn(|i| next[i] + self.gain[i] * y);
+            let next = apply(&self.closed, &sums.end);
+            sums.end = std::array::from_fn(|i| next[i] + self.gain[i] * y);
         }
-        of
+        sums
     }
 
-    /// Of the pieces of a block.
+    /// The sums over the pieces of a block.
     pub(super) fn summaries(
         &self,
         block: &[f64; LANES * PIECE],

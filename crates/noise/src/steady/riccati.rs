@@ -37,7 +37,7 @@ impl<const N: usize> Steps<N> {
         })
     }
 
-    /// 2ᵏ samples.
+    /// The recursion over 2ᵏ samples.
     pub(crate) fn doubled(filter: &ShapingFilter, k: u32) -> Option<Self> {
         (0..k).try_fold(Self::one(filter)?, |steps, _| steps.twice())
     }

@@ -24,9 +24,9 @@ pub(super) struct Averages {
 /// Which likelihood is maximised.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Likelihood {
-    /// That of the record, which compares models with different regressors.
+    /// The likelihood of the record, which compares models with different regressors.
     Full,
-    /// With the coefficients integrated out: its noise is not too small by what they fit away.
+    /// The likelihood with the coefficients integrated out: its noise is not too small by what they fit away.
     Restricted,
 }
 
@@ -47,7 +47,7 @@ struct Solved {
 }
 
 impl Products {
-    /// With the level and the first `regressors`; `None` where they are dependent.
+    /// Solves for the level and the first `regressors`; `None` where they are dependent.
     fn solved(&self, regressors: usize) -> Option<Solved> {
         let count = 1 + regressors;
         let normal = DMatrix::from_fn(count, count, |i, j| self.of[1 + i][1 + j]);

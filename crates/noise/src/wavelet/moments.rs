@@ -38,7 +38,7 @@ pub struct MomentFit {
     pub deviance: f64,
     /// Scales less parameters.
     pub degrees_of_freedom: usize,
-    /// The search met its tolerance.
+    /// Whether the search met its tolerance.
     #[serde(skip)]
     pub converged: bool,
 }

@@ -11,7 +11,7 @@ pub(super) struct Energy {
     pub(super) m: usize,
     /// Σ of squared second differences of the running sum.
     pub(super) squares: f64,
-    /// Their number.
+    /// Number of squares.
     pub(super) coefficients: usize,
 }
 

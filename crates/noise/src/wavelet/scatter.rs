@@ -202,8 +202,8 @@ mod tests {
         let mean = |terms: &CompositeTerms, times: &dyn Fn(f64) -> f64| {
             let slow = terms.slow();
             let at = |k: usize| (PI * (k as f64 + 0.5) / 20_000.0).sin().powi(2);
-            let of = |sine2: f64| spectrum(terms, &slow, sine2, interval) * times(sine2);
-            (0..20_000).map(|k| of(at(k))).sum::<f64>() / 20_000.0
+            let density = |sine2: f64| spectrum(terms, &slow, sine2, interval) * times(sine2);
+            (0..20_000).map(|k| density(at(k))).sum::<f64>() / 20_000.0
         };
         let none = CompositeTerms::default();
         let process = |sigma, tau_s| [GaussMarkov { sigma, tau_s }, GaussMarkov::default()];

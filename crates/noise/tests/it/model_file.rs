@@ -385,7 +385,10 @@ fn errors_name_line_key_and_mend() {
         (with("[gyro.arma]", "[gyro.arma"), &["imu.toml line 20: "]),
         (
             with("[gyro]", "[gyro]\nturn_on = \"1 deg/s\""),
-            &["imu.toml line 15: ", "duplicate"],
+            &[
+                "imu.toml line 15: turn_on is already defined at line",
+                "merge the two",
+            ],
         ),
         (
             with("name = ", "preset = \"adis\"\nname = "),

@@ -77,7 +77,7 @@ fn the_quietest_stretches_of_a_drive_show_the_noise_at_rest() {
     // Differences of 2(i + 1) throughout: their half mean square is 2(i + 1)².
     let alternating =
         |k: usize, i: usize| (i + 1) as f64 * if k.is_multiple_of(2) { 1.0 } else { -1.0 };
-    let found = RestNoise::of_samples(&samples(800, alternating)).unwrap();
+    let found = RestNoise::from_samples(&samples(800, alternating)).unwrap();
     for (i, white) in found.white.iter().enumerate() {
         let exact = (i + 1) as f64 * 2f64.sqrt() * DT.sqrt();
         assert!((white / exact - 1.0).abs() < 1e-9, "{i}: {white}");
@@ -87,7 +87,7 @@ fn the_quietest_stretches_of_a_drive_show_the_noise_at_rest() {
     // Of a hundred stretches of eight samples that grow louder the third is the one at 2 %; one of repeated values has
     // no noise at all.
     let louder = |k: usize, i: usize| ((k / 8) as f64) * alternating(k, i);
-    let found = RestNoise::of_samples(&samples(800, louder)).unwrap();
+    let found = RestNoise::from_samples(&samples(800, louder)).unwrap();
     // Of 99 with noise the one at place 1: the second.
     let exact = 2.0 * 2f64.sqrt() * DT.sqrt();
     assert!(
@@ -95,15 +95,15 @@ fn the_quietest_stretches_of_a_drive_show_the_noise_at_rest() {
         "{:?}",
         found.white
     );
-    assert_eq!(RestNoise::of_samples(&[]), None);
-    assert_eq!(RestNoise::of_samples(&samples(7, alternating)), None);
-    assert!(RestNoise::of_samples(&samples(8, alternating)).is_some());
+    assert_eq!(RestNoise::from_samples(&[]), None);
+    assert_eq!(RestNoise::from_samples(&samples(7, alternating)), None);
+    assert!(RestNoise::from_samples(&samples(8, alternating)).is_some());
 }
 
 #[test]
 fn an_axis_shakes_from_half_as_much_again_of_its_noise_on() {
     let mut start =
-        RestNoise::of_samples(&samples(80, |k, i| (k * k * (i + 1) % 11) as f64)).unwrap();
+        RestNoise::from_samples(&samples(80, |k, i| (k * k * (i + 1) % 11) as f64)).unwrap();
     start.white = [2.0; 6];
     assert!(!start.shakes(0));
     start.vibrating = Some([2.99, 3.01, 0.0, 0.0, 0.0, 3.01]);
@@ -114,7 +114,7 @@ fn an_axis_shakes_from_half_as_much_again_of_its_noise_on() {
 #[test]
 fn a_model_under_other_densities_has_them_axis_by_axis_and_comes_back() {
     let mut start =
-        RestNoise::of_samples(&samples(80, |k, i| (k * k * (i + 1) % 11) as f64)).unwrap();
+        RestNoise::from_samples(&samples(80, |k, i| (k * k * (i + 1) % 11) as f64)).unwrap();
     start.turn_on = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
     let (white, walk) = (
         [0.1, 0.2, 0.3, 0.4, 0.5, 0.6],

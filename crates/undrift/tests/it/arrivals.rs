@@ -27,7 +27,7 @@ fn read(drive: &Drive) -> (Vec<ImuSample>, Vec<Measurement>, Settings) {
     let settings = settings(&drive, BiasModel::Arma).unwrap();
     (
         imu.unwrap(),
-        Measurement::of_fixes(&fixes.unwrap()),
+        Measurement::from_fixes(&fixes.unwrap()),
         settings,
     )
 }

@@ -157,7 +157,7 @@ fn drift_from(
     };
     let results = outages::run(
         &log.imu,
-        &Measurement::of_fixes(&shown),
+        &Measurement::from_fixes(&shown),
         &[],
         &[("arma".into(), settings)],
         &|_| {},

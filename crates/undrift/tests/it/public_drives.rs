@@ -47,7 +47,7 @@ fn cut(drive: &Drive, models: &[BiasModel], plan: &Schedule, length: f64) -> Vec
         .collect();
     outages::run(
         &imu.unwrap(),
-        &Measurement::of_fixes(&gnss),
+        &Measurement::from_fixes(&gnss),
         &truth,
         &models,
         &|_| {},

@@ -43,7 +43,7 @@ fn cut(drive: &Drive, start: f64, length: f64, every: f64, nodes: Option<f64>) -
     settings.nodes = nodes;
     let run = outages::run(
         &imu.unwrap(),
-        &Measurement::of_fixes(&gnss),
+        &Measurement::from_fixes(&gnss),
         &[],
         &[("arma".to_owned(), settings)],
         &|_| {},

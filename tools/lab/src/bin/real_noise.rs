@@ -198,7 +198,7 @@ fn tuned(drives: &[(Simulation, Vec<ImuSample>)]) -> Result<ImuModel, Failure> {
     };
     let aiding: Vec<_> = drives
         .iter()
-        .map(|(drive, _)| Measurement::of_fixes(&drive.gnss))
+        .map(|(drive, _)| Measurement::from_fixes(&drive.gnss))
         .collect();
     let logs: Vec<FitLog> = drives
         .iter()
@@ -264,7 +264,7 @@ fn ride(
                     Ok((name.clone(), settings))
                 })
                 .collect::<Result<_, Failure>>()?;
-            let fixes = Measurement::of_fixes(&simulation.gnss);
+            let fixes = Measurement::from_fixes(&simulation.gnss);
             let outcomes = outages::run(&imu, &fixes, &simulation.truth, &runs, &|_| {});
             for (row, (_, result)) in outcomes.into_iter().enumerate() {
                 sums[row][column].extend(result?.errors.per_outage.iter().map(|o| o.max));

@@ -17,7 +17,7 @@ fn per_second(unit: &str, quantity: Quantity) -> Option<String> {
 }
 
 impl<'a> Section<'a> {
-    /// A bare positive number.
+    /// A bare number above zero.
     ///
     /// # Errors
     /// If the value is no number, not finite or not above zero.
@@ -35,7 +35,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A column by name or, as a person counts, by number.
+    /// A column of a table by name or by number, counted from 1.
     ///
     /// # Errors
     /// If the value is neither a string nor a whole number from 1 on.
@@ -58,7 +58,7 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Three columns.
+    /// Three columns, each by name or number.
     ///
     /// # Errors
     /// If the value is no list of three, or as [`Section::column`] of one of them.
@@ -84,7 +84,7 @@ impl<'a> Section<'a> {
         columns.try_into().map(Some).map_err(|_| wrong())
     }
 
-    /// A number with its unit.
+    /// A number with its unit, `"10 cm/s"`, in the SI unit of `quantity`.
     ///
     /// # Errors
     /// If the value is no string, or its text no finite number with a unit of `quantity`.
@@ -170,7 +170,7 @@ impl<'a> Section<'a> {
         Ok(sign * factor)
     }
 
-    /// Three numbers with one unit, `"0.1, -0.3, 0 m"`; one number means it for all three.
+    /// Three numbers with one unit, `"0.1, -0.3, 0 m"`, in the SI unit of `quantity`; one number means it for all three.
     ///
     /// # Errors
     /// If the value is no string, or its text neither one nor three finite numbers with a unit of `quantity`.

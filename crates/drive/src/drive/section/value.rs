@@ -1,18 +1,18 @@
-//! Values of a table: of a file's text, or as a program has them.
+//! Values of a table: from a file's text, or as a program has them.
 
-use crate::drive::text::line_at;
 use std::borrow::Cow;
 use toml::{
     Spanned,
     de::{DeTable, DeValue},
 };
+use undrift_base::toml_text::line_at;
 
-/// A table.
+/// A table, with or without a text behind it.
 #[derive(Clone, Copy)]
 pub enum Table<'a> {
-    /// Of a file's text, and where it begins there \[bytes\].
+    /// A table of a file's text, and where it begins there \[bytes\].
     Parsed(&'a DeTable<'a>, usize),
-    /// Of no text.
+    /// A table made in a program.
     Values(&'a toml::Table),
 }
 
@@ -20,22 +20,22 @@ pub enum Table<'a> {
 pub enum Value<'a> {
     /// A string.
     Text(&'a str),
-    /// A whole number in digits.
+    /// A whole number, in digits.
     Whole(Cow<'a, str>),
-    /// Any other number in digits.
+    /// Any other number, in digits.
     Decimal(Cow<'a, str>),
-    /// True or false.
+    /// A switch, true or false.
     Switch(bool),
     /// A list.
     List(Vec<Value<'a>>),
     /// A table.
     Table(Table<'a>),
-    /// What no key takes.
+    /// Dates and times, which no key takes.
     Other,
 }
 
 impl<'a> Table<'a> {
-    /// The keys, in the order of the alphabet.
+    /// The keys, in alphabetical order.
     pub fn keys(self) -> Vec<&'a str> {
         match self {
             Self::Parsed(table, _) => table.keys().map(|key| key.get_ref().as_ref()).collect(),

@@ -188,14 +188,14 @@ fn a_guess_costs_what_the_priors_say() {
 
 #[test]
 fn minima_are_the_same_where_start_and_end_are() {
-    let of = |start: f64, end: f64| Minimum {
+    let minimum = |start: f64, end: f64| Minimum {
         guess: guess(Vector3::new(0.0, 0.0, start)),
         end: from_rpy(&Vector3::new(0.0, 0.0, end)),
         cost: 0.0,
     };
-    let first = of(0.0, 0.0);
-    assert!(first.is_near(&of(0.09, -0.09), 0.1));
-    assert!(!first.is_near(&of(0.11, 0.0), 0.1) && !first.is_near(&of(0.0, 0.11), 0.1));
+    let first = minimum(0.0, 0.0);
+    assert!(first.is_near(&minimum(0.09, -0.09), 0.1));
+    assert!(!first.is_near(&minimum(0.11, 0.0), 0.1) && !first.is_near(&minimum(0.0, 0.11), 0.1));
 }
 
 /// Half a minute of a vehicle that turns, speeds up and slows down, its gyros off by `gyro`; its attitude at the start.

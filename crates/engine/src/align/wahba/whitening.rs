@@ -5,6 +5,7 @@ use undrift_nav::{Matrix3, Quaternion, Vector3, preintegration::Preintegrated};
 
 /// Attitude error at the start in body axes, gyro bias, accelerometer bias.
 pub(super) type Unknowns = SVector<f64, 9>;
+/// Their information matrix, JᵀJ of whitened residuals.
 pub(super) type Information = SMatrix<f64, 9, 9>;
 
 /// States of the filter that whitens velocities: velocity in `n` [m/s] and what has wandered in the attitude, body
@@ -13,9 +14,11 @@ pub(super) const BY_VELOCITY: usize = 6;
 /// States of the filter that whitens positions: those, the position in `n` \[m\], by how much fixes hold later than
 /// their stamps \[s\], and what the lever arm lacks, body axes \[m\].
 pub(super) const BY_POSITION: usize = 13;
-/// Where they stand.
+/// Place of the position among the states of that filter.
 pub(super) const PLACE: usize = 6;
+/// Place of the delay.
 pub(super) const LATE: usize = 9;
+/// Place of the lever arm.
 pub(super) const ARM: usize = 10;
 
 /// A guess put through the window up to some segment: cost with its linearisation `JᵀJ` and `Jᵀr`, and how far it came.
@@ -26,8 +29,9 @@ pub(super) struct Linearised<const S: usize> {
     pub(super) q_nb: Quaternion,
     /// The filter's states.
     pub(super) state: [f64; S],
-    /// Their errors: the wander's covariance, and the effect of the parameters, column by column.
+    /// Covariance of the states' wander by the sensors' white noise.
     pub(super) wander: [[f64; S]; S],
+    /// Effect of the parameters on the states, column by column.
     pub(super) effect: [[f64; S]; 9],
 }
 
@@ -52,16 +56,17 @@ pub(super) fn add<const S: usize>(column: &mut [f64; S], from: usize, part: &[f6
     }
 }
 
-/// What a segment does to errors of the states.
+/// Effect of a segment on errors of the states.
 pub(super) struct Transition {
     pub(super) dt: f64,
-    /// From attitude to velocity and to position.
+    /// Effect of an attitude error on velocity and on position.
     pub(super) lean: [Matrix3; 2],
-    /// The axes along.
+    /// Rotation that carries the axes along.
     pub(super) back: Matrix3,
 }
 
 impl Transition {
+    /// Carries one column of errors of the states over the segment, in place.
     #[inline(always)]
     pub(super) fn carry<const S: usize>(&self, column: &mut [f64; S]) {
         let turned = [column[3], column[4], column[5]];

@@ -8,11 +8,11 @@ fn moments(values: &[f64]) -> Moments {
 
 #[test]
 fn moments_are_of_the_finite_values() {
-    let of = moments(&[1.0, f64::NAN, 2.0, f64::INFINITY, 6.0]);
-    assert_eq!(of.count, 3);
-    assert_eq!(of.mean(), Some(3.0));
+    let finite = moments(&[1.0, f64::NAN, 2.0, f64::INFINITY, 6.0]);
+    assert_eq!(finite.count, 3);
+    assert_eq!(finite.mean(), Some(3.0));
     // (4 + 1 + 9)/2.
-    assert!((of.variance() - 7.0).abs() < 1e-12);
+    assert!((finite.variance() - 7.0).abs() < 1e-12);
     assert_eq!(moments(&[5.0]).variance(), 0.0);
     assert_eq!(moments(&[5.0, 7.0]).variance(), 2.0);
     assert_eq!(moments(&[]).mean(), None);
@@ -46,32 +46,32 @@ fn shares_of_epochs_are_of_averages_over_the_runs_within_their_bounds() {
     let (lower, upper) = average_bounds(3, 2);
     assert!((lower - 0.62).abs() < 0.01 && (upper - 7.22).abs() < 0.01);
     let sums = sums([[3.0, 0.2, 8.0, 2.0], [5.0, 0.4, 9.0, 4.0]]);
-    let of = sums.group(0, 0);
-    assert_eq!((of.freedom, of.epochs), (3, 4));
+    let group = sums.group(0, 0);
+    assert_eq!((group.freedom, group.epochs), (3, 4));
     let number = |number: Number| number.0;
-    assert_eq!(number(of.share_inside), 0.5);
+    assert_eq!(number(group.share_inside), 0.5);
     assert_eq!(
-        (number(of.share_above), number(of.share_below)),
+        (number(group.share_above), number(group.share_below)),
         (0.25, 0.25)
     );
-    let averages: Vec<f64> = of.average.iter().map(|n| n.0).collect();
+    let averages: Vec<f64> = group.average.iter().map(|n| n.0).collect();
     assert!(
         averages
             .iter()
             .zip([4.0, 0.3, 8.5, 3.0])
             .all(|(a, b)| (a - b).abs() < 1e-12)
     );
-    assert!(of.lower.iter().all(|n| n.0 == lower) && of.upper.iter().all(|n| n.0 == upper));
+    assert!(group.lower.iter().all(|n| n.0 == lower) && group.upper.iter().all(|n| n.0 == upper));
     // The runs' own averages are 5 and 6.5, their variance 1.125 and the mean's error √(1.125/2), over three.
-    assert!((number(of.mean_per_freedom) - 5.75 / 3.0).abs() < 1e-12);
-    assert!((number(of.mean_standard_error) - 0.75 / 3.0).abs() < 1e-12);
+    assert!((number(group.mean_per_freedom) - 5.75 / 3.0).abs() < 1e-12);
+    assert!((number(group.mean_standard_error) - 0.75 / 3.0).abs() < 1e-12);
     // Variances between the runs 2, 0.02, 0.5 and 2, on average 1.13: as many epochs as that holds 1.125.
     let effective = 1.13 / 1.125;
-    assert!((number(of.effective_epochs) - effective).abs() < 1e-9);
+    assert!((number(group.effective_epochs) - effective).abs() < 1e-9);
     let error = (0.0475f64 / effective).sqrt();
-    assert!((number(of.share_standard_error) - error).abs() < 1e-9);
+    assert!((number(group.share_standard_error) - error).abs() < 1e-9);
     // 0.95 less twice 0.217 is 0.515: half of the epochs is too few, and the mean too large.
-    assert_eq!(of.verdict, Some(Verdict::Optimistic));
+    assert_eq!(group.verdict, Some(Verdict::Optimistic));
     // From the third epoch on one of two is inside.
     let late = sums.group(0, 2);
     assert_eq!(
@@ -113,8 +113,8 @@ fn epochs_count_from_the_last_start_and_the_settling_on() {
             rpy: None,
         })
         .collect();
-    let of = |settle| sums.report("model".into(), &truth, &[], settle);
-    let found = of(1.0);
+    let report = |settle| sums.report("model".into(), &truth, &[], settle);
+    let found = report(1.0);
     assert_eq!(
         (found.diverged, found.started_s.0, &found.name[..]),
         (1, 11.0, "model")
@@ -122,7 +122,7 @@ fn epochs_count_from_the_last_start_and_the_settling_on() {
     // Started by 11 s: from 12 s on.
     assert_eq!(found.nees.len(), 1);
     assert_eq!(found.nees[0].epochs, 2);
-    assert_eq!(of(0.0).nees[0].epochs, 3);
-    assert_eq!(of(1.5).nees[0].epochs, 1);
+    assert_eq!(report(0.0).nees[0].epochs, 3);
+    assert_eq!(report(1.5).nees[0].epochs, 1);
     assert!(found.nis.is_empty());
 }

@@ -40,6 +40,7 @@ pub(super) fn recurse_any<const FUSED: bool, const L: usize>(theta: &[f64], rows
     }
 }
 
+/// The recursion with the loops of its length written out, up to six coefficients.
 #[inline(always)]
 fn recurse<const FUSED: bool, const L: usize>(theta: &[f64], rows: &mut [[f64; L]]) {
     with_known_length!(theta => recurse_any::<FUSED, L>(theta, rows); 1 2 3 4 5 6);
@@ -178,6 +179,7 @@ fn correct<const FUSED: bool>(
     [sum, squares]
 }
 
+/// Sums of differences from `centre` and of their magnitudes, lane by lane.
 pub(super) struct SumsAbout<'a> {
     pub(super) rows: &'a [Row],
     pub(super) centre: f64,

@@ -52,7 +52,7 @@ impl PowerSum {
     /// Derivatives of the logarithm of the second.
     pub(crate) fn gain_gradient(phi: &[f64], theta: &[f64], at: f64) -> (Vec<f64>, Vec<f64>) {
         let (sin, cos) = at.sin_cos();
-        let of = |c: &[f64], sign: f64| {
+        let derivatives = |c: &[f64], sign: f64| {
             let [re, im] = value::<false, 1>(c, &[cos], &[sin]);
             let (re, im) = (re[0], im[0]);
             let scale = sign * 2.0 / (re * re + im * im);
@@ -61,7 +61,7 @@ impl PowerSum {
             let part = |(sin, cos): (f64, f64)| scale * (re * cos - im * sin);
             (0..c.len()).map(power).map(part).collect()
         };
-        (of(phi, 1.0), of(theta, -1.0))
+        (derivatives(phi, 1.0), derivatives(theta, -1.0))
     }
 
     /// |θ|²/|φ|² at a frequency [rad/sample].

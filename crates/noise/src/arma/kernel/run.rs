@@ -220,6 +220,7 @@ impl<'a> Run<'a> {
         self.limit = ones[PIECE - 1][LANES - 1];
     }
 
+    /// The sums, with the last responses to the state before the record.
     pub(super) fn finish(mut self) -> Accumulated {
         let r = self.sums.state_cross.len();
         self.sums.last_impulse = self.impulse[..r].to_vec();

@@ -39,7 +39,7 @@ impl Problem<'_> {
         }
     }
 
-    /// The same without the unit root.
+    /// The coefficients without the unit root.
     pub(super) fn plain(z: &[f64], p: usize) -> Coefficients {
         (from_search(&z[..p]), from_search(&z[p..]))
     }
@@ -73,6 +73,7 @@ impl Problem<'_> {
         })
     }
 
+    /// Likelihoods by the Kalman filter, for records with gaps.
     pub(super) fn one_by_one(&self, points: &[Coefficients]) -> Vec<Option<Likelihood>> {
         let one = |(phi, theta): &Coefficients| {
             kalman::with_gaps(
@@ -88,6 +89,7 @@ impl Problem<'_> {
         self.with_rest(own, |other| other.one_by_one(points))
     }
 
+    /// Likelihood at one point.
     pub(in crate::arma) fn likelihood(&self, phi: &[f64], theta: &[f64]) -> Option<Likelihood> {
         let point = (phi.to_vec(), theta.to_vec());
         self.likelihoods(&[point]).pop().flatten()
@@ -119,7 +121,7 @@ impl Problem<'_> {
         self.gradient_bridged(z, p)
     }
 
-    /// The same, of a record with gaps that of its bridged one: near enough for a search far from its end.
+    /// The gradient; of a record with gaps that of its bridged one, near enough for a search far from its end.
     pub(super) fn gradient_bridged(&self, z: &[f64], p: usize) -> Option<Vec<f64>> {
         let (phi, theta) = self.coefficients(z, p);
         if phi.len().max(theta.len()) < 2 {

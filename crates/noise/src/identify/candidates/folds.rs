@@ -53,8 +53,8 @@ impl<'a> TrainingSet<'a> {
 }
 
 impl<'a> Fold<'a> {
-    /// The first samples of a record to fit, the rest to score.
-    fn of_half(record: &'a [f64], first: usize, rate_hz: f64, block: usize) -> Option<Self> {
+    /// Half of a record before the sample `first`, to be fitted, with the rest to be scored.
+    fn from_half(record: &'a [f64], first: usize, rate_hz: f64, block: usize) -> Option<Self> {
         Some(Self {
             fitted: TrainingSet::new(vec![&record[..first]], rate_hz, block)?,
             scored: vec![(record, first)],
@@ -72,8 +72,8 @@ impl<'a> Fold<'a> {
         let middle = |record: &[f64]| record.len() / 2;
         if let ([record], [backward]) = (records, reversed) {
             let halves = [
-                Self::of_half(record, middle(record), rate_hz, block),
-                Self::of_half(backward, record.len() - middle(record), rate_hz, block),
+                Self::from_half(record, middle(record), rate_hz, block),
+                Self::from_half(backward, record.len() - middle(record), rate_hz, block),
             ];
             return halves.into_iter().flatten().collect();
         }

@@ -45,6 +45,7 @@ pub(super) struct Fitted {
 }
 
 impl Recipe {
+    /// Name of the candidate in tables.
     pub(super) fn name(self) -> String {
         match self {
             Self::White => "white".to_owned(),
@@ -225,6 +226,7 @@ pub(super) fn terms(
     (whole.is_some() || !is_smaller).then_some(fit)
 }
 
+/// A fitted ARMA as a model of the axis at a rate \[Hz\].
 pub(super) fn arma_of(fit: ArmaFit, rate_hz: f64) -> (AxisModel, Origin) {
     let arma = Arma {
         ar: fit.ar.clone(),
@@ -239,6 +241,7 @@ pub(super) fn arma_of(fit: ArmaFit, rate_hz: f64) -> (AxisModel, Origin) {
     (model, Origin::Arma(Box::new(fit)))
 }
 
+/// AR(p) by Burg's method on the parts of the training set, laid end to end.
 pub(super) fn burg(p: usize, part: &TrainingSet) -> Option<AxisModel> {
     let fit = arma::burg(&part.end_to_end, p).ok()?;
     let arma = Arma {
@@ -253,6 +256,7 @@ pub(super) fn burg(p: usize, part: &TrainingSet) -> Option<AxisModel> {
     })
 }
 
+/// Options of an ARMA fit with the mean estimated and this effort.
 pub(super) fn with_effort(effort: f64) -> FitOptions {
     FitOptions {
         effort,

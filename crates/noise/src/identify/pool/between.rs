@@ -11,15 +11,15 @@ const PROBABILITY: f64 = 0.95;
 /// less v̄: exact where the standard errors are equal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Between {
-    /// Records n.
+    /// Number n of records.
     pub records: usize,
     /// Mean of the levels \[unit\].
     pub mean: f64,
     /// Standard deviation between records \[unit\]; 0 where the levels scatter no more than each is uncertain.
     pub sigma: f64,
-    /// Lower end of its 95 % interval \[unit\].
+    /// Lower end of the 95 % interval of `sigma` \[unit\].
     pub low: f64,
-    /// Upper end \[unit\]; infinite of one record.
+    /// Upper end of the 95 % interval of `sigma` \[unit\]; infinite of one record.
     pub high: f64,
     /// Standard deviation s of the levels \[unit\], their uncertainty included.
     pub scatter: f64,
@@ -28,7 +28,7 @@ pub struct Between {
 }
 
 impl Between {
-    /// Of levels with their standard errors \[unit\]; a level that nothing bounds does not count.
+    /// The spread of `levels`, each with its standard error \[unit\]; a level that nothing bounds does not count.
     pub(super) fn new(levels: impl Iterator<Item = (f64, f64)>) -> Self {
         let known = levels.filter(|(level, error)| level.is_finite() && error.is_finite());
         let known: Vec<(f64, f64)> = known.collect();
@@ -51,7 +51,7 @@ impl Between {
         }
     }
 
-    /// n − 1.
+    /// Degrees of freedom of the spread, n − 1.
     pub fn degrees_of_freedom(&self) -> usize {
         self.records.saturating_sub(1)
     }

@@ -30,10 +30,10 @@ const ITSELF: f64 = 0.01;
 const FURTHEST: f64 = 12.0;
 const TOLERANCE: f64 = 1e-4;
 
-/// A factor of one record against the others.
+/// A factor by which one record differs from the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ratio {
-    /// The factor.
+    /// The factor on the standard deviation [–].
     pub factor: f64,
     /// Probability of one as far from 1 in records of one process; 1 where it was not looked at.
     pub p_value: f64,
@@ -48,18 +48,18 @@ impl Default for Ratio {
     }
 }
 
-/// How a record differs from the others.
+/// A record that differs from the others of its sensor, and in what.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Difference {
     /// Position of the record.
     pub record: usize,
     /// Position of the other record where there are only two: which of them is unusual cannot be decided.
     pub other: Option<usize>,
-    /// Its white noise in multiples of theirs.
+    /// White noise in multiples of that of the others [–].
     pub white: Option<f64>,
-    /// Its slow part in multiples of theirs.
+    /// Slow part in multiples of that of the others [–].
     pub slow: Option<f64>,
-    /// Its rate of outliers in multiples of theirs; infinite where they have none.
+    /// Rate of outliers in multiples of that of the others [–]; infinite where they have none.
     pub outliers: Option<f64>,
     /// Probability of such a difference, or a larger one, in records of one process.
     pub p_value: f64,
@@ -129,6 +129,7 @@ impl Records {
         }
     }
 
+    /// Negative log-likelihood of some averages where the terms have these factors, in logarithms.
     fn cost(&self, of: &[&Averages], at: &[f64]) -> f64 {
         if at.iter().any(|z| z.abs() > FURTHEST) {
             return f64::INFINITY;
@@ -137,6 +138,7 @@ impl Records {
         of.iter().map(|averages| averages.cost(&terms)).sum()
     }
 
+    /// The least of `cost` from a start, by BFGS.
     fn least(cost: &dyn Fn(&[f64]) -> f64, start: Vec<f64>) -> Best {
         let all = |z: &[Vec<f64>]| z.iter().map(|z| cost(z)).collect();
         let value = cost(&start);
@@ -148,6 +150,7 @@ impl Records {
         }
     }
 
+    /// The most likely factors of some averages.
     fn best(&self, of: &[&Averages]) -> Best {
         Self::least(&|at| self.cost(of, at), vec![0.0; self.factors])
     }

@@ -210,9 +210,9 @@ fn averages_of_a_walk_are_whitened() {
 fn a_shape_of_averages_is_that_of_the_values() {
     // The level changes amid the values that the averages before and after the step hold.
     let step = Shape::Step { from: 7, to: 7 };
-    assert_eq!(step.of_values(5), Shape::Step { from: 30, to: 40 });
-    assert_eq!(Shape::WarmUp(3.0).of_values(5), Shape::WarmUp(15.0));
-    assert_eq!(Shape::Cycle(8.0).of_values(5), Shape::Cycle(40.0));
+    assert_eq!(step.in_values(5), Shape::Step { from: 30, to: 40 });
+    assert_eq!(Shape::WarmUp(3.0).in_values(5), Shape::WarmUp(15.0));
+    assert_eq!(Shape::Cycle(8.0).in_values(5), Shape::Cycle(40.0));
     assert_eq!(step.enough(), 32.0);
     assert_eq!(Shape::WarmUp(3.0).enough(), 25.0);
     assert_eq!(Shape::Cycle(3.0).enough(), 25.0);
@@ -234,17 +234,17 @@ fn a_shape_of_averages_is_that_of_the_values() {
 
 #[test]
 fn a_disturbance_has_its_size_and_its_value_at_any_time() {
-    let of = |shape, coefficients| Disturbance {
+    let disturbance = |shape, coefficients| Disturbance {
         shape,
         coefficients,
         fall: 0.0,
     };
-    let cycle = of(Shape::Cycle(8.0), [3.0, -4.0]);
+    let cycle = disturbance(Shape::Cycle(8.0), [3.0, -4.0]);
     assert_eq!(cycle.size(), 5.0);
     for (time, exact) in [(0.0, -4.0), (2.0, 3.0), (4.0, 4.0), (6.0, -3.0)] {
         assert!((cycle.value(time) - exact).abs() < 1e-12, "{time}");
     }
-    let warm_up = of(Shape::WarmUp(2.0), [-3.0, 0.0]);
+    let warm_up = disturbance(Shape::WarmUp(2.0), [-3.0, 0.0]);
     assert_eq!(warm_up.size(), -3.0);
     assert!((warm_up.value(2.0) + 3.0 * (-1f64).exp()).abs() < 1e-12);
     let columns = Shape::Cycle(8.0).columns(3);
@@ -321,8 +321,8 @@ fn a_step_is_not_looked_for_where_it_is_an_outlier() {
             present: count as f64,
             noises: vec![Noise::new(0.0, f64::INFINITY, &vec![true; count])],
         };
-        let of = search.whitened(&search.noises[0], &[vec![1.0; count]]);
-        likeliest_step(&search.noises[0], &of).0
+        let whitened = search.whitened(&search.noises[0], &[vec![1.0; count]]);
+        likeliest_step(&search.noises[0], &whitened).0
     };
     assert_eq!((step_at(1), step_at(2), step_at(3)), (2, 2, 3));
     assert_eq!((step_at(78), step_at(79)), (78, 78));

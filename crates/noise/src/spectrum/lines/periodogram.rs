@@ -50,7 +50,7 @@ pub(super) struct Peak {
 }
 
 impl Periodogram {
-    /// Of a record less the straight line from its beginning to its end, with a Hann window.
+    /// The periodogram of a record less the straight line from its beginning to its end, with a Hann window.
     pub(super) fn new(x: &[f64]) -> Self {
         let n = x.len();
         let end = (n / 10).clamp(1, 100);

@@ -21,18 +21,18 @@ const START: f64 = 5.0;
 /// A spectrum B + H/(1 + (2(f − f₀)/w)²) about its centre, in the scale of the periodogram.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Resonance {
-    /// f₀ \[1/sample\].
+    /// f₀, its centre \[1/sample\].
     frequency: f64,
-    /// w \[1/sample\].
+    /// w, its full width at half its height \[1/sample\].
     width: f64,
-    /// H [unit²].
+    /// H, its height [unit²].
     height: f64,
-    /// B [unit²].
+    /// B, the level beside it [unit²].
     background: f64,
 }
 
 impl Resonance {
-    /// By scoring from a peak: log S + P/S summed over the bins about it is least.
+    /// Fits it from a peak by scoring: log S + P/S summed over the bins about it is least.
     pub(super) fn fitted(of: &Periodogram, peak: &Peak) -> Self {
         let reach = (REACH * peak.width.max(of.frequency(1.0))).min(0.5 * peak.frequency);
         let last = of.power.len() - 2;
@@ -80,17 +80,19 @@ impl Resonance {
         (peak.frequency - self.frequency).abs() < (WIDTHS * self.width).max(BINS * step)
     }
 
+    /// Spectrum at a frequency \[1/sample\], [unit²].
     fn density(&self, frequency: f64) -> f64 {
         let u = 2.0 * (frequency - self.frequency) / self.width;
         self.background + self.height / (1.0 + u * u)
     }
 
+    /// Whittle's deviance of bands of frequency, mean power and number of bins: the sum of log S + P/S.
     fn deviance(&self, bands: &[(f64, f64, f64)]) -> f64 {
-        let of = |(f, power, bins): &(f64, f64, f64)| {
+        let deviance = |(f, power, bins): &(f64, f64, f64)| {
             let density = self.density(*f);
             bins * (density.ln() + power / density)
         };
-        bands.iter().map(of).sum()
+        bands.iter().map(deviance).sum()
     }
 
     /// Fisher's scoring: the step of f₀/w, ln w, ln H and ln B.
@@ -113,6 +115,7 @@ impl Resonance {
         information.cholesky().map(|of| of.solve(&score))
     }
 
+    /// The resonance after a `share` of a step, within the frequencies that a record of resolution `lowest` has.
     fn moved(&self, by: &Vector4<f64>, share: f64, lowest: f64) -> Self {
         let factor = |by: f64| (share * by).clamp(-2.0, 2.0).exp();
         let shift = (share * by[0] * self.width).clamp(-2.0 * self.width, 2.0 * self.width);
@@ -255,11 +258,11 @@ mod tests {
     #[test]
     fn a_notch_is_no_broader_than_half_of_the_room_about_it() {
         // So high a resonance that its flat notch would be broader than 0.065.
-        let of = Resonance { height: 1e6, ..OF };
+        let resonance = Resonance { height: 1e6, ..OF };
         let mut whole = vec![0.0; 6000];
         whole[3000] = 1.0;
         let mut record = whole.clone();
-        of.notch(&whole, &mut record);
+        resonance.notch(&whole, &mut record);
         // The response decays as e^(−π w k): of what is left after 100 samples only the slowest, the poles.
         let energy = |from: usize| record[3000 + from..].iter().map(|x| x * x).sum::<f64>();
         let decay = 0.5 * (energy(1) / energy(101)).ln() / (100.0 * PI);

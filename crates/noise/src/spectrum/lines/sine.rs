@@ -12,11 +12,11 @@ const RESTART: usize = 256;
 /// a cos(2πf(k − c)) + b sin(2πf(k − c)), c the middle of the record.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sine {
-    /// f \[1/sample\].
+    /// Frequency f \[1/sample\].
     pub(super) frequency: f64,
-    /// a \[unit\].
+    /// Coefficient a of the cosine \[unit\].
     cosine: f64,
-    /// b \[unit\].
+    /// Coefficient b of the sine \[unit\].
     sine: f64,
     /// Variance of the white noise, from the power near the line [unit²].
     pub(super) background: f64,
@@ -62,6 +62,7 @@ impl Sine {
         fit
     }
 
+    /// Amplitude √(a² + b²) \[unit\].
     fn amplitude(&self) -> f64 {
         self.cosine.hypot(self.sine)
     }
@@ -119,8 +120,8 @@ mod tests {
     use super::*;
 
     fn sine(samples: usize, frequency: f64, amplitude: f64, phase: f64) -> Vec<f64> {
-        let of = |k: usize| amplitude * (TAU * frequency * k as f64 + phase).cos();
-        (0..samples).map(of).collect()
+        let sample = |k: usize| amplitude * (TAU * frequency * k as f64 + phase).cos();
+        (0..samples).map(sample).collect()
     }
 
     #[test]

@@ -311,9 +311,9 @@ fn jump() -> Contradiction {
 #[test]
 fn a_jump_lasts_stays_and_is_of_the_positions_alone() {
     let with = |change: fn(&mut Contradiction)| {
-        let mut of = jump();
-        change(&mut of);
-        is_jump(&of)
+        let mut found = jump();
+        change(&mut found);
+        is_jump(&found)
     };
     assert!(with(|_| {}));
     // It came back, or the solution followed as where more than the positions contradicts it.

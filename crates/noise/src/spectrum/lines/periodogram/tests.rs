@@ -2,8 +2,8 @@ use super::*;
 use std::f64::consts::{PI, TAU};
 
 fn sine(samples: usize, cycles: f64, amplitude: f64) -> Vec<f64> {
-    let of = |k: usize| amplitude * (TAU * cycles * k as f64 / samples as f64 + 1.0).cos();
-    (0..samples).map(of).collect()
+    let sample = |k: usize| amplitude * (TAU * cycles * k as f64 / samples as f64 + 1.0).cos();
+    (0..samples).map(sample).collect()
 }
 
 #[test]
@@ -11,13 +11,13 @@ fn a_sine_of_whole_cycles_has_a_sixth_of_its_square_a_sample_and_a_quarter_of_th
     // Hann's window: half of the amplitude in its bin, a quarter in the next, of Σw² = 3n/8.
     for samples in [2000, 2001] {
         for bin in [30, 700, 998] {
-            let of = Periodogram::new(&sine(samples, bin as f64, 3.0));
-            assert_eq!(of.power.len(), samples / 2 + 1);
+            let periodogram = Periodogram::new(&sine(samples, bin as f64, 3.0));
+            assert_eq!(periodogram.power.len(), samples / 2 + 1);
             let exact = 9.0 / 6.0 * samples as f64;
             for (off, share) in [(0usize, 1.0), (1, 0.25), (2, 0.0)] {
                 for k in [bin - off, bin + off] {
                     // The straight line from end to end: a trend of 3/n a sample at most.
-                    let miss = of.power[k] / exact - share;
+                    let miss = periodogram.power[k] / exact - share;
                     // The bin at half the sample rate has the power of both sides.
                     let at_end = 2 * k + 1 >= samples;
                     assert!(miss.abs() < 1e-3 || at_end, "{samples} {bin} {off}: {miss}");
@@ -33,8 +33,8 @@ fn white_noise_has_its_variance_in_every_bin_and_a_line_from_end_to_end_has_none
     let states = std::iter::successors(Some(7), next);
     let uniform = states.map(|x: u32| f64::from(x) / f64::from(u32::MAX) - 0.5);
     let noise: Vec<f64> = uniform.take(20_000).collect();
-    let of = Periodogram::new(&noise);
-    let mean = of.power[2..9999].iter().sum::<f64>() / 9997.0;
+    let periodogram = Periodogram::new(&noise);
+    let mean = periodogram.power[2..9999].iter().sum::<f64>() / 9997.0;
     // Correlated neighbours: √(35/18/10 000) = 0.014; four of these.
     assert!((12.0 * mean - 1.0).abs() < 0.056, "{mean}");
     let drifting: Vec<f64> = (0..)
@@ -42,28 +42,28 @@ fn white_noise_has_its_variance_in_every_bin_and_a_line_from_end_to_end_has_none
         .map(|(k, x)| x + 7.0 - 0.01 * f64::from(k))
         .collect();
     let drifting = Periodogram::new(&drifting);
-    for (a, b) in of.power[2..].iter().zip(&drifting.power[2..]) {
+    for (a, b) in periodogram.power[2..].iter().zip(&drifting.power[2..]) {
         // The line goes in and out again, 200 units high; what is left of the mean is in bins 0 and 1.
         assert!((a - b).abs() < 1e-6 * (1.0 + a), "{a} {b}");
     }
-    let median = upper_median(&mut of.power[2..9999].to_vec());
+    let median = upper_median(&mut periodogram.power[2..9999].to_vec());
     assert!((median / mean - 2f64.ln()).abs() < 0.05);
     for bin in [1, 77, 9000] {
-        let frequency = of.frequency(bin as f64);
+        let frequency = periodogram.frequency(bin as f64);
         assert!((frequency - bin as f64 / 20_000.0).abs() < 1e-15);
-        assert_eq!(of.bin(frequency + 0.4 / 20_000.0), bin);
+        assert_eq!(periodogram.bin(frequency + 0.4 / 20_000.0), bin);
     }
 }
 
 #[test]
 fn between_two_bins_a_sine_is_where_the_parabola_says() {
     for off in [-0.4, -0.2, 0.0, 0.3] {
-        let of = Periodogram::new(&sine(4000, 900.0 + off, 1.0));
+        let periodogram = Periodogram::new(&sine(4000, 900.0 + off, 1.0));
         // Known of the parabola through a Hann window's logarithms: a sixtieth of a bin.
         assert!(
-            (of.offset(900) - off).abs() < 0.02,
+            (periodogram.offset(900) - off).abs() < 0.02,
             "{off}: {}",
-            of.offset(900)
+            periodogram.offset(900)
         );
     }
 }
@@ -95,9 +95,9 @@ fn it_is_the_transform_of_the_windowed_record_up_to_half_the_sample_rate() {
         // The line through the means of a tenth at either end.
         let (first, last) = (mean(&x[..6]), mean(&x[n - 6..]));
         let slope = (last - first) / (n - 6) as f64;
-        let of = Periodogram::new(&x);
-        assert_eq!(of.power.len(), n / 2 + 1);
-        for (k, power) in of.power.iter().enumerate().skip(1) {
+        let periodogram = Periodogram::new(&x);
+        assert_eq!(periodogram.power.len(), n / 2 + 1);
+        for (k, power) in periodogram.power.iter().enumerate().skip(1) {
             let (mut re, mut im) = (0.0, 0.0);
             for (t, x) in x.iter().enumerate() {
                 let turn = TAU * t as f64 / n as f64;
@@ -131,9 +131,9 @@ fn height_at(level: f64, neighbours: f64) -> f64 {
 fn a_bin_is_a_peak_beyond_the_level_of_its_f() {
     let level = 1e-6;
     let with = |at: usize, height: f64| {
-        let mut of = flat();
-        of.power[at + 1] = height;
-        of.peak(&of.bands(1), 1, at, level)
+        let mut periodogram = flat();
+        periodogram.power[at + 1] = height;
+        periodogram.peak(&periodogram.bands(1), 1, at, level)
     };
     // A fifth of the frequency on either side, 64 bins at most, three beside the peak left out; near the end one side.
     for (at, neighbours) in [
@@ -161,28 +161,28 @@ fn a_bin_is_a_peak_beyond_the_level_of_its_f() {
 #[test]
 fn a_peak_is_above_both_neighbours_the_first_of_equals_and_over_the_higher_side() {
     let at = 500;
-    let of = |set: &[(usize, f64)]| {
-        let mut of = flat();
+    let peaks = |set: &[(usize, f64)]| {
+        let mut peaks = flat();
         for (bin, power) in set {
-            of.power[*bin] = *power;
+            peaks.power[*bin] = *power;
         }
-        of.peak(&of.bands(1), 1, at, 1e-6)
+        peaks.peak(&peaks.bands(1), 1, at, 1e-6)
     };
-    assert!(of(&[(501, 100.0), (500, 100.0)]).is_none());
-    assert!(of(&[(501, 100.0), (502, 100.0)]).is_some());
-    assert!(of(&[(501, 100.0), (502, 101.0)]).is_none());
+    assert!(peaks(&[(501, 100.0), (500, 100.0)]).is_none());
+    assert!(peaks(&[(501, 100.0), (502, 100.0)]).is_some());
+    assert!(peaks(&[(501, 100.0), (502, 101.0)]).is_none());
     // The neighbours of one side are twice as high.
     for side in [434..498, 505..569] {
         let mut step: Vec<(usize, f64)> = side.map(|bin| (bin, 2.0)).collect();
         step.push((501, 1e4));
-        let found = of(&step).unwrap();
+        let found = peaks(&step).unwrap();
         assert!((found.background - 2.0 * (9.0f64 / 8.0).powi(3)).abs() < 1e-12);
     }
     // On a broad foot it is broad: 3.2 bins beside it have this much above its own lobes.
     for (foot, is_broad) in [(8.0, true), (3.0, false)] {
         let sides = (487..=496).chain(506..=515).map(|bin| (bin, foot));
         let set: Vec<_> = sides.chain([(501, 1e4)]).collect();
-        assert_eq!(of(&set).unwrap().is_broad, is_broad, "{foot}");
+        assert_eq!(peaks(&set).unwrap().is_broad, is_broad, "{foot}");
     }
 }
 
@@ -207,13 +207,16 @@ fn a_band_is_prominent_at_twice_its_background() {
     assert!((peak.frequency * 40_000.0 - 6432.5).abs() < 1e-9);
     assert!((peak.width * 40_000.0 - 64.0).abs() < 1e-9 && peak.is_broad);
     // Bands of four bins of a spectrum, from bin 1 on.
-    let of = Periodogram {
+    let periodogram = Periodogram {
         power: (0..=10).map(f64::from).collect(),
         samples: 20,
     };
-    assert_eq!(of.bands(4), [2.5, 6.5]);
-    assert_eq!(of.bands(1).len(), 9);
-    let odd = Periodogram { samples: 21, ..of };
+    assert_eq!(periodogram.bands(4), [2.5, 6.5]);
+    assert_eq!(periodogram.bands(1).len(), 9);
+    let odd = Periodogram {
+        samples: 21,
+        ..periodogram
+    };
     assert_eq!(odd.bands(1).len(), 10);
 }
 
@@ -222,10 +225,10 @@ fn chance_is_shared_by_all_bins_and_bands_and_lines_go_before_humps() {
     // 999 bins, 249 bands of four, 62, 15 and 3.
     let height = height_at(0.01 / 1328.0, 128.0);
     let with = |height: f64, hump: f64| {
-        let mut of = flat();
-        of.power[601..605].fill(hump);
-        of.power[501] = height;
-        of.peaks(0.01)
+        let mut periodogram = flat();
+        periodogram.power[601..605].fill(hump);
+        periodogram.power[501] = height;
+        periodogram.peaks(0.01)
     };
     assert!(with(0.999 * height, 1.0).is_empty());
     assert_eq!(with(1.001 * height, 1.0).len(), 1);
@@ -266,9 +269,9 @@ fn a_lobe_of_a_stronger_peak_is_none_of_its_own() {
 #[test]
 fn a_parabola_without_a_top_has_its_peak_in_the_bin() {
     let of = |around: [f64; 3]| {
-        let mut of = flat();
-        of.power[10..13].copy_from_slice(&around);
-        of.offset(11)
+        let mut periodogram = flat();
+        periodogram.power[10..13].copy_from_slice(&around);
+        periodogram.offset(11)
     };
     assert_eq!(of([1.0, 1.0, 1.0]), 0.0);
     assert_eq!(of([1.0, 2.0, 100.0]), 0.0);
