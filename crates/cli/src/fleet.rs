@@ -115,7 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let done = stage("processing", || {
         let bar = Bar::new("processed", jobs.len() as u64, "logs");
         let lines = Lines::new(jobs.len());
-        fleet::run(&jobs, folder, options, &sentences::say, |outcome| {
+        fleet::run(&jobs, folder, options, &sentences::statement, |outcome| {
             bar.add(1);
             lines.add();
             let Some(outcome) = outcome else { return };

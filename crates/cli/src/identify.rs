@@ -180,7 +180,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let names: Vec<&str> = recordings.iter().map(|one| one.name.as_str()).collect();
     let name = results::names(&names);
     let identified = identify(&recordings, &settings)?;
-    let result = identified.result(&name);
+    let result = identified.result(&name, &sentences::statement);
     show(arguments, &files, &result)?;
     let differ = result.pool.as_ref().is_some_and(|pool| !pool.homogeneous);
     if differ {

@@ -23,7 +23,7 @@ use undrift_drive::{
 };
 use undrift_io::{Opened, imu::ImuSource};
 use undrift_noise::{BiasModel, ImuModel, model_file::AXES};
-use undrift_results::{self as results, Cut, ModelErrors, Number, Numbers};
+use undrift_results::{self as results, Cut, ModelErrors, Number, Numbers, Statement};
 use undrift_tune::{
     self as tune,
     noise::{WALK, WHITE},
@@ -52,7 +52,7 @@ pub fn process(job: &Job, say: Say) -> FleetOutcome {
                 smooth,
             } => outages(job, bias_models, plan, *smooth, &mut outcome),
             Task::Tune => tuned(job, &mut outcome),
-            Task::Identify(settings) => identify(job, settings, &mut outcome),
+            Task::Identify(settings) => identify(job, settings, &mut outcome, say),
         }
     });
     outcome.failed = failed.err().map(|error| reasons(&*error));
@@ -77,6 +77,7 @@ pub fn process(job: &Job, say: Say) -> FleetOutcome {
     for text in texts {
         *text = without_folders(text, &folders);
     }
+    let say = |found: &Finding| say(Statement::Finding(found));
     let sentences = outcome.findings.iter().map(say);
     outcome.warnings.splice(0..0, sentences);
     for row in &mut outcome.rows {
@@ -303,6 +304,7 @@ fn identify(
     job: &Job,
     settings: &RecordSettings,
     outcome: &mut FleetOutcome,
+    say: Say,
 ) -> Result<(), Failure> {
     let path = job.path();
     let record = record::read(Opened::open(&path)?, &settings.format())?;
@@ -320,7 +322,7 @@ fn identify(
         return Err(problem.into());
     }
     let identified = identify::recordings(&[prepared], &settings, || {})?;
-    let result = identified.result(&job.log);
+    let result = identified.result(&job.log, say);
     for (name, _) in &identified.axes {
         let Some(axis) = result.axes.get(*name) else {
             continue;

@@ -68,7 +68,7 @@ pub fn fleet_fingerprint(py: Python<'_>, job: &str) -> PyResult<String> {
 #[pyfunction]
 pub fn fleet_process(py: Python<'_>, job: &str, threads: usize) -> PyResult<String> {
     let job = parse(job)?;
-    let outcome = py.detach(|| fleet::process_on(&job, threads, &say::say));
+    let outcome = py.detach(|| fleet::process_on(&job, threads, &say::statement));
     Ok(outcome.map_err(error)?.to_json())
 }
 

@@ -163,7 +163,7 @@ impl Identified {
     /// Everything as JSON, and the verdict.
     fn result(&self, py: Python<'_>) -> (String, Verdict) {
         py.detach(|| {
-            let result = self.found.result(&self.name);
+            let result = self.found.result(&self.name, &say::statement);
             (
                 results::text(&result),
                 (result.verdict().name(), verdict::identify(&result)),

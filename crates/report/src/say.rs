@@ -6,6 +6,7 @@ mod cut;
 mod fill;
 mod fixes;
 mod logs;
+mod noise;
 mod recording;
 mod sensors;
 mod solution;
@@ -13,12 +14,14 @@ mod start;
 mod words;
 
 pub use fill::{cut, navigated};
+pub use noise::{arma, stationarity};
 pub use recording::{guessed, refused, repeated, slower, stamps};
 pub(crate) use solution::usable;
 pub use solution::{cause, ended, hindsight, verdict};
 pub use start::{alignment, estimated, found, mounting, unsolved};
 
-use undrift_results::findings::Finding;
+use undrift_noise::model_file;
+use undrift_results::{Statement, findings::Finding};
 
 /// Why an experiment with outages has no result, where there is an outage.
 pub const NO_MODEL: &str = "no model could be run";
@@ -37,6 +40,18 @@ pub fn hold_out(option: &str, share: Option<f64>) -> Option<String> {
     Some(format!(
         "{option} {share}: must be 0 to 0.9, a share of each drive"
     ))
+}
+
+/// The sentence of what was found, of whatever kind.
+pub fn statement(of: Statement<'_>) -> String {
+    match of {
+        Statement::Finding(finding) => say(finding),
+        Statement::Record(remark) => noise::record(remark),
+        Statement::Fit(remark) => noise::fit(remark),
+        Statement::NotFitted(why) => why.to_string(),
+        Statement::Recommended(reason) => model_file::reason(reason),
+        Statement::Stationarity(verdict) => stationarity(verdict),
+    }
 }
 
 /// The sentences of findings.

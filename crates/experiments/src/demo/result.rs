@@ -8,14 +8,14 @@ use undrift_drive::{
 };
 use undrift_noise::arma::ArmaFit;
 use undrift_results::{
-    self as results, Curve, CutLength, DemoModel, Drift, OneOne, SCHEMA, ScanPoint, VERSION,
+    self as results, Curve, CutLength, DemoModel, Drift, OneOne, SCHEMA, Say, ScanPoint, VERSION,
     by_name, numbers,
     series::{to_digits, to_millimetre, to_millisecond},
 };
 
 impl Demo {
-    /// Everything as a result but for its sentences.
-    pub fn result(&self) -> results::Demo {
+    /// Everything as a result but for its conclusion; `say` makes the sentences of the identification.
+    pub fn result(&self, say: Say<'_>) -> results::Demo {
         let models = self.models.iter().map(|(name, without)| DemoModel {
             name: (*name).into(),
             bound: *name == BOUND,
@@ -33,7 +33,7 @@ impl Demo {
             seed: self.experiment.seed,
             drives: self.experiment.drives as u64,
             recorded: matches!(self.experiment.source, Source::Recorded { .. }),
-            identification: self.identified.result(PRESET),
+            identification: self.identified.result(PRESET, say),
             models: models.collect(),
             lengths: lengths.collect(),
             track: thinned_track(truth),
