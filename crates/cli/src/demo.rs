@@ -99,7 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         })
     })?;
     drop(bar);
-    let result = undrift_report::concluded(demo.result(&sentences::statement), &demo.record.name);
+    let result = demo.result(&sentences::statement);
     let json = results::text(&result);
     let shown = arguments.result.write(&files, &json)?;
     if !shown {

@@ -126,7 +126,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(found) = runs.find_map(|run| sentences::found(&run.summary.mountings)) {
         note(sentences::estimated(&found));
     }
-    let result = sentences::cut(logs.result(&file, &experiment));
+    let result = logs.result(&file, &experiment, &sentences::statement);
     print::judge(&result.findings);
     let json = results::text(&result);
     if !arguments.result.write(&files, &json)? {

@@ -45,12 +45,12 @@ pub fn process(job: &Job, say: Say) -> FleetOutcome {
             Task::Navigate {
                 bias_models,
                 smooth,
-            } => navigate(job, bias_models, *smooth, &mut outcome),
+            } => navigate(job, bias_models, *smooth, &mut outcome, say),
             Task::Outages {
                 bias_models,
                 plan,
                 smooth,
-            } => outages(job, bias_models, plan, *smooth, &mut outcome),
+            } => outages(job, bias_models, plan, *smooth, &mut outcome, say),
             Task::Tune => tuned(job, &mut outcome),
             Task::Identify(settings) => identify(job, settings, &mut outcome, say),
         }
@@ -186,6 +186,7 @@ fn outages(
     plan: &OutagePlan,
     smooth: bool,
     outcome: &mut FleetOutcome,
+    say: Say,
 ) -> Result<(), Failure> {
     let drive = load(job, outcome)?;
     let hindsight = Hindsight::asked(false, smooth);
@@ -196,7 +197,7 @@ fn outages(
     outcome.findings = logs.findings(&experiment);
     for (name, run) in &experiment.runs {
         let found = match run {
-            Ok(run) => ModelErrors::from(&run.errors),
+            Ok(run) => run.errors.result(say),
             Err(error) => {
                 outcome.failed_parts.insert(name.clone(), reasons(error));
                 continue;
@@ -232,6 +233,7 @@ fn navigate(
     kinds: &[BiasModel],
     smooth: bool,
     outcome: &mut FleetOutcome,
+    say: Say,
 ) -> Result<(), Failure> {
     let drive = load(job, outcome)?;
     for kind in kinds {
@@ -241,7 +243,7 @@ fn navigate(
         };
         let name = kind.name().to_owned();
         let result = match navigate::navigate(&drive, *kind, wanted) {
-            Ok(report) => report.result(*kind, results::Drive::default()),
+            Ok(report) => report.result(*kind, results::Drive::default(), say),
             Err(error) => {
                 outcome.findings.extend(error.findings());
                 outcome.failed_parts.insert(name, reasons(&error));

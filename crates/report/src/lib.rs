@@ -47,7 +47,6 @@ pub mod verdict {
 
 pub use crate::figure::panel::{Panel, PlotAxis, Series};
 pub use compare::{document, of_results};
-pub use demo::concluded;
 pub use document::{Block, Cell, Document, Figure, Section, Table};
 pub use numbers::short;
 pub use read::read;

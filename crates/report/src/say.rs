@@ -3,7 +3,6 @@
 //! A sentence begins with a small letter and has no full stop, so that it can stand after a name.
 
 mod cut;
-mod fill;
 mod fixes;
 mod logs;
 mod noise;
@@ -13,7 +12,6 @@ mod solution;
 mod start;
 mod words;
 
-pub use fill::{cut, navigated};
 pub use noise::{arma, stationarity};
 pub use recording::{guessed, refused, repeated, slower, stamps};
 pub(crate) use solution::usable;
@@ -46,11 +44,14 @@ pub fn hold_out(option: &str, share: Option<f64>) -> Option<String> {
 pub fn statement(of: Statement<'_>) -> String {
     match of {
         Statement::Finding(finding) => say(finding),
+        Statement::Alignment(how) => alignment(how),
+        Statement::Mounting { mounting, since } => start::mounted(mounting, since),
         Statement::Record(remark) => noise::record(remark),
         Statement::Fit(remark) => noise::fit(remark),
         Statement::NotFitted(why) => why.to_string(),
         Statement::Recommended(reason) => model_file::reason(reason),
         Statement::Stationarity(verdict) => stationarity(verdict),
+        Statement::Demo(demo) => crate::demo::conclusion(demo),
     }
 }
 

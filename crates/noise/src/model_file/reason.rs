@@ -2,7 +2,7 @@
 
 use crate::drift_score::{Choice, Reason};
 
-/// Why a candidate was recommended, as the key `reason` of a model file has it: one sentence.
+/// Why a candidate was recommended, for the key `reason` of a model file: one sentence.
 pub fn reason(of: &Reason) -> String {
     let counted = |n: usize, what: &str| match n {
         1 => format!("1 {what}"),
