@@ -20,7 +20,7 @@ use undrift::{
     noise::{BiasModel, ImuModel},
     results,
 };
-use undrift_report::{say as sentences, text};
+use undrift_report::{say as sentences, sentence, text};
 
 /// Navigate a drive: IMU and GNSS into position, velocity and attitude.
 ///
@@ -133,7 +133,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .map_err(|error| anyhow!(sentences::unsolved(error.findings(), error)))
     })?;
     let about = drive.result(&file);
-    let result = report.result(arguments.bias_model, about, &sentences::statement);
+    let result = report.result(arguments.bias_model, about, &sentence);
     print::judge(&result.findings);
     let shown = recording && arguments.result.write(&files, &results::text(&result))?;
     if !shown {

@@ -23,6 +23,7 @@ mod parts;
 mod plain;
 mod read;
 pub mod say;
+mod sentence;
 mod shown;
 mod tables;
 pub mod text;
@@ -50,6 +51,7 @@ pub use compare::{document, of_results};
 pub use document::{Block, Cell, Document, Figure, Section, Table};
 pub use numbers::short;
 pub use read::read;
+pub use sentence::sentence;
 pub use tables::ReportFormat;
 
 #[cfg(test)]

@@ -13,13 +13,14 @@ mod start;
 mod words;
 
 pub use noise::{arma, stationarity};
+pub(crate) use noise::{fit, record};
 pub use recording::{guessed, refused, repeated, slower, stamps};
 pub(crate) use solution::usable;
 pub use solution::{cause, ended, hindsight, verdict};
+pub(crate) use start::mounted;
 pub use start::{alignment, estimated, found, mounting, unsolved};
 
-use undrift_noise::model_file;
-use undrift_results::{Statement, findings::Finding};
+use undrift_results::findings::Finding;
 
 /// Why an experiment with outages has no result, where there is an outage.
 pub const NO_MODEL: &str = "no model could be run";
@@ -38,21 +39,6 @@ pub fn hold_out(option: &str, share: Option<f64>) -> Option<String> {
     Some(format!(
         "{option} {share}: must be 0 to 0.9, a share of each drive"
     ))
-}
-
-/// The sentence of what was found, of whatever kind.
-pub fn statement(of: Statement<'_>) -> String {
-    match of {
-        Statement::Finding(finding) => say(finding),
-        Statement::Alignment(how) => alignment(how),
-        Statement::Mounting { mounting, since } => start::mounted(mounting, since),
-        Statement::Record(remark) => noise::record(remark),
-        Statement::Fit(remark) => noise::fit(remark),
-        Statement::NotFitted(why) => why.to_string(),
-        Statement::Recommended(reason) => model_file::reason(reason),
-        Statement::Stationarity(verdict) => stationarity(verdict),
-        Statement::Demo(demo) => crate::demo::conclusion(demo),
-    }
 }
 
 /// The sentences of findings.

@@ -17,7 +17,7 @@ use undrift_results::{
 
 impl Identified {
     /// Everything as a result; `record` is what the record is called, `say` makes the sentences:
-    /// `undrift_report::say::statement`.
+    /// `undrift_report::sentence`.
     pub fn result(&self, record: &str, say: Say<'_>) -> Identify {
         let axes = self
             .axes

@@ -16,7 +16,7 @@ use undrift_results::{
 const AXES: [&str; 3] = ["north", "east", "down"];
 
 impl Report {
-    /// Everything as a result; `drive` is what was navigated, `say` makes the sentences: `undrift_report::say::statement`.
+    /// Everything as a result; `drive` is what was navigated, `say` makes the sentences: `undrift_report::sentence`.
     pub fn result(&self, kind: BiasModel, drive: Drive, say: Say<'_>) -> Navigate {
         let s = &self.summary;
         let findings = self.findings();

@@ -168,7 +168,7 @@ impl Logs {
         findings::ranked(findings::of_model(found, self.drive.model.as_ref()))
     }
 
-    /// The experiment as a result; `file` is the drive file, `say` makes the sentences: `undrift_report::say::statement`.
+    /// The experiment as a result; `file` is the drive file, `say` makes the sentences: `undrift_report::sentence`.
     pub fn result(&self, file: &Path, experiment: &Experiment, say: Say<'_>) -> Outages {
         let findings = self.findings(experiment);
         let hindsight = experiment.hindsight;

@@ -14,7 +14,7 @@ use undrift_results::{
 };
 
 impl Demo {
-    /// Everything as a result; `say` makes the sentences: `undrift_report::say::statement`.
+    /// Everything as a result; `say` makes the sentences: `undrift_report::sentence`.
     pub fn result(&self, say: Say<'_>) -> results::Demo {
         let models = self.models.iter().map(|(name, without)| DemoModel {
             name: (*name).into(),

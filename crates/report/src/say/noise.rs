@@ -8,7 +8,7 @@ use undrift_noise::{
 };
 
 /// What should be said with a recording.
-pub(super) fn record(of: &RecordRemark) -> String {
+pub(crate) fn record(of: &RecordRemark) -> String {
     use RecordRemark as R;
     match of {
         R::Moving { from_s, ratio } => format!(
@@ -49,7 +49,7 @@ pub(super) fn record(of: &RecordRemark) -> String {
 }
 
 /// What should be said with a model fitted to it.
-pub(super) fn fit(of: &FitRemark) -> String {
+pub(crate) fn fit(of: &FitRemark) -> String {
     match of {
         FitRemark::Arma(warning) => arma(warning),
         FitRemark::UnitRootHeld => "one autoregressive root is held at 1".into(),

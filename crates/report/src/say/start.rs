@@ -65,7 +65,7 @@ pub fn found(mountings: &[(f64, Mounting)]) -> Option<String> {
 }
 
 /// How the IMU sits in the vehicle, and since when the solution is in the vehicle's axes where that was found on the way.
-pub(super) fn mounted(of: &Mounting, since: Option<f64>) -> String {
+pub(crate) fn mounted(of: &Mounting, since: Option<f64>) -> String {
     let found = mounting(of);
     match since.map(at) {
         Some(since) => format!("{found}; the solution is in vehicle axes from {since} s on"),

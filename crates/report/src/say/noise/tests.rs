@@ -1,7 +1,7 @@
 //! The exact sentence of everything that is found of a recording.
 
 use super::*;
-use crate::say::statement;
+use crate::sentence;
 use undrift_noise::{
     compared::Unfit,
     drift_score::{Choice, Reason},
@@ -12,7 +12,7 @@ use undrift_results::Statement;
 #[test]
 fn every_remark_on_a_recording_has_its_sentence() {
     use RecordRemark as R;
-    for (remark, sentence) in [
+    for (remark, text) in [
         (
             R::Moving {
                 from_s: 5.0,
@@ -64,7 +64,7 @@ fn every_remark_on_a_recording_has_its_sentence() {
             "rejected 2 samples more than 12 robust standard deviations off, the first at 1.50 s",
         ),
     ] {
-        assert_eq!(statement(Statement::Record(&remark)), sentence);
+        assert_eq!(sentence(Statement::Record(&remark)), text);
     }
 }
 
@@ -77,7 +77,7 @@ fn every_remark_on_a_fit_has_its_sentence() {
         standard_error,
     };
     let process = Term::GaussMarkov(1);
-    for (remark, sentence) in [
+    for (remark, text) in [
         (
             FitRemark::Arma(near(Some(5.67e-3))),
             "an autoregressive and a moving-average root nearly cancel: 1.23e-3 apart with a standard error of 5.7e-3",
@@ -151,14 +151,14 @@ fn every_remark_on_a_fit_has_its_sentence() {
             "the search stopped before reaching its tolerance",
         ),
     ] {
-        assert_eq!(statement(Statement::Fit(&remark)), sentence);
+        assert_eq!(sentence(Statement::Fit(&remark)), text);
     }
 }
 
 #[test]
 fn a_method_without_a_model_and_a_choice_have_their_reasons() {
     assert_eq!(
-        statement(Statement::NotFitted(&Unfit::White)),
+        sentence(Statement::NotFitted(&Unfit::White)),
         "it sees white noise alone"
     );
     let reason = Reason {
@@ -169,7 +169,7 @@ fn a_method_without_a_model_and_a_choice_have_their_reasons() {
         choice: Choice::LeastDrift,
     };
     assert_eq!(
-        statement(Statement::Recommended(&reason)),
+        sentence(Statement::Recommended(&reason)),
         "white (0 states, 1 parameter) drifts least at 1, 10 s, and no simpler candidate is as likely."
     );
 }
@@ -188,17 +188,17 @@ fn reading(rejects: [bool; 3], conclusion: Conclusion, ma_root: Option<f64>) -> 
         kpss,
         ma_root,
     };
-    let sentence = statement(Statement::Stationarity(&verdict));
+    let said = sentence(Statement::Stationarity(&verdict));
     let numbers =
         "ADF -3.00 (5 % -2.90), Phillips-Perron -3.00 (5 % -2.90), KPSS -3.000 (5 % -2.900)";
-    let rest = sentence.strip_prefix(numbers);
-    rest.unwrap_or_else(|| panic!("{sentence}")).to_owned()
+    let rest = said.strip_prefix(numbers);
+    rest.unwrap_or_else(|| panic!("{said}")).to_owned()
 }
 
 #[test]
 fn every_conclusion_on_stationarity_has_its_sentence() {
     use Conclusion as C;
-    for (rejects, conclusion, sentence) in [
+    for (rejects, conclusion, text) in [
         (
             [true, true, false],
             C::Stationary,
@@ -230,7 +230,7 @@ fn every_conclusion_on_stationarity_has_its_sentence() {
             ": the unit-root tests disagree (Dickey-Fuller accepts, Phillips-Perron rejects) and KPSS does not reject stationarity: do not rely on a single one.",
         ),
     ] {
-        assert_eq!(reading(rejects, conclusion, None), sentence);
+        assert_eq!(reading(rejects, conclusion, None), text);
     }
     let without_information = ". With a moving-average root of 0.8100, Dickey-Fuller and Phillips-Perron reject a unit root whether or not there is one, so they carry no information here; ";
     for (seen, conclusion, rest) in [

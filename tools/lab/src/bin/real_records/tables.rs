@@ -5,7 +5,7 @@ use undrift::noise::{
     ImuModel, allan::Term, identify::Axis, model_file::AxisModel, normality, spectrum::Density,
 };
 use undrift::results::Statement;
-use undrift_report::say;
+use undrift_report::{say, sentence};
 
 pub fn print(runs: &[Run], sheet: &ImuModel) {
     for run in runs {
@@ -207,7 +207,7 @@ fn distributions(run: &Run) {
         println!("* {name}: {}", say::stationarity(&axis.stationarity));
         let of_fit = axis.recommended().remarks.iter().map(Statement::Fit);
         for found in axis.remarks.iter().map(Statement::Record).chain(of_fit) {
-            println!("  Warning: {}", say::statement(found));
+            println!("  Warning: {}", sentence(found));
         }
     }
     println!();
