@@ -16,7 +16,7 @@ use undrift::{
     record::{self, Record, RecordFormat},
     results,
 };
-use undrift_report::{figures, text};
+use undrift_report::{figures, sentence, text};
 
 /// Static records in the folder of `--data`: the one identified, and the one played back on the drives.
 const RECORDS: [&str; 2] = ["run2.csv.gz", "run1.csv.gz"];
@@ -99,7 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         })
     })?;
     drop(bar);
-    let result = undrift_report::concluded(demo.result(), &demo.record.name);
+    let result = demo.result(&sentence);
     let json = results::text(&result);
     let shown = arguments.result.write(&files, &json)?;
     if !shown {

@@ -23,7 +23,7 @@ use undrift::{
     noise::BiasModel,
     results::{self, Fleet},
 };
-use undrift_report::{html, say as sentences, text};
+use undrift_report::{html, sentence, text};
 
 /// What to do with the drives.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -115,7 +115,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let done = stage("processing", || {
         let bar = Bar::new("processed", jobs.len() as u64, "logs");
         let lines = Lines::new(jobs.len());
-        fleet::run(&jobs, folder, options, &sentences::say, |outcome| {
+        fleet::run(&jobs, folder, options, &sentence, |outcome| {
             bar.add(1);
             lines.add();
             let Some(outcome) = outcome else { return };

@@ -20,7 +20,7 @@ use undrift::{
     noise::{BiasModel, ImuModel},
     results,
 };
-use undrift_report::{say as sentences, text};
+use undrift_report::{say as sentences, sentence, text};
 
 /// Navigate a drive: IMU and GNSS into position, velocity and attitude.
 ///
@@ -132,8 +132,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         navigate::navigate(&drive, arguments.bias_model, wanted)
             .map_err(|error| anyhow!(sentences::unsolved(error.findings(), error)))
     })?;
-    let result = report.result(arguments.bias_model, drive.result(&file));
-    let result = sentences::navigated(result, &report.summary, report.mounting.as_ref());
+    let about = drive.result(&file);
+    let result = report.result(arguments.bias_model, about, &sentence);
     print::judge(&result.findings);
     let shown = recording && arguments.result.write(&files, &results::text(&result))?;
     if !shown {

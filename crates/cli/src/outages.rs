@@ -20,7 +20,7 @@ use undrift::{
     replay::{Outage, STAMP_ROUNDING},
     results,
 };
-use undrift_report::{say as sentences, text};
+use undrift_report::{say as sentences, sentence, text};
 
 /// Cut GNSS repeatedly on a drive and measure how far each bias model drifts.
 ///
@@ -126,7 +126,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(found) = runs.find_map(|run| sentences::found(&run.summary.mountings)) {
         note(sentences::estimated(&found));
     }
-    let result = sentences::cut(logs.result(&file, &experiment));
+    let result = logs.result(&file, &experiment, &sentence);
     print::judge(&result.findings);
     let json = results::text(&result);
     if !arguments.result.write(&files, &json)? {

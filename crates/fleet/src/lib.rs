@@ -31,7 +31,6 @@ use std::{
     path::{Path, PathBuf},
 };
 use undrift_drive::{
-    findings::Finding,
     identify::{Settings, Trend},
     outages::Schedule,
     record::RecordFormat,
@@ -39,8 +38,7 @@ use undrift_drive::{
 use undrift_io::table::Column;
 use undrift_noise::BiasModel;
 
-/// What makes the sentence of a finding.
-pub type Say<'a> = &'a (dyn Fn(&Finding) -> String + Sync);
+pub use undrift_results::Say;
 
 /// One log and what is to be done with it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

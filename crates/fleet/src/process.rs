@@ -23,7 +23,7 @@ use undrift_drive::{
 };
 use undrift_io::{Opened, imu::ImuSource};
 use undrift_noise::{BiasModel, ImuModel, model_file::AXES};
-use undrift_results::{self as results, Cut, ModelErrors, Number, Numbers};
+use undrift_results::{self as results, Cut, ModelErrors, Number, Numbers, Statement};
 use undrift_tune::{
     self as tune,
     noise::{WALK, WHITE},
@@ -45,14 +45,14 @@ pub fn process(job: &Job, say: Say) -> FleetOutcome {
             Task::Navigate {
                 bias_models,
                 smooth,
-            } => navigate(job, bias_models, *smooth, &mut outcome),
+            } => navigate(job, bias_models, *smooth, &mut outcome, say),
             Task::Outages {
                 bias_models,
                 plan,
                 smooth,
-            } => outages(job, bias_models, plan, *smooth, &mut outcome),
+            } => outages(job, bias_models, plan, *smooth, &mut outcome, say),
             Task::Tune => tuned(job, &mut outcome),
-            Task::Identify(settings) => identify(job, settings, &mut outcome),
+            Task::Identify(settings) => identify(job, settings, &mut outcome, say),
         }
     });
     outcome.failed = failed.err().map(|error| reasons(&*error));
@@ -77,6 +77,7 @@ pub fn process(job: &Job, say: Say) -> FleetOutcome {
     for text in texts {
         *text = without_folders(text, &folders);
     }
+    let say = |found: &Finding| say(Statement::Finding(found));
     let sentences = outcome.findings.iter().map(say);
     outcome.warnings.splice(0..0, sentences);
     for row in &mut outcome.rows {
@@ -185,6 +186,7 @@ fn outages(
     plan: &OutagePlan,
     smooth: bool,
     outcome: &mut FleetOutcome,
+    say: Say,
 ) -> Result<(), Failure> {
     let drive = load(job, outcome)?;
     let hindsight = Hindsight::asked(false, smooth);
@@ -195,7 +197,7 @@ fn outages(
     outcome.findings = logs.findings(&experiment);
     for (name, run) in &experiment.runs {
         let found = match run {
-            Ok(run) => ModelErrors::from(&run.errors),
+            Ok(run) => run.errors.result(say),
             Err(error) => {
                 outcome.failed_parts.insert(name.clone(), reasons(error));
                 continue;
@@ -231,6 +233,7 @@ fn navigate(
     kinds: &[BiasModel],
     smooth: bool,
     outcome: &mut FleetOutcome,
+    say: Say,
 ) -> Result<(), Failure> {
     let drive = load(job, outcome)?;
     for kind in kinds {
@@ -240,7 +243,7 @@ fn navigate(
         };
         let name = kind.name().to_owned();
         let result = match navigate::navigate(&drive, *kind, wanted) {
-            Ok(report) => report.result(*kind, results::Drive::default()),
+            Ok(report) => report.result(*kind, results::Drive::default(), say),
             Err(error) => {
                 outcome.findings.extend(error.findings());
                 outcome.failed_parts.insert(name, reasons(&error));
@@ -303,6 +306,7 @@ fn identify(
     job: &Job,
     settings: &RecordSettings,
     outcome: &mut FleetOutcome,
+    say: Say,
 ) -> Result<(), Failure> {
     let path = job.path();
     let record = record::read(Opened::open(&path)?, &settings.format())?;
@@ -320,7 +324,7 @@ fn identify(
         return Err(problem.into());
     }
     let identified = identify::recordings(&[prepared], &settings, || {})?;
-    let result = identified.result(&job.log);
+    let result = identified.result(&job.log, say);
     for (name, _) in &identified.axes {
         let Some(axis) = result.axes.get(*name) else {
             continue;

@@ -28,7 +28,7 @@
 mod pass;
 mod recommend;
 
-pub use recommend::{Recommendation, Scored, recommend};
+pub use recommend::{Choice, Reason, Recommendation, Scored, recommend};
 
 use crate::composite::CompositeError;
 use crate::terms::present_mean;

@@ -22,6 +22,7 @@
 //! # Ok::<(), undrift_noise::ModelError>(())
 //! ```
 
+mod comments;
 mod equivalent;
 mod formats;
 mod poles;

@@ -30,6 +30,7 @@ mod screened;
 
 pub use axis::{Axis, Candidate, NotFitted, Origin};
 pub use pool::{Between, Difference, Pool, PoolError, Ratio, Sampled, Share, identify_pool};
+pub use remarks::{FitRemark, RecordRemark};
 pub use residuals::Residuals;
 pub use screened::Detrend;
 
@@ -37,7 +38,7 @@ use crate::{
     allan::{self, DeviationKind, Grid},
     arma::ArmaFit,
     correlation::{self, Partial},
-    drift_score::{self, HORIZONS_S, Scored},
+    drift_score::{self, HORIZONS_S, Reason, Scored},
     normality::{self, Normality},
     screening::{DeadBand, RecordError, Trend, bridge::inflation},
     spectrum,
@@ -204,7 +205,7 @@ const COVERAGE: f64 = 0.683;
 struct Prepared {
     samples: usize,
     screened: screened::Screened,
-    warnings: Vec<String>,
+    remarks: Vec<RecordRemark>,
     psd: spectrum::Density,
     lines: Vec<spectrum::Line>,
     allan: allan::Curve,
@@ -224,7 +225,7 @@ fn prepare(record: &[f64], options: &Options<'_>) -> Result<Prepared, IdentifyEr
     }
     horizons(record.len(), rate)?;
     let mut screened = screened::screened(record, options)?;
-    let warnings = remarks::of_record(&screened, record.len(), rate);
+    let remarks = remarks::of_record(&screened, record.len(), rate);
     // The spectrum shows the lines; everything else is of the record without them.
     let segment = spectrum::default_segment(record.len());
     let psd = spectrum::welch(&screened.bridged, rate, segment)?;
@@ -246,7 +247,7 @@ fn prepare(record: &[f64], options: &Options<'_>) -> Result<Prepared, IdentifyEr
         samples: record.len(),
         temperature,
         screened,
-        warnings,
+        remarks,
         psd,
         lines,
         allan,
@@ -320,7 +321,7 @@ fn conclude(
     let first = all.next().ok_or(IdentifyError::NoCandidate)?;
     let Prepared {
         screened,
-        mut warnings,
+        remarks,
         psd,
         lines,
         ..
@@ -353,8 +354,6 @@ fn conclude(
         true => Vec::new(),
         false => candidates::intervals(&task, chosen),
     };
-    let said = chosen.warnings.iter();
-    warnings.extend(said.map(|warning| format!("{}: {warning}", chosen.name)));
     let mut fits = candidates.iter().filter_map(Candidate::arma);
     let one_one = fits.find(|fit| fit.order() == (1, 1));
     let ma_root = one_one.and_then(|fit| fit.ma.first().copied());
@@ -397,14 +396,14 @@ fn conclude(
         reason,
         candidates,
         not_fitted: tried.not_fitted,
-        warnings,
+        remarks,
     };
     Ok((axis, cleaned))
 }
 
 /// Position of the candidate that is recommended, and why; of methods of the literature none is, nor a model whose slow part is the
 /// mean that was removed.
-fn recommended(candidates: &[Candidate]) -> Option<(usize, String)> {
+fn recommended(candidates: &[Candidate]) -> Option<(usize, Reason)> {
     let is_mean = |of: &Candidate| of.arma().is_some_and(ArmaFit::is_removed_mean);
     let own = candidates.iter().enumerate();
     let own = own.filter(|(_, candidate)| !candidate.compared && !is_mean(candidate));

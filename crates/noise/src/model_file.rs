@@ -37,10 +37,13 @@
 //! [`undrift_nav::units`] for what is understood.
 
 mod read;
+mod reason;
 mod table;
 #[cfg(test)]
 mod tests;
 mod write;
+
+pub use reason::reason;
 
 use crate::composite::GaussMarkov;
 use crate::presets;

@@ -38,7 +38,7 @@ use serde::{Deserialize, Serialize};
 pub use adf::{Adf, Lags, adf};
 pub use kpss::{Kpss, KpssLags, kpss};
 pub use phillips_perron::{PhillipsPerron, phillips_perron};
-pub use verdict::{Conclusion, Verdict, verdict};
+pub use verdict::{Conclusion, Verdict, Weighed, verdict};
 
 /// Deterministic part of a test regression, beside the lags.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -7,7 +7,7 @@ use undrift::{
     fleet::{self, FleetOutcome, Gathering, Job, Lookup, Manifest},
     results::{self, Results},
 };
-use undrift_report::{document, html, say};
+use undrift_report::{document, html, sentence};
 
 fn manifest(text: &str, file: &str) -> PyResult<Manifest> {
     Manifest::from_toml(text, file, |_| {}).map_err(error)
@@ -68,7 +68,7 @@ pub fn fleet_fingerprint(py: Python<'_>, job: &str) -> PyResult<String> {
 #[pyfunction]
 pub fn fleet_process(py: Python<'_>, job: &str, threads: usize) -> PyResult<String> {
     let job = parse(job)?;
-    let outcome = py.detach(|| fleet::process_on(&job, threads, &say::say));
+    let outcome = py.detach(|| fleet::process_on(&job, threads, &sentence));
     Ok(outcome.map_err(error)?.to_json())
 }
 

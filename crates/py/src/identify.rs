@@ -16,7 +16,7 @@ use undrift::{
     record::{self, Record, RecordFormat},
     results,
 };
-use undrift_report::{say, verdict};
+use undrift_report::{say, sentence, verdict};
 
 /// An identified record; `undrift.Identified` wraps it.
 #[pyclass(frozen, module = "undrift._undrift")]
@@ -163,7 +163,7 @@ impl Identified {
     /// Everything as JSON, and the verdict.
     fn result(&self, py: Python<'_>) -> (String, Verdict) {
         py.detach(|| {
-            let result = self.found.result(&self.name);
+            let result = self.found.result(&self.name, &sentence);
             (
                 results::text(&result),
                 (result.verdict().name(), verdict::identify(&result)),

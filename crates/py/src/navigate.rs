@@ -19,7 +19,7 @@ use undrift::{
     results,
     usability::Usability,
 };
-use undrift_report::{say, text, verdict};
+use undrift_report::{say, sentence, text, verdict};
 
 /// The verdict in a word, and the line that says why.
 pub type Verdict = (&'static str, String);
@@ -69,8 +69,7 @@ pub fn navigate<'py>(
         let report = navigation::navigate(&drive.drive, kind, wanted)
             .map_err(|error| say::unsolved(error.findings(), error))?;
         let about = drive.drive.result(&drive.file);
-        let result = report.result(kind, about);
-        let mut result = say::navigated(result, &report.summary, report.mounting.as_ref());
+        let mut result = report.result(kind, about, &sentence);
         let json = results::text(&result);
         result.series = None;
         let brief = results::text(&result);
@@ -134,7 +133,7 @@ pub fn outages<'py>(
         let experiment = logs.compare(&compared, &cuts, hindsight, &|samples| {
             counted.add(samples);
         })?;
-        let result = say::cut(logs.result(&drive.file, &experiment));
+        let result = logs.result(&drive.file, &experiment, &sentence);
         Ok::<_, Failure>((experiment.runs, result))
     };
     let (outcomes, result) =

@@ -5,6 +5,7 @@ use crate::error::error;
 use pyo3::prelude::*;
 use undrift::noise::screening::RecordError;
 use undrift::noise::stationarity::{self, Conclusion, Deterministic, KpssLags, Lags};
+use undrift_report::say;
 
 /// A number of lags, or the name of the rule that chooses it.
 #[derive(FromPyObject)]
@@ -213,7 +214,7 @@ pub fn verdict(
             Conclusion::NothingSlowSeen => "no slow part detected",
             Conclusion::SlowPartSeen => "slow part detected",
         },
-        sentence: verdict.sentence,
+        sentence: say::stationarity(&verdict),
         adf: adf.into(),
         kpss: kpss.into(),
         phillips_perron: phillips_perron.into(),

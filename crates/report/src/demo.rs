@@ -7,11 +7,10 @@ use super::{
     parts::{Run, points, prefixed, quartiles, spoken_list, text},
     plain::{Mark, plain_table},
 };
-use std::path::Path;
 use undrift_results::{
     CutLength, Demo, DemoModel, Drive, Estimate, Number, OutageSeries, Outages, PooledErrors,
     Usability,
-    demo::{BOUND, PAPER, PAPER_EXACT, PRESET, RECOMMENDED, REST, UNCALIBRATED, WHITE},
+    demo::{BOUND, PAPER, PAPER_EXACT, RECOMMENDED, REST, UNCALIBRATED, WHITE},
 };
 
 /// What each model is.
@@ -301,18 +300,8 @@ fn estimate(of: Estimate) -> String {
     }
 }
 
-/// The demo with its conclusion; `record` is what the static recording is called.
-pub fn concluded(mut result: Demo, record: &Path) -> Demo {
-    result.identification.record = match result.recorded {
-        true => record.display().to_string(),
-        false => format!("Simulated static recording of {PRESET}"),
-    };
-    result.conclusion = conclusion(&result);
-    result
-}
-
 /// How many times less the recommended model drifts than white noise, in one sentence.
-fn conclusion(demo: &Demo) -> String {
+pub(crate) fn conclusion(demo: &Demo) -> String {
     let lengths = demo.lengths.iter().filter_map(|of| {
         let less = of.models.get(RECOMMENDED)?.less_than_white;
         let [low, high] = less.interval;

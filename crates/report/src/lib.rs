@@ -23,6 +23,7 @@ mod parts;
 mod plain;
 mod read;
 pub mod say;
+mod sentence;
 mod shown;
 mod tables;
 pub mod text;
@@ -47,10 +48,10 @@ pub mod verdict {
 
 pub use crate::figure::panel::{Panel, PlotAxis, Series};
 pub use compare::{document, of_results};
-pub use demo::concluded;
 pub use document::{Block, Cell, Document, Figure, Section, Table};
 pub use numbers::short;
 pub use read::read;
+pub use sentence::sentence;
 pub use tables::ReportFormat;
 
 #[cfg(test)]

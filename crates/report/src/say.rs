@@ -4,9 +4,9 @@
 
 mod cut;
 mod event;
-mod fill;
 mod fixes;
 mod logs;
+mod noise;
 mod recording;
 mod sensors;
 mod solution;
@@ -14,10 +14,12 @@ mod start;
 mod words;
 
 pub use event::event;
-pub use fill::{cut, navigated};
+pub use noise::{arma, stationarity};
+pub(crate) use noise::{fit, record};
 pub use recording::{guessed, refused, repeated, slower, stamps};
 pub(crate) use solution::usable;
 pub use solution::{cause, ended, hindsight, verdict};
+pub(crate) use start::mounted;
 pub use start::{alignment, estimated, found, mounting, unsolved};
 
 use undrift_results::findings::Finding;

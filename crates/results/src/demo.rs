@@ -50,7 +50,7 @@ pub struct Demo {
     pub cuts: Vec<Cut>,
     /// The source paper's tables and figures, where they were asked for.
     pub paper: Option<Paper>,
-    /// The conclusion in a sentence; filled in where results are shown.
+    /// The conclusion in a sentence.
     pub conclusion: String,
 }
 

@@ -22,6 +22,7 @@ mod navigate;
 mod number;
 mod outages;
 pub mod recording;
+mod say;
 pub mod series;
 mod text;
 mod tune;
@@ -57,6 +58,7 @@ pub use outages::{
     Cut, Drift, LeftOutCut, ModelErrors, NisOfParts, NoiseModelRun, OutageErrors, OutageSeries,
     Outages,
 };
+pub use say::{Say, Statement};
 pub use text::text;
 pub use tune::{Tune, TunedDrift, TunedParameter, TunedVibration};
 pub use usability::Usability;

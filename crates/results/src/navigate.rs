@@ -31,7 +31,7 @@ pub struct Navigate {
     /// Whose times the solution has: "imu", those of the samples as stamped; "gnss", those of the fixes; "unstated", those of the
     /// samples, and the standard deviations contain by how much they differ from those of the fixes.
     pub clock: String,
-    /// The mounting in words, where it was estimated; filled in where results are shown.
+    /// The mounting in words, where it was estimated.
     pub mounting: Option<String>,
     /// Innovations of the positions.
     pub position: Nis,
@@ -57,7 +57,7 @@ pub struct Navigate {
     /// What was found out about logs and solution.
     #[serde(deserialize_with = "known_findings")]
     pub findings: Vec<Finding>,
-    /// The same in sentences; filled in where results are shown.
+    /// The same in sentences.
     pub warnings: Vec<String>,
     /// For plots.
     pub series: Option<NavigateSeries>,
@@ -110,7 +110,7 @@ pub struct Summary {
     pub align_samples: u64,
     /// When navigation began \[s\].
     pub started: Number,
-    /// How the first attitude was found, in words; filled in where results are shown.
+    /// How the first attitude was found, in words.
     pub alignment: String,
     /// Time of the last sample \[s\].
     pub ended: Number,

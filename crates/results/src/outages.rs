@@ -49,7 +49,7 @@ pub struct Outages {
     /// What was found out about the logs.
     #[serde(deserialize_with = "known_findings")]
     pub findings: Vec<Finding>,
-    /// The same in sentences; filled in where results are shown.
+    /// The same in sentences.
     pub warnings: Vec<String>,
     /// For plots.
     pub series: OutageSeries,
@@ -118,7 +118,7 @@ pub struct ModelErrors {
         deserialize_with = "known_finding"
     )]
     pub finding: Option<Finding>,
-    /// The same as a sentence; filled in where results are shown.
+    /// The same as a sentence.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
 }

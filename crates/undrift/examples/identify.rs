@@ -8,6 +8,7 @@ use std::error::Error;
 use std::path::Path;
 use undrift::identify::{self, Settings};
 use undrift::io::Opened;
+use undrift::noise::model_file;
 use undrift::record::{self, RecordFormat};
 use undrift::{Identified, ImuModel};
 
@@ -32,7 +33,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         match axis {
             // The drift that each candidate leaves on the second half decides, not a likelihood.
             Ok(axis) => {
-                eprintln!("{name}: {}. {}", axis.recommended().name, axis.reason);
+                let reason = model_file::reason(&axis.reason);
+                eprintln!("{name}: {}. {reason}", axis.recommended().name);
                 for score in &axis.recommended().score {
                     eprintln!("  after {} s: {:.3e}", score.horizon_s, score.rms);
                 }

@@ -1,5 +1,7 @@
 //! A recording at rest, as rows in memory, to a noise model: `cargo run --release -p undrift --example identify_record`.
-use undrift::{BiasModel, ImuModel, Trajectory, identify, simulate, simulate::GnssNoise};
+use undrift::{
+    BiasModel, ImuModel, Trajectory, identify, noise::model_file, simulate, simulate::GnssNoise,
+};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (rate_hz, sensor) = (50.0, ImuModel::preset("mpu6050").ok_or("no such preset")?);
@@ -12,7 +14,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let found = identify(&rows, rate_hz)?;
     println!("# {}", found.verdict);
     for (name, axis) in found.identified.axes {
-        println!("# {name}: {}", axis?.reason);
+        println!("# {name}: {}", model_file::reason(&axis?.reason));
     }
     print!("{}", found.model.to_toml());
     Ok(())

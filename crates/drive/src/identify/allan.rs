@@ -79,7 +79,8 @@ mod tests {
         };
         let alone = allan_deviations(&prepared, &settings);
         let options = settings.options(&prepared.record, prepared.rate_hz);
-        let all = run(&prepared.record, &options, || ()).result("one");
+        let all = run(&prepared.record, &options, || ());
+        let all = all.result("one", &|of| format!("{of:?}"));
         assert_eq!((alone.rate_hz, &alone.record), (all.rate_hz, &all.record));
         for (name, unit) in [("gyro_x", "rad/s"), ("accel_z", "m/s^2")] {
             let (alone, all) = (&alone.axes[name], &all.axes[name]);

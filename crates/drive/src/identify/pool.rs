@@ -7,7 +7,9 @@ use super::{
 use crate::record::own_values;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use undrift_base::{number::rounded, parallel};
-use undrift_noise::identify::{self as noise, Between, IdentifyError, Sampled, Share};
+use undrift_noise::identify::{
+    self as noise, Between, IdentifyError, RecordRemark, Sampled, Share,
+};
 use undrift_results::{
     self as results, AxisPool, Differing, Number, PooledRecord, RecordShare, by_name,
 };
@@ -108,12 +110,7 @@ pub(super) fn run_pool(
     for (name, found, series) in found {
         identified.series.push(series);
         match found {
-            Ok((mut axis, pool)) => {
-                for (pooled, share) in records.iter().zip(&pool.records) {
-                    let of_it = share.warnings.iter();
-                    axis.warnings
-                        .extend(of_it.map(|text| format!("{}: {text}", pooled.name)));
-                }
+            Ok((axis, pool)) => {
                 identified.axes.push((name, Ok(axis)));
                 axes.push((name, pool));
             }
@@ -185,6 +182,16 @@ impl Pool {
             .iter()
             .find(|(axis, _)| *axis == name)
             .map(|(_, axis)| axis)
+    }
+
+    /// Remarks on the records of an axis but the longest, each with the name of its record.
+    pub(super) fn remarks(&self, name: &str) -> impl Iterator<Item = (&str, &RecordRemark)> {
+        let shares = self.axis(name).into_iter().flat_map(|axis| &axis.records);
+        let named = self.records.iter().zip(shares);
+        named.flat_map(|((record, _), share)| {
+            let remarks = share.remarks.iter();
+            remarks.map(move |remark| (record.as_str(), remark))
+        })
     }
 
     /// Whether no record differs from the others.

@@ -6,18 +6,18 @@ use undrift_noise::{
     arma::Selection,
     composite::{Parameter, ParameterInterval},
     drift_score::HorizonScore,
-    identify::{Axis, Candidate, GRID_ORDER, Origin as Found},
+    identify::{Axis, Candidate, GRID_ORDER, Origin as Found, RecordRemark},
     pandit_wu::{PAPER_CRITICAL, PanditWu},
     temperature::{Estimate, NORMAL_95},
 };
 use undrift_results::{
     self as results, Adf, Allan, ArmaOrigin, BoxJenkins, GridFit, Identify, Number, Numbers,
-    OrderRow, OrderTest, Origin, PanditWuOrders, SCHEMA, VERSION, by_name, numbers,
+    OrderRow, OrderTest, Origin, PanditWuOrders, SCHEMA, Say, Statement, VERSION, by_name, numbers,
 };
 
 impl Identified {
-    /// The result under its schema, without sentences; `record` is the name of the record.
-    pub fn result(&self, record: &str) -> Identify {
+    /// The result under its schema; `record` is the name of the record, `say` makes the sentences: `undrift_report::sentence`.
+    pub fn result(&self, record: &str, say: Say<'_>) -> Identify {
         let axes = self
             .axes
             .iter()
@@ -25,7 +25,11 @@ impl Identified {
             .map(|((name, found), series)| {
                 let axis = match found {
                     Ok(found) => {
-                        let mut axis = axis(name, found);
+                        let mut axis = axis(name, found, say);
+                        let others = self.pool.iter().flat_map(|pool| pool.remarks(name));
+                        axis.warnings.extend(others.map(|(record, remark)| {
+                            format!("{record}: {}", say(Statement::Record(remark)))
+                        }));
                         if let Some(turn_on) = self.pool.as_ref().and_then(|p| p.turn_on(name)) {
                             axis.chosen.turn_on = turn_on.with(0.0).into();
                         }
@@ -55,7 +59,7 @@ impl Identified {
     }
 }
 
-fn axis(name: &str, axis: &Axis) -> results::Axis {
+fn axis(name: &str, axis: &Axis, say: Say<'_>) -> results::Axis {
     let normal = &axis.normality;
     let ranking = axis.ranking().into_iter();
     let by_rule = axis.adf_chosen.iter();
@@ -78,7 +82,7 @@ fn axis(name: &str, axis: &Axis) -> results::Axis {
         },
         kpss: axis.kpss,
         phillips_perron: axis.phillips_perron,
-        stationarity: axis.stationarity.sentence.clone(),
+        stationarity: say(Statement::Stationarity(&axis.stationarity)),
         jarque_bera: normal.jarque_bera,
         ks: normal.ks,
         lilliefors: normal.lilliefors,
@@ -100,15 +104,22 @@ fn axis(name: &str, axis: &Axis) -> results::Axis {
         }),
         box_jenkins: axis.box_jenkins.as_ref().map(box_jenkins),
         scales: axis.scales.clone(),
-        candidates: axis.candidates.iter().map(candidate).collect(),
-        not_fitted: axis.not_fitted.iter().map(not_fitted).collect(),
+        candidates: (axis.candidates.iter())
+            .map(|one| candidate(one, say))
+            .collect(),
+        not_fitted: (axis.not_fitted.iter())
+            .map(|method| results::NotFitted {
+                name: method.name.clone(),
+                reason: say(Statement::NotFitted(&method.reason)),
+            })
+            .collect(),
         ranking: ranking.map(|i| axis.candidates[i].name.clone()).collect(),
         chosen: results::Candidate {
-            reason: Some(axis.reason.clone()),
-            ..candidate(axis.recommended())
+            reason: Some(say(Statement::Recommended(&axis.reason))),
+            ..candidate(axis.recommended(), say)
         },
         intervals: intervals(axis),
-        warnings: axis.warnings.clone(),
+        warnings: warnings(axis, say),
         series: results::AxisSeries::default(),
     }
 }
@@ -209,7 +220,21 @@ fn box_jenkins(selection: &Selection) -> BoxJenkins {
     }
 }
 
-fn candidate(candidate: &Candidate) -> results::Candidate {
+/// Of the record, and of the recommended model under its name.
+fn warnings(axis: &Axis, say: Say<'_>) -> Vec<String> {
+    let chosen = axis.recommended();
+    let of_fit = remarks(chosen, say);
+    let of_fit = of_fit.map(|remark| format!("{}: {remark}", chosen.name));
+    let of_record = axis.remarks.iter();
+    let of_record = of_record.map(|remark: &RecordRemark| say(Statement::Record(remark)));
+    of_record.chain(of_fit).collect()
+}
+
+fn remarks<'a>(of: &'a Candidate, say: Say<'a>) -> impl Iterator<Item = String> + 'a {
+    of.remarks.iter().map(|remark| say(Statement::Fit(remark)))
+}
+
+fn candidate(candidate: &Candidate, say: Say<'_>) -> results::Candidate {
     let by_horizon = |of: fn(&HorizonScore) -> f64| -> Numbers {
         let scores = candidate.score.iter();
         by_name(scores.map(|s| (s.horizon_s.round().to_string(), of(s))))
@@ -229,7 +254,7 @@ fn candidate(candidate: &Candidate) -> results::Candidate {
         drift_score: by_horizon(|s| s.rms),
         drift_score_error: by_horizon(|s| s.standard_error),
         drift_predicted: by_horizon(|s| s.predicted_rms),
-        warnings: candidate.warnings.clone(),
+        warnings: remarks(candidate, say).collect(),
         p: arma.map(|a| a.ar.len() as u64),
         q: arma.map(|a| a.ma.len() as u64),
         ar: arma.map(|a| values(&a.ar)),
@@ -244,13 +269,6 @@ fn candidate(candidate: &Candidate) -> results::Candidate {
         method: method.into(),
         origin,
         reason: None,
-    }
-}
-
-fn not_fitted(found: &undrift_noise::identify::NotFitted) -> results::NotFitted {
-    results::NotFitted {
-        name: found.name.clone(),
-        reason: found.reason.clone(),
     }
 }
 

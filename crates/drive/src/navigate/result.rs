@@ -8,17 +8,18 @@ use crate::{
 };
 use undrift_noise::BiasModel;
 use undrift_results::{
-    Drive, FixErrors, Keyed, Navigate, Nis, Number, Parameter, SCHEMA, StdFactors, Summary,
-    VERSION, by_name,
+    Drive, FixErrors, Keyed, Navigate, Nis, Number, Parameter, SCHEMA, Say, Statement, StdFactors,
+    Summary, VERSION, by_name,
 };
 
 /// Components of a velocity.
 const AXES: [&str; 3] = ["north", "east", "down"];
 
 impl Report {
-    /// The result under its schema, without sentences; `drive` describes what was navigated.
-    pub fn result(&self, kind: BiasModel, drive: Drive) -> Navigate {
+    /// The result under its schema; `drive` describes what was navigated, `say` makes the sentences: `undrift_report::sentence`.
+    pub fn result(&self, kind: BiasModel, drive: Drive, say: Say<'_>) -> Navigate {
         let s = &self.summary;
+        let findings = self.findings();
         let skipped = [
             ("imu", &self.imu_skipped),
             ("gnss", &self.gnss_skipped),
@@ -35,7 +36,7 @@ impl Report {
             smooth: self.hindsight == Hindsight::Smooth,
             look_ahead: self.hindsight != Hindsight::Causal,
             clock: self.clock.name().into(),
-            mounting: None,
+            mounting: self.mounted().map(say),
             position: nis(&s.innovations[Aid::Position]),
             velocity: nis(&s.innovations[Aid::Velocity]),
             std_factors: StdFactors { position, velocity },
@@ -46,12 +47,22 @@ impl Report {
             ),
             compared_samples: self.rmse.as_ref().map(|(_, n)| *n),
             skipped: skipped.into(),
-            summary: summary(s),
+            summary: summary(s, say),
             windows: s.windows.iter().copied().collect(),
-            findings: self.findings(),
-            warnings: Vec::new(),
+            warnings: findings.iter().map(Statement::Finding).map(say).collect(),
+            findings,
             series: (self.recording.as_ref()).map(|recording| recording.series(&s.windows)),
         }
+    }
+
+    /// The last of the mountings found on the way, else the one that was estimated before.
+    fn mounted(&self) -> Option<Statement<'_>> {
+        let on_the_way = &self.summary.mountings;
+        let (since, mounting) = match (on_the_way.first(), on_the_way.last()) {
+            (Some((since, _)), Some((_, last))) => (Some(*since), last),
+            _ => (None, self.mounting.as_ref()?),
+        };
+        Some(Statement::Mounting { mounting, since })
     }
 }
 
@@ -78,7 +89,7 @@ fn fix_errors((time, errors): &(f64, fix_errors::FixErrors)) -> FixErrors {
     }
 }
 
-fn summary(s: &replay::Summary) -> Summary {
+fn summary(s: &replay::Summary, say: Say<'_>) -> Summary {
     let parameter = |(kind, value, std): &(_, Vec<f64>, Vec<f64>)| {
         let [value, std] = [value, std].map(|values| values.iter().copied().map(Number).collect());
         (format!("{kind:?}"), Parameter { value, std })
@@ -88,7 +99,9 @@ fn summary(s: &replay::Summary) -> Summary {
         samples: s.samples,
         align_samples: s.align_samples,
         started: s.started.into(),
-        alignment: String::new(),
+        alignment: (s.alignment.as_ref())
+            .map(|how| say(Statement::Alignment(how)))
+            .unwrap_or_default(),
         ended: s.ended.into(),
         fixes: s.fixes,
         withheld: s.withheld,

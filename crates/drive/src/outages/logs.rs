@@ -17,7 +17,7 @@ use crate::{
 use std::path::Path;
 use undrift_io::skipped::Skipped;
 use undrift_nav::sample::{GnssFix, ImuSample, TruthSample};
-use undrift_results::{self, Outages};
+use undrift_results::{self, Outages, Say, Statement};
 
 /// A drive and all records of its logs in memory. Every model is run on the same.
 pub struct Logs {
@@ -180,8 +180,9 @@ impl Logs {
         findings::ranked(findings::of_model(found, self.drive.model.as_ref()))
     }
 
-    /// The experiment as a result; `file` is the drive file.
-    pub fn result(&self, file: &Path, experiment: &Experiment) -> Outages {
+    /// The experiment as a result; `file` is the drive file, `say` makes the sentences: `undrift_report::sentence`.
+    pub fn result(&self, file: &Path, experiment: &Experiment, say: Say<'_>) -> Outages {
+        let findings = self.findings(experiment);
         let hindsight = experiment.hindsight;
         let [withheld, rejected] = experiment.withheld;
         Outages {
@@ -192,9 +193,10 @@ impl Logs {
             left_out: experiment.left_out.iter().map(Into::into).collect(),
             withheld,
             rejected,
-            findings: self.findings(experiment),
+            warnings: findings.iter().map(Statement::Finding).map(say).collect(),
+            findings,
             noise_models: experiment.noise_models(),
-            ..result(&experiment.cuts, &experiment.runs, &self.track())
+            ..result(&experiment.cuts, &experiment.runs, &self.track(), say)
         }
     }
 }

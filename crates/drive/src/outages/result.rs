@@ -10,13 +10,18 @@ use crate::{
 };
 use undrift_nav::sample::{GnssFix, Position, TruthSample};
 use undrift_results::{
-    Drift, ModelErrors, NisOfParts, Number, Numbers, OutageErrors, Outages, SCHEMA, Track, VERSION,
-    by_name, numbers,
+    Drift, ModelErrors, NisOfParts, Number, Numbers, OutageErrors, Outages, SCHEMA, Say, Statement,
+    Track, VERSION, by_name, numbers,
     series::{ROWS, Thinned, to_digits, to_millimetre, to_millisecond},
 };
 
-/// Errors in the outages as a result, model by model, on the ground track `track`.
-pub fn result(outages: &[Outage], results: &[ModelOutcome], track: &[TruthSample]) -> Outages {
+/// Errors in the outages as a result, model by model, on the ground track `track`; `say` makes the sentences.
+pub fn result(
+    outages: &[Outage],
+    results: &[ModelOutcome],
+    track: &[TruthSample],
+    say: Say<'_>,
+) -> Outages {
     let mut result = Outages {
         undrift: VERSION.into(),
         schema: SCHEMA,
@@ -33,7 +38,7 @@ pub fn result(outages: &[Outage], results: &[ModelOutcome], track: &[TruthSample
             }
         };
         result.order.push(name.clone());
-        result.models.insert(name.clone(), (&run.errors).into());
+        result.models.insert(name.clone(), run.errors.result(say));
         let sums = &run.summary;
         let nis = NisOfParts {
             position: sums.innovations[Aid::Position].per_dof().into(),
@@ -46,8 +51,9 @@ pub fn result(outages: &[Outage], results: &[ModelOutcome], track: &[TruthSample
     result
 }
 
-impl From<&errors::ModelErrors> for ModelErrors {
-    fn from(errors: &errors::ModelErrors) -> Self {
+impl errors::ModelErrors {
+    /// As a result; `say` makes the sentence.
+    pub fn result(&self, say: Say<'_>) -> ModelErrors {
         let outage = |outage: &errors::OutageErrors| OutageErrors {
             start_s: outage.start_s.into(),
             max: outage.max.numbers(),
@@ -55,20 +61,21 @@ impl From<&errors::ModelErrors> for ModelErrors {
             sigma: outage.sigma.numbers(),
             nees: by_group(&outage.nees),
         };
-        Self {
-            max: errors.max.numbers(),
-            rms: errors.rms.numbers(),
-            median: errors.median.numbers(),
-            end_rms: errors.end_rms.numbers(),
-            nees: by_group(&errors.nees),
+        let finding = self.finding.clone();
+        ModelErrors {
+            max: self.max.numbers(),
+            rms: self.rms.numbers(),
+            median: self.median.numbers(),
+            end_rms: self.end_rms.numbers(),
+            nees: by_group(&self.nees),
             inside_sigma: by_name(GROUPS.iter().enumerate().filter_map(|(group, (name, _))| {
-                let shares = errors.coverage.shares(group)?;
+                let shares = self.coverage.shares(group)?;
                 Some((*name, shares.map(Number)))
             })),
-            left_out: errors.left_out as u64,
-            per_outage: errors.per_outage.iter().map(outage).collect(),
-            finding: errors.finding.clone(),
-            warning: None,
+            left_out: self.left_out as u64,
+            per_outage: self.per_outage.iter().map(outage).collect(),
+            warning: finding.as_ref().map(|found| say(Statement::Finding(found))),
+            finding,
         }
     }
 }

@@ -8,14 +8,14 @@ use undrift_drive::{
 };
 use undrift_noise::arma::ArmaFit;
 use undrift_results::{
-    self as results, Curve, CutLength, DemoModel, Drift, OneOne, SCHEMA, ScanPoint, VERSION,
-    by_name, numbers,
+    self as results, Curve, CutLength, DemoModel, Drift, OneOne, SCHEMA, Say, ScanPoint, Statement,
+    VERSION, by_name, numbers,
     series::{to_digits, to_millimetre, to_millisecond},
 };
 
 impl Demo {
-    /// Everything as a result but for its sentences.
-    pub fn result(&self) -> results::Demo {
+    /// Everything as a result; `say` makes the sentences: `undrift_report::sentence`.
+    pub fn result(&self, say: Say<'_>) -> results::Demo {
         let models = self.models.iter().map(|(name, without)| DemoModel {
             name: (*name).into(),
             bound: *name == BOUND,
@@ -27,19 +27,28 @@ impl Demo {
             models: self.by_name(of),
         });
         let (truth, cuts) = &self.first;
-        results::Demo {
+        let recorded = matches!(self.experiment.source, Source::Recorded { .. });
+        let record = match recorded {
+            true => self.record.name.display().to_string(),
+            false => format!("Simulated static recording of {PRESET}"),
+        };
+        let result = results::Demo {
             undrift: VERSION.into(),
             schema: SCHEMA,
             seed: self.experiment.seed,
             drives: self.experiment.drives as u64,
-            recorded: matches!(self.experiment.source, Source::Recorded { .. }),
-            identification: self.identified.result(PRESET),
+            recorded,
+            identification: self.identified.result(&record, say),
             models: models.collect(),
             lengths: lengths.collect(),
             track: thinned_track(truth),
             cuts: cuts.first().into_iter().flatten().map(Into::into).collect(),
             paper: self.paper.as_ref().map(Into::into),
             conclusion: String::new(),
+        };
+        results::Demo {
+            conclusion: say(Statement::Demo(&result)),
+            ..result
         }
     }
 

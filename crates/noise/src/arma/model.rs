@@ -2,7 +2,6 @@
 
 use super::{ArmaError, kalman, polynomial::inverse_roots};
 use realfft::num_complex::Complex64;
-use std::fmt;
 
 /// A moving-average root is on the unit circle where it is closer than this over N: the mean of N samples takes out what is slower.
 const ON_CIRCLE: f64 = 10.0;
@@ -142,40 +141,6 @@ pub enum Warning {
     NotConverged,
     /// Fewer than ten samples a parameter.
     ShortRecord,
-}
-
-impl fmt::Display for Warning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NearCancelling {
-                distance,
-                standard_error: Some(error),
-            } => write!(
-                f,
-                "an autoregressive and a moving-average root nearly cancel: {distance:.2e} apart with a standard error of {error:.1e}"
-            ),
-            Self::NearCancelling { distance, .. } => write!(
-                f,
-                "an autoregressive and a moving-average root nearly cancel: {distance:.2e} apart"
-            ),
-            Self::FlatLikelihood => f.write_str(
-                "the likelihood is flat in some direction: the coefficients are poorly determined, but their predictions are not",
-            ),
-            Self::UnitRoot { distance } => write!(
-                f,
-                "an autoregressive root is indistinguishable from 1 ({distance:.1e} away): effectively a random walk"
-            ),
-            Self::MovingAverageUnitRoot { distance } => write!(
-                f,
-                "a moving-average root is indistinguishable from the unit circle ({distance:.1e} away)"
-            ),
-            Self::NoStandardErrors => {
-                f.write_str("no standard errors: the likelihood is singular at its maximum")
-            }
-            Self::NotConverged => f.write_str("the search stopped before reaching its tolerance"),
-            Self::ShortRecord => f.write_str("fewer than ten samples per parameter"),
-        }
-    }
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ const FEWEST: usize = 4;
 /// A candidate with its scores.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scored {
-    /// Name, for the reason given.
+    /// Name.
     pub name: String,
     /// States of its shaping filter.
     pub states: usize,
@@ -38,8 +38,40 @@ pub struct Scored {
 pub struct Recommendation {
     /// Position of the candidate chosen.
     pub index: usize,
-    /// Why, in one sentence.
-    pub reason: String,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// Why a candidate is recommended; its sentence is [`crate::model_file::reason`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reason {
+    /// Name of the candidate.
+    pub name: String,
+    /// States of its shaping filter.
+    pub states: usize,
+    /// Fitted parameters.
+    pub parameters: usize,
+    /// The horizons that were compared \[s\].
+    pub horizons_s: Vec<f64>,
+    /// What decided.
+    pub choice: Choice,
+}
+
+/// What decides for a candidate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Choice {
+    /// It drifts least at every horizon, and no simpler candidate is as likely.
+    LeastDrift,
+    /// It is the simplest of the likeliest candidates within the sampling error of the least drift.
+    Simplest {
+        /// How far its drift is above the least, at the worst horizon \[%\].
+        excess_percent: f64,
+    },
+    /// No candidate is within the sampling error of the least drift at all horizons: this one is the nearest.
+    LeastExcess {
+        /// How far its drift is above the least, at the worst horizon \[%\].
+        excess_percent: f64,
+    },
 }
 
 /// Standard error of the mean of the batches; 0 of fewer than two.
@@ -114,52 +146,32 @@ pub fn recommend(candidates: &[Scored]) -> Option<Recommendation> {
         .iter()
         .filter(|(_, c)| good(c) && likely(c))
         .min_by_key(|(_, c)| (c.parameters, c.states));
-    let percent = |ratio: f64| 100.0 * (ratio - 1.0);
-    let counted = |n: usize, what: &str| match n {
-        1 => format!("1 {what}"),
-        _ => format!("{n} {what}s"),
+    let recommended = |index: usize, chosen: &Scored, choice| Recommendation {
+        index,
+        reason: Reason {
+            name: chosen.name.clone(),
+            states: chosen.states,
+            parameters: chosen.parameters,
+            horizons_s: best[0].horizons.iter().map(|h| h.horizon_s).collect(),
+            choice,
+        },
     };
-    let sizes = |c: &Scored| {
-        let (states, parameters) = (
-            counted(c.states, "state"),
-            counted(c.parameters, "parameter"),
-        );
-        format!("{states}, {parameters}")
-    };
-    let span: Vec<String> = best[0]
-        .horizons
-        .iter()
-        .map(|h| format!("{}", h.horizon_s))
-        .collect();
-    let span = span.join(", ");
+    let excess = |c: &Scored| 100.0 * (worst(c) - 1.0);
     if let Some(&(index, chosen)) = simplest {
-        let reason = if best.iter().all(|b| std::ptr::eq(*b, chosen)) {
-            format!(
-                "{} ({}) drifts least at {span} s, and no simpler candidate is as likely.",
-                chosen.name,
-                sizes(chosen)
-            )
+        let choice = if best.iter().all(|b| std::ptr::eq(*b, chosen)) {
+            Choice::LeastDrift
         } else {
-            format!(
-                "{} ({}) is the simplest of the likeliest candidates whose drift at {span} s is within the sampling error of the least (at most {:.1} % above it).",
-                chosen.name,
-                sizes(chosen),
-                percent(worst(chosen))
-            )
+            let excess_percent = excess(chosen);
+            Choice::Simplest { excess_percent }
         };
-        return Some(Recommendation { index, reason });
+        return Some(recommended(index, chosen, choice));
     }
     let least = usable
         .iter()
         .min_by(|a, b| worst(a.1).total_cmp(&worst(b.1)));
-    least.map(|&(index, chosen)| Recommendation {
-        index,
-        reason: format!(
-            "No candidate is within the sampling error of the least drift at all of {span} s; {} ({}) has the smallest excess, at most {:.1} %.",
-            chosen.name,
-            sizes(chosen),
-            percent(worst(chosen))
-        ),
+    least.map(|&(index, chosen)| {
+        let excess_percent = excess(chosen);
+        recommended(index, chosen, Choice::LeastExcess { excess_percent })
     })
 }
 
@@ -197,10 +209,19 @@ mod tests {
         ];
         let choice = recommend(&list).unwrap();
         assert_eq!(choice.index, 2);
-        assert!(
-            choice.reason.starts_with("one (1 state, 3 parameters)")
-                && choice.reason.ends_with("it).")
+        let reason = choice.reason;
+        assert_eq!(
+            (&*reason.name, reason.states, reason.parameters),
+            ("one", 1, 3)
         );
+        assert_eq!(reason.horizons_s, [1.0, 10.0]);
+        // 1.0 over 0.995 and 2.01 over 2.00: the first is the worse.
+        let Choice::Simplest { excess_percent } = reason.choice else {
+            panic!("{reason:?}");
+        };
+        assert!((excess_percent - 0.5025).abs() < 1e-3, "{excess_percent}");
+        let alone = recommend(&list[2..]).unwrap().reason;
+        assert_eq!(alone.choice, Choice::LeastDrift);
     }
 
     #[test]
@@ -301,7 +322,10 @@ mod tests {
         ];
         let choice = recommend(&list).unwrap();
         assert_eq!(choice.index, 1);
-        assert!(choice.reason.starts_with("No candidate"));
+        let Choice::LeastExcess { excess_percent } = choice.reason.choice else {
+            panic!("{:?}", choice.reason);
+        };
+        assert!((excess_percent - 20.0).abs() < 1e-9, "{excess_percent}");
         assert_eq!(recommend(&[]), None);
         assert_eq!(recommend(&[candidate("bad", 0, &[f64::NAN], 0.1)]), None);
     }

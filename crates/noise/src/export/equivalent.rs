@@ -2,10 +2,9 @@
 
 use super::ModelFormat;
 use super::poles;
-use crate::bias_model::{HORIZON, SLOW, Slow, UNIT_ROOT_TAU};
+use crate::bias_model::{SLOW, Slow, UNIT_ROOT_TAU};
 use crate::composite::GaussMarkov;
 use crate::model_file::{Arma, AxisModel, ImuModel, ModelError};
-use undrift_base::number::rounded;
 
 /// A density below this share of the innovations' is rounding: a bias alone has none.
 const ROUNDING: f64 = 1e-9;
@@ -20,8 +19,40 @@ pub(super) struct Equivalent {
     pub gyro: [EquivalentAxis; 3],
     /// Accelerometers [m/s²].
     pub accel: [EquivalentAxis; 3],
-    /// What was derived or left out, a sentence each.
-    pub remarks: Vec<String>,
+    /// What was derived or left out, of an axis or the sensor of this name.
+    pub remarks: Vec<(&'static str, Remark)>,
+}
+
+/// What was derived or left out.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Remark {
+    /// No slow bias was detected: the random walk is the largest that could go undetected.
+    Undetected {
+        /// Length of the recording \[s\].
+        length: f64,
+    },
+    /// Biases of less than [`SLOW`] of these correlation times \[s\] count as white noise.
+    FastBias(Vec<f64>),
+    /// Its Gauss-Markov processes but the slowest count as a random walk.
+    JoinedBias,
+    /// Its quantisation is omitted.
+    Quantisation,
+    /// Its bias over temperature is omitted.
+    Temperature,
+    /// Lines and narrow resonances of these frequencies \[Hz\] are omitted.
+    Lines(Vec<f64>),
+    /// The terms are exactly its ARMA(1,1).
+    ExactSum,
+    /// The bias is the slow poles of its ARMA, white noise the density at low frequencies of all others.
+    SlowPoles,
+    /// Complex poles of these frequencies \[Hz\] are no bias.
+    ComplexPoles(Vec<f64>),
+    /// Poles of less than [`SLOW`] of these correlation times \[s\] are no bias.
+    FastPoles(Vec<f64>),
+    /// The slow poles are no sum of Gauss-Markov processes: a random walk over short times.
+    JoinedPoles,
+    /// Without its bias its ARMA has no noise at low frequencies: its innovations serve as white noise.
+    Innovations,
 }
 
 /// An axis in terms of white noise and slow processes; "unit" as in [`AxisModel`].
@@ -63,9 +94,7 @@ impl Equivalent {
                 for axis in axes.iter_mut() {
                     axis.slow.walk = Some(unseen_walk(axis.white, length));
                 }
-                remarks.push(format!(
-                    "{sensor}: no slow bias was detected in {length:.0} s of recording. The random walk is the largest that could go undetected, 10 √3 N / T: an upper bound, which a longer recording lowers."
-                ));
+                remarks.push((sensor, Remark::Undetected { length }));
             }
         }
         Ok(Self {
@@ -92,10 +121,15 @@ fn unseen_walk(white: f64, length: f64) -> f64 {
     3f64.sqrt() * white / (0.1 * length)
 }
 
-fn equivalent(name: &str, axis: &AxisModel, remarks: &mut Vec<String>) -> EquivalentAxis {
+fn equivalent(
+    name: &'static str,
+    axis: &AxisModel,
+    remarks: &mut Vec<(&'static str, Remark)>,
+) -> EquivalentAxis {
+    let mut found = Vec::new();
     let has_terms = !axis.instability.is_empty() || axis.random_walk.is_some();
     let arma = axis.arma.as_ref().filter(|_| !has_terms);
-    let (of_arma, slow) = arma.map(|arma| of_arma(name, arma, remarks)).unzip();
+    let (of_arma, slow) = arma.map(|arma| of_arma(arma, &mut found)).unzip();
     let white = axis
         .white
         .or(of_arma)
@@ -115,28 +149,23 @@ fn equivalent(name: &str, axis: &AxisModel, remarks: &mut Vec<String>) -> Equiva
         .fold(white * white, |sum, of| sum + of)
         .sqrt();
     if !fast.is_empty() {
-        let times = list(fast.iter().map(|of| of.tau_s), "s");
-        remarks.push(format!("{name}: a bias of less than {SLOW} s of correlation time ({times}) counts as white noise."));
+        let times = fast.iter().map(|of| of.tau_s);
+        found.push(Remark::FastBias(times.collect()));
     }
     if slow.processes.len() > 1 {
-        remarks.push(format!(
-            "{name}: its Gauss-Markov processes but the slowest count as a random walk, which has their variance after {HORIZON} s."
-        ));
+        found.push(Remark::JoinedBias);
     }
     if axis.quantisation.is_some() {
-        remarks.push(format!("{name}: its quantisation is omitted."));
+        found.push(Remark::Quantisation);
     }
     if axis.temperature.is_some() {
-        remarks.push(format!(
-            "{name}: the bias over temperature is omitted: subtract it from the samples first."
-        ));
+        found.push(Remark::Temperature);
     }
     if !axis.lines.is_empty() {
-        let lines = list(axis.lines.iter().map(|line| line.frequency_hz), "Hz");
-        remarks.push(format!(
-            "{name}: its lines and narrow resonances are omitted: {lines}."
-        ));
+        let lines = axis.lines.iter().map(|line| line.frequency_hz);
+        found.push(Remark::Lines(lines.collect()));
     }
+    remarks.extend(found.into_iter().map(|remark| (name, remark)));
     EquivalentAxis {
         white,
         turn_on: axis.turn_on,
@@ -145,46 +174,31 @@ fn equivalent(name: &str, axis: &AxisModel, remarks: &mut Vec<String>) -> Equiva
 }
 
 /// White density [unit·√s] and bias of an ARMA, and what of it is in neither.
-fn of_arma(name: &str, arma: &Arma, remarks: &mut Vec<String>) -> (f64, Slow) {
+fn of_arma(arma: &Arma, remarks: &mut Vec<Remark>) -> (f64, Slow) {
     let innovations = arma.sigma / arma.rate_hz.sqrt();
     if arma.is_white() {
         return (innovations, Slow::default());
     }
     if let Some(split) = arma.split() {
-        remarks.push(format!(
-            "{name}: the terms whose sum is exactly its ARMA(1,1)."
-        ));
+        remarks.push(Remark::ExactSum);
         return split;
     }
     let parts = poles::parts(arma);
-    let mut remark = |what: String| remarks.push(format!("{name}: {what}"));
-    remark("the bias is the slow poles of its ARMA; white noise is the density at low frequencies of all others.".into());
+    remarks.push(Remark::SlowPoles);
     if !parts.pairs.is_empty() {
-        let pairs = list(parts.pairs.iter().copied(), "Hz");
-        remark(format!(
-            "complex poles of its ARMA are no bias and are omitted beyond that: {pairs}."
-        ));
+        remarks.push(Remark::ComplexPoles(parts.pairs));
     }
     if !parts.fast.is_empty() {
-        remark(format!(
-            "poles of its ARMA with less than {SLOW} s of correlation time are no bias and are omitted beyond that: {}.",
-            list(parts.fast.iter().copied(), "s")
-        ));
+        remarks.push(Remark::FastPoles(parts.fast));
     }
     if parts.is_joined {
-        remark("the slow poles of its ARMA are no sum of Gauss-Markov processes; over short times they are the random walk used.".into());
+        remarks.push(Remark::JoinedPoles);
     }
     if parts.white > ROUNDING * innovations * innovations {
         return (parts.white.sqrt(), parts.slow);
     }
-    remark("without its bias its ARMA has no noise at low frequencies; its innovations serve as white noise.".into());
+    remarks.push(Remark::Innovations);
     (innovations, parts.slow)
-}
-
-/// Three digits each, with the unit.
-fn list(values: impl Iterator<Item = f64>, unit: &str) -> String {
-    let values = values.map(|value| format!("{} {unit}", rounded(value, 3)));
-    Vec::from_iter(values).join(", ")
 }
 
 /// Root mean square over the three axes.
@@ -286,10 +300,7 @@ mod tests {
         assert!((found.white * found.white / density - 1.0).abs() < 1e-14);
         assert_eq!(found.slow.processes, [process(0.2, SLOW)]);
         assert_eq!(found.turn_on, 7.0);
-        assert!(
-            remarks.len() == 1 && remarks[0].contains("white noise"),
-            "{remarks:?}"
-        );
+        assert_eq!(remarks, [("gyro_x", Remark::FastBias(vec![0.5 * SLOW]))]);
         // A second slow one, and nothing that is fast.
         let model = AxisModel {
             instability: vec![process(0.5, 9.0 * SLOW), process(0.2, SLOW)],
@@ -298,9 +309,6 @@ mod tests {
         let mut remarks = Vec::new();
         let found = equivalent("gyro_x", &model, &mut remarks);
         assert_eq!((found.white, found.slow.processes.len()), (0.3, 2));
-        assert!(
-            remarks.len() == 1 && remarks[0].contains("but the slowest"),
-            "{remarks:?}"
-        );
+        assert_eq!(remarks, [("gyro_x", Remark::JoinedBias)]);
     }
 }

@@ -1,5 +1,6 @@
 //! The texts of the formats.
 
+use super::comments::comment;
 use super::equivalent::{Equivalent, EquivalentAxis, common_tau, driven, rms};
 use crate::composite::GaussMarkov;
 
@@ -219,7 +220,8 @@ impl Text {
         if !imu.source.is_empty() {
             text.comment(&format!("Source: {}", imu.source));
         }
-        imu.remarks.iter().for_each(|remark| text.comment(remark));
+        let remarks = imu.remarks.iter();
+        remarks.for_each(|remark| text.comment(&comment(remark)));
         text
     }
 

@@ -1,12 +1,12 @@
 //! What is found of one axis, and the candidates for its model.
 
-use super::{Detrend, Residuals};
+use super::{Detrend, FitRemark, RecordRemark, Residuals};
 use crate::{
     allan::{Curve, GaussMarkovFit, Interval, Terms},
     arma::{ArmaFit, Selection},
-    compared::Method,
+    compared::{Method, Unfit},
     composite::{CompositeFit, ParameterInterval},
-    drift_score::HorizonScore,
+    drift_score::{HorizonScore, Reason},
     model_file::{self, AxisModel},
     normality::Normality,
     pandit_wu::PanditWu,
@@ -42,7 +42,7 @@ pub struct Candidate {
     /// other, both ways.
     pub score: Vec<HorizonScore>,
     /// What should be said with it.
-    pub warnings: Vec<String>,
+    pub remarks: Vec<FitRemark>,
 }
 
 /// Where the parameters of a candidate come from.
@@ -65,8 +65,8 @@ pub enum Origin {
 pub struct NotFitted {
     /// Name that its candidate would have.
     pub name: String,
-    /// Why, as the rest of a sentence.
-    pub reason: String,
+    /// Why.
+    pub reason: Unfit,
 }
 
 /// Everything found of one axis. SI units.
@@ -138,10 +138,10 @@ pub struct Axis {
     pub intervals: Vec<ParameterInterval>,
     /// Index of the recommended candidate.
     pub chosen: usize,
-    /// Why, in one sentence.
-    pub reason: String,
-    /// Everything that should be said with it.
-    pub warnings: Vec<String>,
+    /// Why.
+    pub reason: Reason,
+    /// What should be said with the record; those on the models are with each of them.
+    pub remarks: Vec<RecordRemark>,
 }
 
 impl Axis {
@@ -171,7 +171,7 @@ impl Axis {
             .collect();
         let note: [(&str, toml::Value); 4] = [
             ("model", chosen.name.as_str().into()),
-            ("reason", self.reason.as_str().into()),
+            ("reason", model_file::reason(&self.reason).into()),
             ("horizons_s", list(|s| s.horizon_s, &chosen.score)),
             ("drift_scores", scores.into()),
         ];
@@ -226,6 +226,7 @@ impl Candidate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::drift_score::Choice;
 
     fn candidate(name: &str, rms: f64, compared: bool) -> Candidate {
         Candidate {
@@ -251,7 +252,7 @@ mod tests {
                     batches: Vec::new(),
                 })
                 .to_vec(),
-            warnings: Vec::new(),
+            remarks: Vec::new(),
         }
     }
 
@@ -272,7 +273,13 @@ mod tests {
                 candidate("second", 2.0, false),
             ],
             chosen: 0,
-            reason: "so it is".to_owned(),
+            reason: Reason {
+                name: "third".to_owned(),
+                states: 1,
+                parameters: 2,
+                horizons_s: vec![1.0, 10.0],
+                choice: Choice::LeastDrift,
+            },
             lines: vec![Line {
                 frequency_hz: 3.0,
                 amplitude: 0.5,
@@ -294,7 +301,10 @@ mod tests {
         let text = |key| note(key).as_str().unwrap().to_owned();
         assert_eq!(
             (text("model").as_str(), text("reason").as_str()),
-            ("third", "so it is")
+            (
+                "third",
+                "third (1 state, 2 parameters) drifts least at 1, 10 s, and no simpler candidate is as likely."
+            )
         );
         assert_eq!(text("runner_up"), "second");
         assert_eq!(note("horizons_s"), vec![1.0, 10.0].into());

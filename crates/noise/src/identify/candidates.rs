@@ -104,7 +104,7 @@ impl Task<'_> {
                 scores.push(drift_score::score(record, *first, &filter, &horizons).ok()?);
             }
         }
-        let warnings = match &whole.origin {
+        let remarks = match &whole.origin {
             Origin::Allan | Origin::Burg | Origin::Compared(_) => Vec::new(),
             Origin::Arma(fit) => remarks::of_arma(fit),
             Origin::Composite(fit) => remarks::of_composite(fit),
@@ -121,7 +121,7 @@ impl Task<'_> {
             aic: self.aic(&whole, recipe),
             ljung_box_p,
             score: drift_score::pooled(&scores),
-            warnings,
+            remarks,
             model: AxisModel {
                 turn_on: self.turn_on,
                 ..whole.model
@@ -224,7 +224,7 @@ pub(super) fn candidates(task: &Task) -> Tried {
         candidates.iter().all(|candidate| candidate.name != name)
     });
     let not_fitted = missing.filter_map(|method| {
-        let reason = whole.compared(method).err()?.to_string();
+        let reason = whole.compared(method).err()?;
         let name = method.candidate().to_owned();
         Some(NotFitted { name, reason })
     });

@@ -10,7 +10,7 @@ mod homogeneity;
 pub use between::Between;
 pub use homogeneity::{Difference, Ratio};
 
-use super::{Axis, Candidate, IdentifyError, Options, conclude, prepare, turn_on_of};
+use super::{Axis, Candidate, IdentifyError, Options, RecordRemark, conclude, prepare, turn_on_of};
 use crate::composite::{Averages, CompositeTerms};
 use homogeneity::Records;
 
@@ -56,8 +56,8 @@ pub struct Share {
     pub slow: Option<Ratio>,
     /// Probability of a difference as large among records of one process.
     pub p_value: f64,
-    /// Remarks on the record.
-    pub warnings: Vec<String>,
+    /// What should be said with the record; of the longest the axis has it.
+    pub remarks: Vec<RecordRemark>,
 }
 
 /// What records of one axis, identified together, show beyond its model.
@@ -131,10 +131,9 @@ pub fn identify_pool(
             level_standard_error: f64::NAN,
             outliers: outliers.len(),
             outlier_events: gaps.count() + usize::from(!outliers.is_empty()),
-            // Of the longest the axis has them.
-            warnings: match k == longest {
+            remarks: match k == longest {
                 true => Vec::new(),
-                false => std::mem::take(&mut one.warnings),
+                false => std::mem::take(&mut one.remarks),
             },
             ..Share::default()
         });

@@ -1,122 +1,174 @@
-//! What should be said with a record and with a candidate, in words.
+//! What should be said with a record and with a fit, as values: `undrift-report` has their sentences.
 
 use super::screened::Screened;
 use crate::{
     arma::{ArmaFit, Warning},
-    composite::{CompositeFit, Flag, Term},
+    composite::{CompositeFit, Flag, GaussMarkov, Term},
     screening::{Hanging, rounding::MOSTLY_SHOWN},
+    temperature::TemperatureError,
 };
 
+/// What should be said with a record.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RecordRemark {
+    /// The recording is not static.
+    Moving {
+        /// Start of the first window that moves \[s\].
+        from_s: f64,
+        /// Variance of one-second means over what their noise allows.
+        ratio: f64,
+    },
+    /// Samples pile up at an end of the axis' range, which clips the noise.
+    Saturated {
+        /// Samples at that end.
+        samples: usize,
+        /// Their share of the record \[%\].
+        percent: f64,
+        /// The end of the range \[unit\].
+        value: f64,
+    },
+    /// The sensor repeats a value.
+    Frozen {
+        /// Equal samples of the first such stretch.
+        samples: usize,
+        /// Its start \[s\].
+        from_s: f64,
+        /// Such stretches.
+        stretches: usize,
+    },
+    /// The steps of the samples are larger than the noise: a slow error smaller than a step shows only in part.
+    Coarse {
+        /// Step over the standard deviation before rounding.
+        ratio: f64,
+    },
+    /// Nearly all samples are equal: the mean stays amid a step, which hides the noise.
+    HiddenNoise {
+        /// How many times the noise that is found it may be at another mean.
+        factor: f64,
+    },
+    /// The temperature is not used.
+    TemperatureNotUsed(TemperatureError),
+    /// Samples are missing.
+    Missing {
+        /// How many.
+        samples: usize,
+        /// Their share of the record \[%\].
+        percent: f64,
+    },
+    /// Outliers were rejected.
+    Outliers {
+        /// How many.
+        samples: usize,
+        /// How far off they are at least, in robust standard deviations.
+        threshold: f64,
+        /// Time of the first \[s\].
+        first_s: f64,
+    },
+}
+
+/// What should be said with a fitted model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FitRemark {
+    /// Of an ARMA fit.
+    Arma(Warning),
+    /// One autoregressive root is held at 1.
+    UnitRootHeld,
+    /// A pair of roots is the mean that was removed ([`ArmaFit::is_removed_mean`]), so the model is not recommended.
+    RemovedMean,
+    /// Of a sum of terms.
+    Composite {
+        /// What.
+        flag: Flag,
+        /// Correlation time of the Gauss-Markov process that it is of, where there is one in the result \[s\].
+        tau_s: Option<f64>,
+    },
+}
+
 /// Remarks on a record of `samples` at `rate_hz`.
-pub(super) fn of_record(of: &Screened, samples: usize, rate_hz: f64) -> Vec<String> {
+pub(super) fn of_record(of: &Screened, samples: usize, rate_hz: f64) -> Vec<RecordRemark> {
     let mut remarks = Vec::new();
     let second = |index: usize| index as f64 / rate_hz;
+    let percent = |part: usize| 100.0 * part as f64 / samples as f64;
     if let Some(motion) = of.motion.as_ref().filter(|m| m.moving) {
         let first = motion.moving_windows.first().copied().unwrap_or(0);
-        remarks.push(format!(
-            "the recording is not static: from {:.1} s on, the variance of one-second means is {:.1} times what their noise allows; cut it to where the sensor rests",
-            second(first),
-            motion.ratio
-        ));
+        remarks.push(RecordRemark::Moving {
+            from_s: second(first),
+            ratio: motion.ratio,
+        });
     }
-    for stop in &of.saturation {
-        remarks.push(format!(
-            "the axis is saturated: {} samples ({:.2} %) are exactly {}, the end of its range, which clips the noise",
-            stop.samples,
-            100.0 * stop.samples as f64 / samples as f64,
-            stop.value
-        ));
-    }
+    remarks.extend(of.saturation.iter().map(|stop| RecordRemark::Saturated {
+        samples: stop.samples,
+        percent: percent(stop.samples),
+        value: stop.value,
+    }));
     if let Some(&Hanging { index, samples }) = of.hanging.first() {
-        remarks.push(format!(
-            "the sensor is frozen: {samples} equal samples from {:.2} s on, {} such stretches in all",
-            second(index),
-            of.hanging.len()
-        ));
+        remarks.push(RecordRemark::Frozen {
+            samples,
+            from_s: second(index),
+            stretches: of.hanging.len(),
+        });
     }
     if let (Some(grid), Some(deviation)) = (of.quantisation, of.before_rounding) {
-        remarks.push(format!(
-            "the steps of the samples are {:.1} times the noise before rounding: the white noise is that of the rounded samples, and a slow error smaller than a step shows only in part, so there are no intervals",
-            grid.step / deviation
-        ));
+        let ratio = grid.step / deviation;
+        remarks.push(RecordRemark::Coarse { ratio });
     }
     if let Some(shown) = of.noise_shown.filter(|shown| *shown < MOSTLY_SHOWN) {
-        remarks.push(format!(
-            "nearly all samples are equal: the mean stays amid a step, which hides the noise; at another mean, as after another switch-on, it may be {:.1} times what is found, and the drift more",
-            1.0 / shown
-        ));
+        let factor = 1.0 / shown;
+        remarks.push(RecordRemark::HiddenNoise { factor });
     }
     if let Some(Err(why)) = &of.temperature {
-        remarks.push(format!("the temperature is not used: {why}"));
+        remarks.push(RecordRemark::TemperatureNotUsed(*why));
     }
     if of.missing > 0 {
-        remarks.push(format!(
-            "{} samples ({:.2} %) are missing",
-            of.missing,
-            100.0 * of.missing as f64 / samples as f64
-        ));
+        remarks.push(RecordRemark::Missing {
+            samples: of.missing,
+            percent: percent(of.missing),
+        });
     }
     if let Some(first) = of.outliers.first() {
-        remarks.push(format!(
-            "rejected {} samples more than {:.0} robust standard deviations off, the first at {:.2} s",
-            of.outliers.len(),
-            of.threshold,
-            second(first.index)
-        ));
+        remarks.push(RecordRemark::Outliers {
+            samples: of.outliers.len(),
+            threshold: of.threshold,
+            first_s: second(first.index),
+        });
     }
     remarks
 }
 
 /// Remarks on an ARMA fit.
-pub(super) fn of_arma(fit: &ArmaFit) -> Vec<String> {
-    let held = fit.has_unit_root.then_some(HELD.to_owned());
-    let mean = fit.is_removed_mean().then_some(MEAN.to_owned());
+pub(super) fn of_arma(fit: &ArmaFit) -> Vec<FitRemark> {
+    let held = fit.has_unit_root.then_some(FitRemark::UnitRootHeld);
+    let mean = fit.is_removed_mean().then_some(FitRemark::RemovedMean);
     let warnings = fit.warnings.iter();
     warnings
         // A root held at 1 is no finding.
         .filter(|w| !(fit.has_unit_root && matches!(w, Warning::UnitRoot { .. })))
-        .map(ToString::to_string)
+        .map(|warning| FitRemark::Arma(*warning))
         .chain(held)
         .chain(mean)
         .collect()
 }
 
-const MEAN: &str = "a pair of roots stands for the mean that was removed, so it is not recommended";
-const HELD: &str = "one autoregressive root is held at 1";
-const NOT_CONVERGED: &str = "the search stopped before reaching its tolerance";
-
 /// Remarks on a composite fit.
-pub(super) fn of_composite(fit: &CompositeFit) -> Vec<String> {
-    let named = |term: &Term| match term {
-        Term::White => "the white noise".to_owned(),
-        Term::Quantisation => "the quantisation".to_owned(),
-        Term::RandomWalk => "the random walk".to_owned(),
-        Term::Flicker => "the flicker noise".to_owned(),
-        Term::GaussMarkov(i) => match fit.terms.gauss_markov.get(*i) {
-            Some(process) if process.sigma > 0.0 => {
-                format!("the Gauss-Markov process of {:.3} s", process.tau_s)
-            }
-            _ => "a Gauss-Markov process".to_owned(),
+pub(super) fn of_composite(fit: &CompositeFit) -> Vec<FitRemark> {
+    of_flags(&fit.flags, &fit.terms.gauss_markov)
+}
+
+fn of_flags(flags: &[Flag], processes: &[GaussMarkov]) -> Vec<FitRemark> {
+    let tau = |i: usize| {
+        let process = processes.get(i);
+        process.filter(|of| of.sigma > 0.0).map(|of| of.tau_s)
+    };
+    let remark = |flag: &Flag| FitRemark::Composite {
+        flag: *flag,
+        tau_s: match *flag {
+            Flag::Vanished(Term::GaussMarkov(i))
+            | Flag::NotNeeded(Term::GaussMarkov(i))
+            | Flag::LongCorrelation(i) => tau(i),
+            _ => None,
         },
     };
-    fit.flags
-        .iter()
-        .map(|flag| match flag {
-            Flag::Vanished(term) => format!("the likelihood does not support {}", named(term)),
-            Flag::NotNeeded(term) => format!("{} is not needed at the 5 % level", named(term)),
-            Flag::LongCorrelation(i) => format!(
-                "{} is effectively a random walk: its correlation time exceeds a tenth of the recording",
-                named(&Term::GaussMarkov(*i))
-            ),
-            Flag::ShortMemory(ratio) => format!(
-                "short-term correlation that this model does not describe: the wavelet variance at one sample is {ratio:.2} times the model's"
-            ),
-            Flag::Undetermined => {
-                "the likelihood is flat in some direction: no standard errors".into()
-            }
-            Flag::NotConverged => NOT_CONVERGED.into(),
-        })
-        .collect()
+    flags.iter().map(remark).collect()
 }
 
 #[cfg(test)]
@@ -126,7 +178,6 @@ mod tests {
     use crate::{
         normality::Quantisation,
         screening::{Motion, Outlier, Saturation},
-        temperature::TemperatureError,
     };
 
     fn nothing() -> Screened {
@@ -150,14 +201,14 @@ mod tests {
     }
 
     /// The only remark on a record of 2000 samples at 50 Hz.
-    fn only(of: Screened) -> String {
+    fn only(of: Screened) -> RecordRemark {
         let remarks = of_record(&of, 2000, 50.0);
         assert_eq!(remarks.len(), 1, "{remarks:?}");
-        remarks[0].clone()
+        remarks[0]
     }
 
     #[test]
-    fn what_was_seen_of_a_record_is_said_with_its_time_and_its_share() {
+    fn what_was_seen_of_a_record_has_its_time_and_its_share() {
         assert!(of_record(&nothing(), 2000, 50.0).is_empty());
         let motion = |moving| Motion {
             ratio: 73.25,
@@ -169,10 +220,8 @@ mod tests {
             motion: Some(motion(true)),
             ..nothing()
         });
-        assert!(
-            said.contains("not static: from 5.0 s on") && said.contains("73.2 times"),
-            "{said}"
-        );
+        let (from_s, ratio) = (5.0, 73.25);
+        assert_eq!(said, RecordRemark::Moving { from_s, ratio });
         let still = Screened {
             motion: Some(motion(false)),
             ..nothing()
@@ -186,9 +235,13 @@ mod tests {
             saturation,
             ..nothing()
         });
-        assert!(
-            said.contains("30 samples (1.50 %) are exactly 4.5,"),
-            "{said}"
+        assert_eq!(
+            said,
+            RecordRemark::Saturated {
+                samples: 30,
+                percent: 1.5,
+                value: 4.5
+            }
         );
         let stretch = |index, samples| Hanging { index, samples };
         let hanging = vec![stretch(125, 1100), stretch(1500, 300)];
@@ -196,15 +249,20 @@ mod tests {
             hanging,
             ..nothing()
         });
-        assert!(
-            said.contains("1100 equal samples from 2.50 s on, 2 such"),
-            "{said}"
+        assert_eq!(
+            said,
+            RecordRemark::Frozen {
+                samples: 1100,
+                from_s: 2.5,
+                stretches: 2
+            }
         );
         let said = only(Screened {
             missing: 15,
             ..nothing()
         });
-        assert_eq!(said, "15 samples (0.75 %) are missing");
+        let (samples, percent) = (15, 0.75);
+        assert_eq!(said, RecordRemark::Missing { samples, percent });
         let outlier = |index| Outlier {
             index,
             value: 1.0,
@@ -218,21 +276,23 @@ mod tests {
         });
         assert_eq!(
             said,
-            "rejected 2 samples more than 12 robust standard deviations off, the first at 1.50 s"
+            RecordRemark::Outliers {
+                samples: 2,
+                threshold: 12.0,
+                first_s: 1.5
+            }
         );
         let temperature = Some(Err(TemperatureError::Missing));
         let said = only(Screened {
             temperature,
             ..nothing()
         });
-        assert_eq!(
-            said,
-            "the temperature is not used: more than a tenth of the temperatures is missing"
-        );
+        let why = TemperatureError::Missing;
+        assert_eq!(said, RecordRemark::TemperatureNotUsed(why));
     }
 
     #[test]
-    fn rounding_is_said_where_the_noise_before_it_is_known_or_hidden() {
+    fn rounding_is_remarked_on_where_the_noise_before_it_is_known_or_hidden() {
         let quantisation = Some(Quantisation {
             step: 0.6,
             step_over_deviation: 2.0,
@@ -247,15 +307,13 @@ mod tests {
             before_rounding: Some(0.2),
             ..of
         });
-        assert!(
-            said.contains("are 3.0 times the noise before rounding"),
-            "{said}"
-        );
+        let ratio = 0.6 / 0.2;
+        assert_eq!(said, RecordRemark::Coarse { ratio });
         let said = only(Screened {
             noise_shown: Some(0.25),
             ..nothing()
         });
-        assert!(said.contains("it may be 4.0 times what is found"), "{said}");
+        assert_eq!(said, RecordRemark::HiddenNoise { factor: 4.0 });
         let enough = Screened {
             noise_shown: Some(MOSTLY_SHOWN),
             ..nothing()
@@ -270,18 +328,13 @@ mod tests {
             warnings: vec![root, Warning::FlatLikelihood],
             ..ArmaFit::default()
         };
-        assert_eq!(
-            of_arma(&free),
-            [root.to_string(), Warning::FlatLikelihood.to_string()]
-        );
+        let flat = FitRemark::Arma(Warning::FlatLikelihood);
+        assert_eq!(of_arma(&free), [FitRemark::Arma(root), flat]);
         let held = ArmaFit {
             has_unit_root: true,
             ..free
         };
-        assert_eq!(
-            of_arma(&held),
-            [Warning::FlatLikelihood.to_string(), HELD.to_owned()]
-        );
+        assert_eq!(of_arma(&held), [flat, FitRemark::UnitRootHeld]);
         let mean = ArmaFit {
             ar: vec![0.99],
             ma: vec![0.999_9],
@@ -289,6 +342,20 @@ mod tests {
             ..ArmaFit::default()
         };
         assert!(mean.is_removed_mean());
-        assert_eq!(of_arma(&mean), [MEAN]);
+        assert_eq!(of_arma(&mean), [FitRemark::RemovedMean]);
+    }
+
+    #[test]
+    fn a_remark_on_a_process_has_its_correlation_time_where_it_is_in_the_result() {
+        let process = |sigma, tau_s| GaussMarkov { sigma, tau_s };
+        let gone = Flag::Vanished(Term::GaussMarkov(0));
+        let needless = Flag::NotNeeded(Term::GaussMarkov(1));
+        let flags = [gone, needless, Flag::LongCorrelation(1), Flag::Undetermined];
+        let taus = [None, Some(70.0), Some(70.0), None];
+        let remark = |(flag, tau_s)| FitRemark::Composite { flag, tau_s };
+        assert_eq!(
+            of_flags(&flags, &[process(0.0, 5.0), process(0.1, 70.0)]),
+            flags.into_iter().zip(taus).map(remark).collect::<Vec<_>>()
+        );
     }
 }

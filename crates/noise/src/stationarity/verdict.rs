@@ -1,4 +1,4 @@
-//! The three tests weighed in one sentence.
+//! The three tests weighed together.
 
 use super::{Adf, Kpss, PhillipsPerron};
 
@@ -24,13 +24,30 @@ pub enum Conclusion {
     SlowPartSeen,
 }
 
-/// The conclusion and the sentence to print.
-#[derive(Clone, Debug, PartialEq)]
+/// A statistic against its critical value at 5 %.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weighed {
+    /// The statistic.
+    pub statistic: f64,
+    /// Its critical value at 5 %.
+    pub critical: f64,
+    /// Whether the test rejects what it assumes: a unit root, for KPSS stationarity.
+    pub rejects: bool,
+}
+
+/// The three tests weighed.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
     /// Conclusion of the tests together.
     pub conclusion: Conclusion,
-    /// The reasoning in one or two sentences.
-    pub sentence: String,
+    /// Augmented Dickey-Fuller.
+    pub adf: Weighed,
+    /// Phillips-Perron.
+    pub phillips_perron: Weighed,
+    /// KPSS.
+    pub kpss: Weighed,
+    /// The moving-average root, where it is so near 1 that the unit-root tests carry no information.
+    pub ma_root: Option<f64>,
 }
 
 /// Weighs the tests at 5 %. `ma_root` is the largest inverse root of the moving-average part where a
@@ -42,76 +59,33 @@ pub fn verdict(
     phillips_perron: &PhillipsPerron,
     ma_root: Option<f64>,
 ) -> Verdict {
-    let adf_rejects = adf.statistic < adf.critical.five;
-    let pp_rejects = phillips_perron.z_tau < phillips_perron.critical.five;
-    let kpss_rejects = kpss.statistic > kpss.critical.five;
-    let word = |rejects: bool| if rejects { "reject" } else { "do not reject" };
-    let numbers = format!(
-        "ADF {:.2} (5 % {:.2}), Phillips-Perron {:.2} (5 % {:.2}), KPSS {:.3} (5 % {:.3})",
-        adf.statistic,
-        adf.critical.five,
-        phillips_perron.z_tau,
-        phillips_perron.critical.five,
-        kpss.statistic,
-        kpss.critical.five
-    );
-    if let Some(root) = ma_root.filter(|root| *root > NEAR_CANCELLING) {
-        let (conclusion, rest) = if kpss_rejects {
-            let rest = "KPSS rejects stationarity: there is a slow part; the fitted model shows whether it is a \
-                        random walk or has a correlation time";
-            (Conclusion::SlowPartSeen, rest)
-        } else {
-            let rest = "KPSS does not reject stationarity: no slow part is detected at this length";
-            (Conclusion::NothingSlowSeen, rest)
-        };
-        let sentence = format!(
-            "{numbers}. With a moving-average root of {root:.4}, Dickey-Fuller and Phillips-Perron reject a unit root \
-             whether or not there is one, so they carry no information here; {rest}."
-        );
-        return Verdict {
-            conclusion,
-            sentence,
-        };
-    }
-    let finds = |rejects: bool| if rejects { "rejects" } else { "accepts" };
-    let disagree = format!(
-        "the unit-root tests disagree (Dickey-Fuller {}, Phillips-Perron {}) and KPSS {} stationarity: do not rely on a single one",
-        finds(adf_rejects),
-        finds(pp_rejects),
-        if kpss_rejects {
-            "rejects"
-        } else {
-            "does not reject"
-        }
-    );
-    let (conclusion, reading) = match (adf_rejects, pp_rejects, kpss_rejects) {
-        (true, true, false) => (
-            Conclusion::Stationary,
-            "the recording is stationary at this length",
-        ),
-        (false, false, true) => (
-            Conclusion::UnitRoot,
-            "the recording has a unit root: difference it",
-        ),
-        (false, false, false) => (
-            Conclusion::Undecided,
-            "neither hypothesis is rejected: the recording is too short to decide",
-        ),
-        (true, true, true) => (
-            Conclusion::Conflict,
-            "both hypotheses are rejected: a slow bias below white noise, long memory or a break; fit a model and \
-             check its moving-average root",
-        ),
-        _ => (Conclusion::Conflict, disagree.as_str()),
+    let unit_root = |statistic: f64, critical: f64| Weighed {
+        statistic,
+        critical,
+        rejects: statistic < critical,
     };
-    let both = if adf_rejects == pp_rejects {
-        format!("the unit-root tests {} a unit root; ", word(adf_rejects))
-    } else {
-        String::new()
+    let adf = unit_root(adf.statistic, adf.critical.five);
+    let phillips_perron = unit_root(phillips_perron.z_tau, phillips_perron.critical.five);
+    let kpss = Weighed {
+        statistic: kpss.statistic,
+        critical: kpss.critical.five,
+        rejects: kpss.statistic > kpss.critical.five,
+    };
+    let ma_root = ma_root.filter(|root| *root > NEAR_CANCELLING);
+    let conclusion = match (adf.rejects, phillips_perron.rejects, kpss.rejects) {
+        (_, _, true) if ma_root.is_some() => Conclusion::SlowPartSeen,
+        (_, _, false) if ma_root.is_some() => Conclusion::NothingSlowSeen,
+        (true, true, false) => Conclusion::Stationary,
+        (false, false, true) => Conclusion::UnitRoot,
+        (false, false, false) => Conclusion::Undecided,
+        _ => Conclusion::Conflict,
     };
     Verdict {
         conclusion,
-        sentence: format!("{numbers}: {both}{reading}."),
+        adf,
+        phillips_perron,
+        kpss,
+        ma_root,
     }
 }
 
@@ -153,57 +127,27 @@ mod tests {
     #[test]
     fn every_combination_of_the_tests_has_its_conclusion() {
         use Conclusion::*;
-        for (adf, pp, kpss, expected, word) in [
-            (
-                true,
-                true,
-                false,
-                Stationary,
-                "tests reject a unit root; the recording is stationary",
-            ),
-            (
-                false,
-                false,
-                true,
-                UnitRoot,
-                "tests do not reject a unit root; the recording has",
-            ),
-            (
-                false,
-                false,
-                false,
-                Undecided,
-                "tests do not reject a unit root; neither",
-            ),
-            (true, true, true, Conflict, "tests reject a unit root; both"),
-            (
-                true,
-                false,
-                true,
-                Conflict,
-                "(Dickey-Fuller rejects, Phillips-Perron accepts) and KPSS rejects",
-            ),
-            (
-                false,
-                true,
-                true,
-                Conflict,
-                "(Dickey-Fuller accepts, Phillips-Perron rejects) and KPSS rejects",
-            ),
-            (true, false, false, Conflict, "and KPSS does not reject"),
-            (false, true, false, Conflict, "and KPSS does not reject"),
+        for (adf, pp, kpss, expected) in [
+            (true, true, false, Stationary),
+            (false, false, true, UnitRoot),
+            (false, false, false, Undecided),
+            (true, true, true, Conflict),
+            (true, false, true, Conflict),
+            (false, true, true, Conflict),
+            (true, false, false, Conflict),
+            (false, true, false, Conflict),
         ] {
             // A root of no more than 0.8 leaves the tests their say.
             for root in [None, Some(0.8), Some(-0.99)] {
                 let found = judged(adf, pp, kpss, root);
                 assert_eq!(found.conclusion, expected);
-                assert!(found.sentence.contains(word), "{}", found.sentence);
-                assert_eq!(found.sentence.contains("disagree"), adf != pp);
+                let rejects = [found.adf, found.phillips_perron, found.kpss].map(|of| of.rejects);
+                assert_eq!((rejects, found.ma_root), ([adf, pp, kpss], None));
             }
             let seen = if kpss { SlowPartSeen } else { NothingSlowSeen };
             let found = judged(adf, pp, kpss, Some(0.81));
             assert_eq!(found.conclusion, seen);
-            assert!(found.sentence.contains("no information") && found.sentence.contains("0.8100"));
+            assert_eq!(found.ma_root, Some(0.81));
         }
     }
 }

@@ -3,8 +3,12 @@
 use undrift_nav::shaping::ShapingFilter;
 use undrift_noise::{
     BiasModel, ImuModel,
+    arma::Warning,
     composite::{CompositeTerms, GaussMarkov},
-    identify::{Axis, Detrend, IdentifyError, Options, SHORTEST, identify},
+    identify::{
+        Axis, Detrend, FitRemark, IdentifyError, Options, RecordRemark, SHORTEST, identify,
+    },
+    model_file::reason,
     screening::{Hanging, RecordError, Trend},
     synthesis::NoiseGenerator,
 };
@@ -33,7 +37,7 @@ fn a_slow_bias_is_found_and_its_model_halves_the_drift() {
     let mut record = simulated(white, walk, 200_000, 11);
     record.iter_mut().for_each(|x| *x += 0.05);
     let axis = identify(&record, false, &OPTIONS).unwrap();
-    println!("{}: {}", axis.recommended().name, axis.reason);
+    println!("{}", reason(&axis.reason));
 
     // 200 000 samples give N to 0.2 %; the fit over τ allows 2 %.
     assert!((axis.allan_terms.white.value / white - 1.0).abs() < 0.02);
@@ -66,7 +70,7 @@ fn a_slow_bias_is_found_and_its_model_halves_the_drift() {
 #[test]
 fn white_noise_alone_is_called_white() {
     let axis = identify(&simulated(1e-3, 0.0, 100_000, 3), false, &OPTIONS).unwrap();
-    println!("{}: {}", axis.recommended().name, axis.reason);
+    println!("{}", reason(&axis.reason));
     assert_eq!(axis.recommended().name, "white");
     assert!(axis.whiteness.ljung_box_p > 0.001 && axis.normality.jarque_bera.p_value > 0.001);
 }
@@ -112,11 +116,11 @@ fn what_is_no_record_is_refused() {
         .collect();
     let axis = identify(&moving, false, &OPTIONS).unwrap();
     assert!(
-        axis.warnings
+        axis.remarks
             .iter()
-            .any(|w| w.contains("not static") && w.contains("variance of one-second means")),
+            .any(|of| matches!(of, RecordRemark::Moving { ratio, .. } if *ratio > 1.0)),
         "{:?}",
-        axis.warnings
+        axis.remarks
     );
     // A thousand samples at 1 kHz hold no horizon of a second.
     let brief = identify(&good[..1000], false, &Options::at(1000.0)).unwrap_err();
@@ -139,12 +143,11 @@ fn missing_samples_are_left_out() {
     let missing = record.iter().filter(|x| x.is_nan()).count();
     let [full, less] = [&whole, &record].map(|x| identify(x, false, &OPTIONS).unwrap());
     assert!(less.outliers.is_empty() && less.samples == 72_000);
-    let remark = format!("{missing} samples");
-    assert!(
-        less.warnings.iter().any(|w| w.starts_with(&remark)),
-        "{:?}",
-        less.warnings
-    );
+    let remark = RecordRemark::Missing {
+        samples: missing,
+        percent: 100.0 * missing as f64 / 72_000.0,
+    };
+    assert_eq!(less.remarks, [remark]);
     let walks = [&full, &less].map(|axis| {
         let sum = axis
             .candidates
@@ -230,8 +233,8 @@ fn a_trend_is_removed_where_it_is_asked_for() {
     assert_eq!(removed, Detrend::Constant);
     // A temperature that is no number is not the record's fault.
     let axis = with(&noise, Trend::Temperature, &vec![f64::NAN; 20_000]).unwrap();
-    let mut remarks = axis.warnings.iter();
-    assert!(remarks.any(|w| w.starts_with("the temperature is not used")));
+    let mut remarks = axis.remarks.iter();
+    assert!(remarks.any(|of| matches!(of, RecordRemark::TemperatureNotUsed(_))));
     assert!(axis.temperature.is_none() && axis.model().temperature.is_none());
 }
 
@@ -304,7 +307,8 @@ fn a_saturated_or_hanging_axis_is_said_to_be_one() {
     let clipped: Vec<f64> = record.iter().map(|x| x.clamp(-0.01, 0.01)).collect();
     let axis = identify(&clipped, false, &OPTIONS).unwrap();
     assert_eq!(axis.saturation.len(), 2);
-    assert!(axis.warnings.iter().any(|w| w.contains("saturated")));
+    let saturated = |of: &RecordRemark| matches!(of, RecordRemark::Saturated { .. });
+    assert_eq!(axis.remarks.iter().filter(|of| saturated(of)).count(), 2);
     let mut hanging = record.clone();
     hanging[5000..7000].fill(record[5000]);
     let axis = identify(&hanging, false, &OPTIONS).unwrap();
@@ -313,17 +317,22 @@ fn a_saturated_or_hanging_axis_is_said_to_be_one() {
         samples: 2000,
     };
     assert_eq!(axis.hanging, [stretch]);
-    assert!(axis.warnings.iter().any(|w| w.contains("frozen")));
+    let frozen = RecordRemark::Frozen {
+        samples: 2000,
+        from_s: 50.0,
+        stretches: 1,
+    };
+    assert!(axis.remarks.contains(&frozen), "{:?}", axis.remarks);
     assert!(
         identify(&record, false, &OPTIONS)
             .unwrap()
-            .warnings
+            .remarks
             .is_empty()
     );
 }
 
 #[test]
-fn the_grid_of_orders_and_the_warnings_of_each_candidate_are_there() {
+fn the_grid_of_orders_and_the_remarks_on_each_candidate_are_there() {
     let axis = identify(&simulated(1e-3, 0.0, 30_000, 5), false, &OPTIONS).unwrap();
     let grid = axis.box_jenkins.as_ref().unwrap();
     assert_eq!(grid.fits.len(), 16);
@@ -335,9 +344,12 @@ fn the_grid_of_orders_and_the_warnings_of_each_candidate_are_there() {
         .find(|c| c.name == "ARMA(1,1)")
         .unwrap();
     assert!(
-        one_one.warnings.iter().any(|w| w.contains("nearly cancel")),
+        one_one
+            .remarks
+            .iter()
+            .any(|of| matches!(of, FitRemark::Arma(Warning::NearCancelling { .. }))),
         "{:?}",
-        one_one.warnings
+        one_one.remarks
     );
     let rules: Vec<&str> = axis.adf_chosen.iter().map(|(rule, _)| *rule).collect();
     assert_eq!(rules, ["aic", "bic", "last_significant"]);
@@ -504,9 +516,9 @@ fn noise_that_rounding_hides_is_doubted() {
     assert!((0.2..0.3).contains(&shown), "{shown}");
     assert!(
         doubted
-            .warnings
+            .remarks
             .iter()
-            .any(|said| said.starts_with("nearly all samples are equal"))
+            .any(|of| matches!(of, RecordRemark::HiddenNoise { .. }))
     );
     assert!(matches!(
         at(3.1, 63),
@@ -551,7 +563,7 @@ fn a_walk_behind_a_low_pass_filter_is_found_and_is_no_motion() {
     // What drifts least says so, too, and not less than it drifts.
     let chosen = &axis.recommended().score[2];
     assert_eq!(chosen.horizon_s, 60.0);
-    assert!(chosen.rms < 1.02 * found.score[2].rms, "{}", axis.reason);
+    assert!(chosen.rms < 1.02 * found.score[2].rms, "{:?}", axis.reason);
     assert!(chosen.rms < 1.4 * chosen.predicted_rms);
 }
 

@@ -3,6 +3,7 @@
 use crate::array::Array;
 use pyo3::prelude::*;
 use undrift::noise::arma::ArmaFit;
+use undrift_report::say;
 
 /// A fit on its way out, and back in for what is asked of it again.
 #[derive(FromPyObject, IntoPyObject)]
@@ -57,7 +58,7 @@ impl From<ArmaFit> for Fit {
             near_cancelling: fit.near_cancelling,
             flat_likelihood: fit.flat_likelihood,
             unit_root: fit.unit_root,
-            warnings: fit.warnings.iter().map(ToString::to_string).collect(),
+            warnings: fit.warnings.iter().map(say::arma).collect(),
         }
     }
 }

@@ -61,11 +61,16 @@ pub fn mounting(mounting: &Mounting) -> String {
 pub fn found(mountings: &[(f64, Mounting)]) -> Option<String> {
     let (since, _) = mountings.first()?;
     let (_, last) = mountings.last()?;
-    let since = at(*since);
-    Some(format!(
-        "{}; the solution is in vehicle axes from {since} s on",
-        mounting(last)
-    ))
+    Some(mounted(last, Some(*since)))
+}
+
+/// How the IMU sits in the vehicle, and since when the solution is in the vehicle's axes where that was found on the way.
+pub(crate) fn mounted(of: &Mounting, since: Option<f64>) -> String {
+    let found = mounting(of);
+    match since.map(at) {
+        Some(since) => format!("{found}; the solution is in vehicle axes from {since} s on"),
+        None => found,
+    }
 }
 
 pub(super) fn unexplained_force(excess: f64) -> String {

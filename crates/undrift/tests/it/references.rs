@@ -45,7 +45,7 @@ fn cut(drive: &Drive, at: &[f64], hindsight: Hindsight) -> (Logs, Experiment) {
 
 fn result(drive: &Drive, at: &[f64], hindsight: Hindsight) -> Outages {
     let (logs, experiment) = cut(drive, at, hindsight);
-    logs.result("drive.toml".as_ref(), &experiment)
+    logs.result("drive.toml".as_ref(), &experiment, &|of| format!("{of:?}"))
 }
 
 /// Every 37th fix is 10 m off.

@@ -14,6 +14,7 @@ use undrift::{
     noise::{
         AxisModel, BiasModel, GaussMarkov, ImuModel,
         identify::{Axis, Options},
+        model_file,
     },
     outages::{self, Schedule},
     record::{self, Record, RecordFormat},
@@ -82,7 +83,8 @@ fn compared(run: &str, record: &Record) -> Result<Vec<Compared>, Failure> {
         .map(|(_, axis)| axis.as_ref().map_err(|e| e.to_string()))
         .collect::<Result<_, _>>()?;
     for ((name, _), axis) in found.axes.iter().zip(&axes) {
-        println!("{name}: {} — {}", axis.recommended().name, axis.reason);
+        let reason = model_file::reason(&axis.reason);
+        println!("{name}: {} — {reason}", axis.recommended().name);
     }
     let from = |pick: &dyn Fn(&Axis) -> Option<AxisModel>| -> ImuModel {
         let mut model = ImuModel::default();

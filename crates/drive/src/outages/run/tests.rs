@@ -93,7 +93,12 @@ fn largest_errors_and_errors_at_the_end_have_statistics_of_their_own() {
         errors: found.clone(),
         summary: Summary::default(),
     };
-    let result = result(&settings.outages, &[("white".into(), Ok(run))], &[]);
+    let result = result(
+        &settings.outages,
+        &[("white".into(), Ok(run))],
+        &[],
+        &|of| format!("{of:?}"),
+    );
     let model = &result.models["white"];
     for (what, numbers, errors) in [
         ("max", &model.max, &found.max),

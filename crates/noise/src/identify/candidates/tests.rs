@@ -205,7 +205,7 @@ fn a_candidate_is_scored_on_the_halves_it_was_not_fitted_to() {
     );
     // The turn-on constant is a state.
     assert_eq!(
-        (found.states, found.ljung_box_p, found.warnings.len()),
+        (found.states, found.ljung_box_p, found.remarks.len()),
         (1, None, 0)
     );
     let scores: Vec<Vec<HorizonScore>> = folds

@@ -4,6 +4,8 @@ use super::{Run, units};
 use undrift::noise::{
     ImuModel, allan::Term, identify::Axis, model_file::AxisModel, normality, spectrum::Density,
 };
+use undrift::results::Statement;
+use undrift_report::{say, sentence};
 
 pub fn print(runs: &[Run], sheet: &ImuModel) {
     for run in runs {
@@ -202,9 +204,10 @@ fn distributions(run: &Run) {
     }
     println!();
     for (_, name, axis) in run.axes() {
-        println!("* {name}: {}", axis.stationarity.sentence);
-        for warning in &axis.warnings {
-            println!("  Warning: {warning}");
+        println!("* {name}: {}", say::stationarity(&axis.stationarity));
+        let of_fit = axis.recommended().remarks.iter().map(Statement::Fit);
+        for found in axis.remarks.iter().map(Statement::Record).chain(of_fit) {
+            println!("  Warning: {}", sentence(found));
         }
     }
     println!();
