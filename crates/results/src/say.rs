@@ -1,4 +1,4 @@
-//! What has a sentence, of those that crates above and below have to say: its text is made in one place, `undrift_report::sentence`.
+//! What has a sentence. The values are here and in the crates below; their text is made in one place, `undrift_report::sentence`.
 
 use crate::{demo::Demo, findings::Finding};
 use undrift_engine::{align::Alignment, mounting::Mounting};
