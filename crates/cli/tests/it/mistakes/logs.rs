@@ -84,84 +84,67 @@ pub fn logs() -> Vec<Mistake> {
                 row.put(3, &[height]);
             }
         }),
-        logs("tabs and decimal commas", |case| {
+        logs("tabs, decimal commas, hour to second in columns", |case| {
             states_velocities(case);
             for name in ["imu.csv", "gnss.csv"] {
+                in_parts(case, name);
                 let text = case.read(name).unwrap();
                 let text = text.replace(',', "\t").replace('.', ",");
                 case.put(name, text.as_bytes());
             }
         }),
-        logs("degrees, minutes and seconds in columns", |case| {
-            case.put("gnss.csv", in_three_columns().as_bytes());
-        }),
-        logs("hour, minute and second in columns", |case| {
-            states_velocities(case);
-            ["imu.csv", "gnss.csv"]
-                .into_iter()
-                .for_each(|name| in_parts(case, name));
-        }),
-        logs("seconds of the day across midnight", |case| {
-            states_velocities(case);
-            for name in ["imu.csv", "gnss.csv"] {
-                let of_day = |time: f64| format!("{:.2}", (time + 86_320.0) % 86_400.0);
-                retimed(case, name, "sod", of_day);
-            }
-        }),
-        logs("lines of JSON", |case| {
-            states_velocities(case);
-            let rows = super::good().imu.into_iter().map(|row| {
+        logs(
+            "lines of JSON; degrees, minutes, seconds in columns",
+            |case| {
+                let rows = super::good().imu.into_iter().map(|row| {
                 let [gx, gy, gz, ax, ay, az] = [1, 2, 3, 4, 5, 6].map(|k| row.number(k));
                 let time = row.time;
                 format!("{{\"t\": {time}, \"gyro\": [{gx}, {gy}, {gz}], \"acc\": {{\"x\": {ax}, \"y\": {ay}, \"z\": {az}}}}}\n")
             });
-            case.put("imu.csv", rows.collect::<String>().as_bytes());
-        }),
-        logs("several numbers in a cell", |case| {
+                case.put("imu.csv", rows.collect::<String>().as_bytes());
+                case.put("gnss.csv", in_three_columns().as_bytes());
+            },
+        ),
+        logs(
+            "hexadecimal counts; seconds of the day across midnight",
+            |case| {
+                states_velocities(case);
+                imu(case, "t,AcX,AcY,AcZ,GyX,GyY,GyZ", |row| {
+                    let count = |x: f64| format!("0x{:04X}", x.round() as i16);
+                    let values = in_degrees_and_g(row);
+                    let counts = values
+                        .iter()
+                        .zip([32.8, 32.8, 32.8, 4096.0, 4096.0, 4096.0]);
+                    let counts = Vec::from_iter(counts.map(|(x, lsb)| count(x * lsb)));
+                    row.fields[1..4].clone_from_slice(&counts[3..]);
+                    row.fields[4..7].clone_from_slice(&counts[..3]);
+                });
+                for name in ["imu.csv", "gnss.csv"] {
+                    let of_day = |time: f64| format!("{:.2}", (time + 86_320.0) % 86_400.0);
+                    retimed(case, name, "sod", of_day);
+                }
+            },
+        ),
+        logs("several numbers in a cell, no times", |case| {
             states_velocities(case);
-            let rows = super::good().imu.into_iter().map(|row| {
+            // Of 100 Hz every second row.
+            let rows = super::good().imu.into_iter().step_by(2).map(|row| {
                 let [gx, gy, gz, ax, ay, az] = [1, 2, 3, 4, 5, 6].map(|k| row.number(k));
-                format!("{},\"[{gx}, {gy}, {gz}]\",{ax} {ay} {az},7\n", row.time)
+                format!("\"[{gx}, {gy}, {gz}]\",{ax} {ay} {az},7\n")
             });
-            let text = "t,gyro,accel,state\n".to_owned() + &rows.collect::<String>();
+            let text = "gyro,accel,state\n".to_owned() + &rows.collect::<String>();
             case.put("imu.csv", text.as_bytes());
-        }),
-        logs("hexadecimal counts", |case| {
-            states_velocities(case);
-            imu(case, "ms,AcX,AcY,AcZ,GyX,GyY,GyZ", |row| {
-                let count = |x: f64| format!("0x{:04X}", x.round() as i16);
-                let values = in_degrees_and_g(row);
-                let counts = values
-                    .iter()
-                    .zip([32.8, 32.8, 32.8, 4096.0, 4096.0, 4096.0]);
-                let counts = Vec::from_iter(counts.map(|(x, lsb)| count(x * lsb)));
-                row.fields[0] = format!("{:.0}", row.time * 1000.0);
-                row.fields[1..4].clone_from_slice(&counts[3..]);
-                row.fields[4..7].clone_from_slice(&counts[..3]);
-            });
         }),
         logs("thousandths, and axes before their sensors", |case| {
             states_velocities(case);
             let header = "time_boot_ms,RAW_IMU.xacc,RAW_IMU.yacc,RAW_IMU.zacc,RAW_IMU.xgyro,RAW_IMU.ygyro,RAW_IMU.zgyro";
             imu(case, header, |row| {
-                let values = in_degrees_and_g(row).map(|x| format!("{:.0}", 1000.0 * x));
-                let rates = [1, 2, 3].map(|k| format!("{:.0}", 1000.0 * row.number(k)));
+                let values = in_degrees_and_g(row).map(|x| format!("{:.2}", 1000.0 * x));
+                let rates = [1, 2, 3].map(|k| format!("{:.2}", 1000.0 * row.number(k)));
                 row.fields[0] = format!("{:.0}", row.time * 1000.0);
                 row.fields[1..4].clone_from_slice(&values[3..]);
                 row.fields[4..7].clone_from_slice(&rates);
             });
-        }),
-        logs("no times: the rate by the fixes", |case| {
-            states_velocities(case);
-            let text = case.read("imu.csv").unwrap();
-            let without = text.lines().map(|line| line.split_once(',').unwrap().1);
-            // Of 100 Hz every second row.
-            let mut lines = without.enumerate().filter(|(k, _)| k % 2 == 0);
-            let text: String = lines
-                .by_ref()
-                .map(|(_, line)| line.to_owned() + "\n")
-                .collect();
-            case.put("imu.csv", text.as_bytes());
         }),
         logs("gyro x and y exchanged", |case| {
             states_velocities(case);
@@ -276,9 +259,14 @@ fn in_three_columns() -> String {
     };
     let rows = super::good().gnss.into_iter().map(|row| {
         let [lat, lon, height] = [1, 2, 3].map(|k| row.number(k));
-        format!("{},{},{},{height}\n", row.time, parts(lat), parts(lon))
+        let [vn, ve, vd] = [4, 5, 6].map(|k| row.number(k));
+        let place = format!("{},{},{height}", parts(lat), parts(lon));
+        format!(
+            "{},{place},{vn},{ve},{vd},0.05,0.05,0.05,0.5,0.5,1\n",
+            row.time
+        )
     });
-    let header = "t,lat_deg,lat_min,lat_sec,lon_deg,lon_min,lon_sec,height\n";
+    let header = "t,lat_deg,lat_min,lat_sec,lon_deg,lon_min,lon_sec,height,vn,ve,vd,vn_std,ve_std,vd_std,north_std,east_std,down_std\n";
     header.to_owned() + &rows.collect::<String>()
 }
 
