@@ -53,14 +53,11 @@ pub struct Arguments {
     /// Source of the fixes
     #[arg(long, value_name = "SOURCE")]
     gnss: Option<String>,
-    /// Source of the wheel speeds, where the drive has them
-    #[arg(long, value_name = "SOURCE")]
-    odometer: Option<String>,
-    /// Source of the barometer's heights, where the drive has them
-    #[arg(long, value_name = "SOURCE")]
-    barometer: Option<String>,
+    /// Source of another log of the drive file, such as odometer=udp://:5001; repeatable
+    #[arg(long, value_name = "TABLE=SOURCE")]
+    sensor: Vec<String>,
     /// Replay the drive's own logs: 1 at their own pace, 20 twenty times as fast, 0 as fast as it goes
-    #[arg(long, value_name = "PACE", conflicts_with_all = ["imu", "gnss", "odometer", "barometer"])]
+    #[arg(long, value_name = "PACE", conflicts_with_all = ["imu", "gnss", "sensor"])]
     replay: Option<f64>,
     /// Folder of the log files. Default: that of the drive file
     #[arg(long, value_name = "DIR")]
@@ -97,13 +94,21 @@ pub struct Arguments {
 
 impl Arguments {
     /// The sources that are asked for, by their tables.
-    fn sources(&self) -> [(&'static str, Option<&str>); 4] {
-        [
-            ("imu", self.imu.as_deref()),
-            ("gnss", self.gnss.as_deref()),
-            ("odometer", self.odometer.as_deref()),
-            ("barometer", self.barometer.as_deref()),
-        ]
+    fn sources(&self) -> Result<Vec<(&str, &str)>> {
+        let named = [("imu", &self.imu), ("gnss", &self.gnss)];
+        let named = named
+            .into_iter()
+            .filter_map(|(table, source)| Some((table, source.as_deref()?)));
+        let mut sources = Vec::from_iter(named);
+        for sensor in &self.sensor {
+            let wrong = || {
+                Invalid(format!(
+                    "--sensor {sensor}: write TABLE=SOURCE, such as odometer=udp://:5001"
+                ))
+            };
+            sources.push(sensor.split_once('=').ok_or_else(wrong)?);
+        }
+        Ok(sources)
     }
 }
 
@@ -153,7 +158,7 @@ fn prepare(arguments: &Arguments) -> Result<(Plan, Feed)> {
         .transpose()?;
     let text = plan::with_model(&text, &name, home, model.as_ref())?;
     let folder = arguments.data.as_deref().unwrap_or(home);
-    let asked = feed::Asked::new(&text, folder, &arguments.sources(), arguments.replay)
+    let asked = feed::Asked::new(&text, folder, &arguments.sources()?, arguments.replay)
         .map_err(|why| anyhow!(Invalid(why)))?;
     // Of logs of the same sensor, the interval of the samples is known from the beginning.
     let interval = Drive::load(&arguments.drive, arguments.data.as_deref())

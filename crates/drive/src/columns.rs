@@ -85,7 +85,7 @@ impl Meaning {
 /// and nothing else the specific force, `alpha` is that, as in the tables of Kalibr, in rad/s and m/s².
 pub fn meanings(names: &[String]) -> Vec<Option<(Meaning, Option<String>)>> {
     let mut found: Vec<_> = names.iter().map(|name| meaning(name)).collect();
-    // What is part of a time in several columns is none of its own.
+    // What is part of a time in several columns is not a time of its own.
     for part in names
         .iter()
         .flat_map(|name| name.split(" + ").skip(usize::from(!name.contains(" + "))))

@@ -244,6 +244,16 @@ impl Measurement {
         }
     }
 
+    /// The same measurement with another stamp \[s\], as of a clock that is mapped onto that of the samples.
+    #[must_use]
+    pub fn at(mut self, time: f64) -> Self {
+        match &mut self {
+            Self::Gnss(fix) => fix.time = time,
+            Self::Odometer(s) | Self::Barometer(s) => s.time = time,
+        }
+        self
+    }
+
     /// Its name for a message, where a time or a value of it is not finite.
     pub(crate) fn unusable(&self) -> Option<&'static str> {
         let (what, finite) = match self {

@@ -217,7 +217,10 @@ impl<T> LogClock<T> {
             return None;
         }
         let beyond = match self.beyond {
-            Some(beyond) if beyond.with(delay).spread() <= SPREAD => beyond.with(delay),
+            // From the future they are held until there are enough; a delay that lasts has to stay the same.
+            Some(beyond) if delay < floor || beyond.with(delay).spread() <= SPREAD => {
+                beyond.with(delay)
+            }
             _ => Beyond::new(at, delay),
         };
         self.beyond = Some(beyond);

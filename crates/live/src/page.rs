@@ -35,7 +35,7 @@ impl Page {
     /// Serves the page at an address, `host:port`.
     ///
     /// # Errors
-    /// If the address is none, or in use.
+    /// If it is not an address, or in use.
     pub fn serve(address: &str) -> io::Result<Self> {
         let unknown = || {
             io::Error::new(

@@ -154,7 +154,7 @@ pub fn with_model(
     Ok(document.to_string())
 }
 
-/// A recording and its plan; `None` of a file that is none.
+/// A recording and its plan; `None` of any other file.
 ///
 /// # Errors
 /// If the file cannot be read.

@@ -68,7 +68,7 @@ pub enum SessionError {
     #[error("the first {0} MB make no drive: {1}")]
     NotReady(usize, String),
     /// A log has no source.
-    #[error("no source of [{0}]: specify --{0} SOURCE")]
+    #[error("no source of [{0}]")]
     NoSource(String),
 }
 

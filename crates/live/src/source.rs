@@ -180,16 +180,34 @@ fn watch(stream: TcpStream) -> io::Result<Box<dyn Read + Send>> {
     let mut reader = BufReader::new(stream);
     let mut line = Vec::new();
     loop {
-        line.clear();
-        if reader.read_until(b'\n', &mut line)? == 0 {
-            let problem = "gpsd closed the connection before it answered";
-            return Err(io::Error::new(io::ErrorKind::UnexpectedEof, problem));
-        }
-        let answers = line.windows(15).any(|part| part == b"\"class\":\"WATCH\"");
-        if answers || !line.starts_with(b"{") {
-            return Ok(Box::new(reader));
+        match reader.read_until(b'\n', &mut line) {
+            Ok(0) => {
+                let problem = "gpsd closed the connection before it answered";
+                return Err(io::Error::new(io::ErrorKind::UnexpectedEof, problem));
+            }
+            // Its words come at once, or not at all.
+            Err(error) if is_patient(&error) => break,
+            Err(error) => return Err(error),
+            Ok(_) if !line.starts_with(b"{") => break,
+            Ok(_) => {
+                let answers = line.windows(15).any(|part| part == b"\"class\":\"WATCH\"");
+                line.clear();
+                if answers {
+                    break;
+                }
+            }
         }
     }
+    Ok(Box::new(io::Cursor::new(line).chain(reader)))
+}
+
+/// Whether a read only has nothing yet.
+fn is_patient(error: &io::Error) -> bool {
+    use io::ErrorKind as Kind;
+    matches!(
+        error.kind(),
+        Kind::Interrupted | Kind::TimedOut | Kind::WouldBlock
+    )
 }
 
 /// Datagrams one after the other.
@@ -313,12 +331,8 @@ fn pass_on(
                     return (got, None);
                 }
             }
-            Err(error) => match error.kind() {
-                io::ErrorKind::Interrupted
-                | io::ErrorKind::TimedOut
-                | io::ErrorKind::WouldBlock => {}
-                _ => return (got, Some(error.to_string())),
-            },
+            Err(error) if is_patient(&error) => {}
+            Err(error) => return (got, Some(error.to_string())),
         }
     }
 }

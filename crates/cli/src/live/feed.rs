@@ -56,15 +56,15 @@ impl Asked {
     pub fn new(
         text: &str,
         folder: &Path,
-        asked: &[(&'static str, Option<&str>)],
+        asked: &[(&str, &str)],
         pace: Option<f64>,
     ) -> Result<Self, String> {
         let named = plan::files(text);
         let mut tables: Vec<&str> = named.iter().map(|(table, _)| *table).collect();
-        for (table, source) in asked {
-            if source.is_some() && !tables.contains(table) {
+        for (table, _) in asked {
+            if !tables.contains(table) {
                 return Err(format!(
-                    "--{table}: the drive file has no [{table}], which describes the log"
+                    "the drive file has no [{table}], which describes the log of that source"
                 ));
             }
         }
@@ -81,7 +81,8 @@ impl Asked {
                 .map(|(_, file)| file);
             let asked = asked
                 .iter()
-                .find_map(|(of, source)| source.filter(|_| *of == table));
+                .find(|(of, _)| *of == table)
+                .map(|(_, source)| *source);
             let name = match (asked, file, pace) {
                 (Some(source), ..) => source.to_owned(),
                 (None, Some(file), Some(pace)) => {
@@ -121,7 +122,7 @@ impl Asked {
         Ok(Self { names, logs, how })
     }
 
-    /// Opens them; the drive file tells how logs are read.
+    /// Opens them; the drive file says how logs are read.
     pub fn open(self, text: &str, name: &str) -> Result<Feed> {
         match self.how {
             How::Sources(sources) => Ok(Feed::sources(sources)),
@@ -270,45 +271,33 @@ mod tests {
 
     const TEXT: &str = "[imu]\nfile = \"imu.csv\"\n[gnss]\nfile = \"udp://:5000\"\n[truth]\nfile = \"truth.csv\"\n";
 
-    fn asked(
-        imu: Option<&str>,
-        odometer: Option<&str>,
-        pace: Option<f64>,
-    ) -> Result<Asked, String> {
-        Asked::new(
-            TEXT,
-            Path::new("logs"),
-            &[("imu", imu), ("gnss", None), ("odometer", odometer)],
-            pace,
-        )
+    fn asked(sources: &[(&str, &str)], pace: Option<f64>) -> Result<Asked, String> {
+        Asked::new(TEXT, Path::new("logs"), sources, pace)
     }
 
     #[test]
     fn each_log_has_a_source() {
-        let found = asked(Some("-"), None, None).unwrap();
+        let found = asked(&[("imu", "-")], None).unwrap();
         assert_eq!(found.names, ["-", "udp://:5000"]);
         assert_eq!(found.logs, [("imu".to_owned(), 0), ("gnss".to_owned(), 1)]);
-        let found = asked(Some("udp://:5000"), None, None).unwrap();
+        let found = asked(&[("imu", "udp://:5000")], None).unwrap();
         assert_eq!((found.names.len(), found.logs[1].1), (1, 0));
-        let found = asked(None, None, Some(20.0)).unwrap();
+        let found = asked(&[], Some(20.0)).unwrap();
         assert_eq!(found.names[0], "replay:logs/imu.csv?pace=20");
-        for (result, words) in [
+        for (sources, words) in [
             (
-                asked(None, None, None),
+                &[] as &[(&str, &str)],
                 "no source of [imu]: specify --imu SOURCE",
             ),
-            (asked(Some("-"), Some("-"), None), "has no [odometer]"),
+            (&[("imu", "-"), ("odometer", "-")], "has no [odometer]"),
             (
-                asked(Some("replay:imu.csv"), None, None),
+                &[("imu", "replay:imu.csv")],
                 "either all sources are replay:FILE",
             ),
-            (
-                asked(Some("replay:imu.csv?speed=2"), None, None),
-                "pace is a number",
-            ),
-            (asked(Some("tcp://x"), None, None), "host:port"),
+            (&[("imu", "replay:imu.csv?speed=2")], "pace is a number"),
+            (&[("imu", "tcp://x")], "host:port"),
         ] {
-            let error = result.err().unwrap();
+            let error = asked(sources, None).err().unwrap();
             assert!(error.contains(words), "{error}");
         }
     }

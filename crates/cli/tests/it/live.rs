@@ -320,7 +320,7 @@ fn a_mistake_is_said_before_anything_runs() {
                 "-",
                 "--gnss",
                 "-",
-                "--odometer",
+                "--sensor",
                 "-",
             ],
             "has no [odometer]",

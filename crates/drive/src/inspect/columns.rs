@@ -2,7 +2,7 @@
 
 use super::{
     found::Found,
-    numbers::{by_numbers, means, steady, time_by_numbers},
+    numbers::{by_numbers, means, steady, three_of, time_by_numbers},
     units::{self, Force},
 };
 use crate::columns::{
@@ -139,13 +139,6 @@ fn by_names(table: &Preview) -> Found {
         found.polar[1] = found.polar[1].or(heading);
     }
     found
-}
-
-pub(super) fn three_of(rows: &[Vec<f64>], places: [usize; 3]) -> Vec<[f64; 3]> {
-    rows.iter()
-        .map(|row| places.map(|k| row.get(k).copied().unwrap_or(f64::NAN)))
-        .filter(|v| v.iter().all(|x| x.is_finite()))
-        .collect()
 }
 
 /// Whether gyroscopes and accelerometers have values in rows of their own.

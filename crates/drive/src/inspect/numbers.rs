@@ -1,6 +1,5 @@
 //! What the columns of a table are by their numbers alone.
 
-use super::columns::three_of;
 use super::found::Found;
 use super::places;
 use super::units::{self, Force};
@@ -148,4 +147,12 @@ fn unsteadiness(samples: &[[f64; 3]]) -> f64 {
             .unwrap_or(f64::NAN)
     };
     (at(90) - at(10)) / at(50)
+}
+
+/// The values of three columns, row by row, where all of them are finite.
+pub(super) fn three_of(rows: &[Vec<f64>], places: [usize; 3]) -> Vec<[f64; 3]> {
+    rows.iter()
+        .map(|row| places.map(|k| row.get(k).copied().unwrap_or(f64::NAN)))
+        .filter(|v| v.iter().all(|x| x.is_finite()))
+        .collect()
 }

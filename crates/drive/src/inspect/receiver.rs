@@ -2,7 +2,8 @@
 
 use super::{
     LEVEL_VELOCITY_STD, POSITION_STD, VELOCITY_STD,
-    columns::{Columns, NAMES, all, three_of},
+    columns::{Columns, NAMES, all},
+    numbers::three_of,
 };
 use crate::columns::{FIX_STEP, ordinary_step};
 use crate::drive::DEGREES_MINUTES;

@@ -139,7 +139,7 @@ impl Beginning {
             .filter_map(move |row| row.get(place).map(Vec::as_slice))
     }
 
-    /// The numbers of a column, with decimal points or commas; `None` where a cell is none.
+    /// The numbers of a column, with decimal points or commas; `None` where a cell is not a number.
     fn numbers(&self, place: usize) -> Option<Vec<f64>> {
         self.column(place)
             .map(crate::number::parse_with_comma)

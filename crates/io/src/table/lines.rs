@@ -93,7 +93,7 @@ impl Window {
 pub(crate) struct Lines {
     window: Window,
     number: u64,
-    /// What makes rows of lines that are none, the last such row, and the header before the first.
+    /// What makes rows of lines of another layout, the last such row, and the header before the first.
     rewritten: Option<Rewritten>,
     row: Vec<u8>,
     header: Option<Vec<u8>>,

@@ -32,15 +32,11 @@ impl Record {
     }
 
     /// The record with another time \[s\].
-    pub(super) fn at(mut self, at: f64) -> Self {
-        match &mut self {
-            Self::Sample(ImuSample { time, .. }) => *time = at,
-            Self::Measured(Measurement::Gnss(fix)) => fix.time = at,
-            Self::Measured(Measurement::Odometer(scalar) | Measurement::Barometer(scalar)) => {
-                scalar.time = at
-            }
+    pub(super) fn at(self, time: f64) -> Self {
+        match self {
+            Self::Sample(sample) => Self::Sample(ImuSample { time, ..sample }),
+            Self::Measured(measurement) => Self::Measured(measurement.at(time)),
         }
-        self
     }
 }
 

@@ -38,7 +38,7 @@ impl Notation {
         self.commas || self.hexadecimal || self.fortran
     }
 
-    /// A cell as a decimal number; `None` of one that is none of these.
+    /// A cell as a decimal number; `None` of any other.
     pub(super) fn number(self, cell: &[u8]) -> Option<Vec<u8>> {
         let commas = || {
             let mut point = cell.to_vec();

@@ -134,7 +134,7 @@ fn angles_in_several_columns() {
         let (degrees, _) = crate::angle::degrees(text.as_bytes()).unwrap();
         assert!((degrees + 26.5 / 60.0).abs() < 1e-12, "{text}: {degrees}");
     }
-    // Degrees with a fraction are the whole angle, and a smallest latitude is none in minutes.
+    // Degrees with a fraction are the whole angle, and the smallest latitude has no minutes.
     for text in [
         "t,lat_deg,lat_min,lon_deg,lon_min\n1,30.5,26,114.2,28\n",
         "t,lat_deg,lat_min,lon_deg,lon_min\n1,30,-90,114,-180\n",
