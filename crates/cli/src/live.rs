@@ -65,7 +65,7 @@ pub struct Arguments {
     /// Noise model of the IMU: a model file or a preset (`undrift model --list`)
     #[arg(long, value_name = "IMU.toml")]
     model: Option<String>,
-    /// Bias model: white, paper, gauss-markov, random-walk, ar or arma
+    /// Bias model of the filter, as that of `undrift navigate`
     #[arg(long, value_name = "NAME", default_value = "arma")]
     bias_model: BiasModel,
     /// Take measurements that come up to so late as if they had come in time [s]

@@ -261,7 +261,7 @@ fn after_a_kill_it_goes_on_from_its_checkpoint() {
             wait_for("a row", || time().is_ok_and(|time| time >= 125.0));
             interrupt(run);
             let said = said.join().unwrap();
-            assert!(said.contains("goes on from the checkpoint of 11"), "{said}");
+            assert!(said.contains("goes on from the checkpoint of "), "{said}");
             let row: Vec<f64> = last_line(&drive.join("live.csv"))
                 .split(',')
                 .map(|field| field.parse().unwrap())
@@ -321,7 +321,7 @@ fn a_mistake_is_said_before_anything_runs() {
                 "--gnss",
                 "-",
                 "--sensor",
-                "-",
+                "odometer=-",
             ],
             "has no [odometer]",
         ),
