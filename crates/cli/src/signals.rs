@@ -1,20 +1,33 @@
 //! Signals that end the command: INT, TERM and HUP. Unfinished files are removed, then the process ends by the signal, so
 //! that a shell sees it.
 
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+#[cfg(not(target_family = "wasm"))]
+pub use run::{end_the_run, is_asked_to_end};
 
-/// Whether a signal is to end a run that has an end of its own, and whether one came.
-static HAS_END: AtomicBool = AtomicBool::new(false);
-static ENDED: AtomicBool = AtomicBool::new(false);
+/// The end of a run that goes on until it is asked to end.
+#[cfg(not(target_family = "wasm"))]
+mod run {
+    use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// From here on the first signal asks the run to end ([`is_asked_to_end`]); the next ends the process.
-pub fn end_the_run() {
-    HAS_END.store(true, Relaxed);
-}
+    /// Whether there is such a run, and whether it was asked to end.
+    static RUNS: AtomicBool = AtomicBool::new(false);
+    static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// Whether a signal asked the run to end.
-pub fn is_asked_to_end() -> bool {
-    ENDED.load(Relaxed)
+    /// From here on the first signal asks the run to end ([`is_asked_to_end`]); the next ends the process.
+    pub fn end_the_run() {
+        RUNS.store(true, Relaxed);
+    }
+
+    /// Whether a signal asked the run to end.
+    pub fn is_asked_to_end() -> bool {
+        ASKED.load(Relaxed)
+    }
+
+    /// Asks a run to end; whether there is one that was not asked before.
+    #[cfg(unix)]
+    pub fn ask() -> bool {
+        RUNS.load(Relaxed) && !ASKED.swap(true, Relaxed)
+    }
 }
 
 /// Watches for the signals, but for those that the caller has the process ignore (`nohup`).
@@ -37,7 +50,7 @@ pub fn watch() {
     };
     std::thread::spawn(move || {
         for signal in signals.forever() {
-            if HAS_END.load(Relaxed) && !ENDED.swap(true, Relaxed) {
+            if run::ask() {
                 continue;
             }
             undrift::io::write::remove_unfinished();
