@@ -23,6 +23,8 @@ use undrift_noise::BiasModel;
 
 /// A solution is without GNSS where the newest fix is older than this \[s\].
 const FRESH: f64 = 2.0;
+/// How late a receiver gives its fixes, where their times do not show it \[s\].
+const LATENCY: f64 = 0.1;
 /// From one look for events to the next \[s\].
 const EVENTS: f64 = 1.0;
 /// Longest gap between two processes that a solution goes on over \[s\]: beyond, the navigator aligns again anyway.
@@ -319,9 +321,14 @@ impl Running {
         let mut taken = Ok(());
         for log in of_source {
             let records = self.read(log, arrival, sink);
+            let now = self.now(log, at);
+            let now = match log.ends_with_the_next {
+                true => std::mem::replace(&mut log.before, now).or(now),
+                false => now,
+            };
             let (mut ready, mut changes) = (Vec::new(), Vec::new());
             for record in records {
-                let Some(now) = self.now(log, at) else {
+                let Some(now) = now else {
                     // Before the first sample nothing shows how late it is.
                     ready.push(record);
                     continue;
@@ -367,7 +374,7 @@ impl Running {
             return Some(at);
         }
         if log.clock.is_new() {
-            log.clock.compare(0.0);
+            log.clock.compare(LATENCY);
         }
         let (time, came) = self.newest?;
         Some(time + (at - came))

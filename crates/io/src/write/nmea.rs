@@ -34,7 +34,12 @@ fn write_epoch(buf: &mut Vec<u8>, row: &SolutionRow, beside: &Beside) -> io::Res
     let time = format!("{hour:02}{minute:02}{second:02}.{milli:03}");
     let (lat, lon) = (row.position.lat, row.position.lon);
     let place = format!("{},{}", arc(lat, 2, ["N", "S"]), arc(lon, 3, ["E", "W"]));
-    let (mode, quality) = if beside.outage { ("E", 6) } else { ("A", 1) };
+    // How many satellites there are is not known: a position takes four, without which gpsd and others take none.
+    let (mode, quality, satellites) = if beside.outage {
+        ("E", 6, "00")
+    } else {
+        ("A", 1, "04")
+    };
 
     let speed = row.v_n.x.hypot(row.v_n.y);
     let motion = if speed.is_finite() {
@@ -54,7 +59,7 @@ fn write_epoch(buf: &mut Vec<u8>, row: &SolutionRow, beside: &Beside) -> io::Res
     let height = row.position.height;
     sentence(
         buf,
-        &format!("GNGGA,{time},{place},{quality},,,{height:.3},M,0.0,M,,"),
+        &format!("GNGGA,{time},{place},{quality},{satellites},,{height:.3},M,0.0,M,,"),
     )?;
     let [north, east, down, ..] = row.nav_std;
     if [north, east, down].iter().all(|std| std.is_finite()) {

@@ -46,6 +46,10 @@ pub(super) struct LogStream {
     pub(super) source: usize,
     pub(super) clock: LogClock<Record>,
     stream: Stream<Record>,
+    /// Whether a record is complete only when the next begins, as the epochs of receivers: it came with the bytes before.
+    pub(super) ends_with_the_next: bool,
+    /// When the last bytes came, on the clock of the samples \[s\].
+    pub(super) before: Option<f64>,
     /// How the log begins.
     beginning: Vec<u8>,
     /// Of a table of text, the lines before its first row: a reader that begins again needs them.
@@ -99,6 +103,8 @@ impl LogStream {
             source,
             clock: LogClock::new(enough, table == IMU),
             stream: stream(table, beginning.clone(), drive),
+            ends_with_the_next: table == GNSS && matches!(drive.gnss.1, GnssSource::Log(_)),
+            before: None,
             beginning,
             header: is_text.then(Header::default),
         }
