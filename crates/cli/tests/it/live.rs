@@ -91,12 +91,12 @@ fn serve(
     (address, server)
 }
 
-/// Ends a run as Ctrl-C does and waits for it.
+/// Ends a run as Ctrl-C does, by a signal that is not ignored in the background, and waits for it.
 fn interrupt(mut run: Child) {
     let id = run.id().to_string();
     assert!(
         Command::new("kill")
-            .args(["-INT", &id])
+            .args(["-TERM", &id])
             .status()
             .unwrap()
             .success()
