@@ -161,9 +161,10 @@ fn prepare(arguments: &Arguments) -> Result<(Plan, Feed)> {
     let asked = feed::Asked::new(&text, folder, &arguments.sources()?, arguments.replay)
         .map_err(|why| anyhow!(Invalid(why)))?;
     // Of logs of the same sensor, the interval of the samples is known from the beginning.
-    let interval = Drive::load(&arguments.drive, arguments.data.as_deref())
-        .ok()
-        .and_then(|drive| drive.sample_interval().ok());
+    let interval = asked.files_at_hand.then(|| {
+        let drive = Drive::load(&arguments.drive, arguments.data.as_deref());
+        drive.ok()?.sample_interval().ok()
+    });
     let state = match arguments.state.as_deref().map(State::read).transpose() {
         Ok(state) => state.flatten(),
         Err(why) => {
@@ -181,7 +182,7 @@ fn prepare(arguments: &Arguments) -> Result<(Plan, Feed)> {
             horizon: horizon(&arguments.horizon)?,
             bias_model: arguments.bias_model,
             clock: arguments.clock.unwrap_or_default(),
-            interval,
+            interval: interval.flatten(),
         },
         state,
     };
@@ -267,12 +268,13 @@ impl Run {
             ));
             self.recorder = None;
         }
-        session.take(arrival, &mut Told { run: self })?;
+        session.take(arrival, self)?;
         if let Some(drive) = session.drive() {
             self.open_outputs(drive)?;
         }
         if arrival.at >= self.next_state
-            && let (Some(path), Some(state)) = (&self.state, session.state())
+            && let Some(path) = &self.state
+            && let Some(state) = session.state()
         {
             self.next_state = arrival.at + SECOND;
             if let Err(error) = state.write(path) {
@@ -305,20 +307,6 @@ impl Run {
         Ok(())
     }
 
-    fn row(&mut self, row: &SolutionRow, since_fix: Option<f64>) {
-        self.seen.rows += 1;
-        self.seen.first.get_or_insert(row.time);
-        self.seen.last = Some(*row);
-        for (_, outlet) in &mut self.outputs {
-            if let Some(outlet) = outlet {
-                outlet.row(row, since_fix);
-            }
-        }
-        if let Some(page) = &mut self.page {
-            page.row(row, since_fix);
-        }
-    }
-
     /// Says a sentence in the terminal and on the page.
     fn tell(&mut self, time: Option<f64>, sentence: &str, is_warning: bool) {
         if let Some(page) = &self.page {
@@ -340,7 +328,8 @@ impl Run {
             let finished = recorder.writer.finish().map(drop);
             finished.with_context(|| format!("cannot end the recording {path}"))?;
         }
-        if let (Some(path), Some(state)) = (&self.state, session.state())
+        if let Some(path) = &self.state
+            && let Some(state) = session.state()
             && let Err(error) = state.write(path)
         {
             warn(format!("{}: {error}", path.display()));
@@ -400,21 +389,25 @@ impl Recorder {
     }
 }
 
-/// Passes on what a session gives.
-struct Told<'a> {
-    run: &'a mut Run,
-}
-
-impl Sink for Told<'_> {
+impl Sink for Run {
     fn row(&mut self, row: &SolutionRow, since_fix: Option<f64>) {
-        self.run.row(row, since_fix);
+        self.seen.rows += 1;
+        self.seen.first.get_or_insert(row.time);
+        self.seen.last = Some(*row);
+        for (_, outlet) in &mut self.outputs {
+            if let Some(outlet) = outlet {
+                outlet.row(row, since_fix);
+            }
+        }
+        if let Some(page) = &mut self.page {
+            page.row(row, since_fix);
+        }
     }
 
     fn notice(&mut self, time: Option<f64>, notice: Notice) {
-        if !say::is_worth_a_word(&notice) {
-            return;
+        if say::is_worth_a_word(&notice) {
+            let sentence = say::notice(&notice);
+            self.tell(time, &sentence, say::is_warning(&notice));
         }
-        let sentence = say::notice(&notice);
-        self.run.tell(time, &sentence, say::is_warning(&notice));
     }
 }

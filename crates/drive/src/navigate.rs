@@ -9,6 +9,7 @@ mod result;
 mod start;
 
 pub use clock::{Clock, UnknownClock};
+pub use outputs::FRESH;
 pub use recorder::{Rows, Wanted, solution_row};
 pub use recording::Recording;
 pub use start::{Started, start};

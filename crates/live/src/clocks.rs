@@ -139,7 +139,7 @@ impl<T> LogClock<T> {
         (self.shift, self.reference, self.follows) = (shift, Some((delay, STEP)), follows);
     }
 
-    /// The first records are compared with the least delay of the samples \[s\].
+    /// The first records are compared with the delay that is usual \[s\].
     pub(crate) fn compare(&mut self, delay: f64) {
         self.reference = Some((delay, APART));
     }
@@ -187,12 +187,11 @@ impl<T> LogClock<T> {
                 }
                 self.reference = None;
                 let least = self.least_held();
-                return self
-                    .shift_by(least - reference, give)
-                    .map(|by| match most == APART {
-                        true => ClockChange::Apart(by),
-                        false => ClockChange::Set(by),
-                    });
+                let by = self.shift_by(least - reference, give);
+                return Some(match most == APART {
+                    true => ClockChange::Apart(by),
+                    false => ClockChange::Set(by),
+                });
             }
         }
         let Some(floor) = self.floor.least() else {
@@ -239,8 +238,7 @@ impl<T> LogClock<T> {
             }
         }
         self.beyond = None;
-        self.shift_by(beyond.least - floor, give)
-            .map(ClockChange::Set)
+        Some(ClockChange::Set(self.shift_by(beyond.least - floor, give)))
     }
 
     fn least_held(&self) -> f64 {
@@ -251,11 +249,11 @@ impl<T> LogClock<T> {
         delays.fold(f64::INFINITY, f64::min)
     }
 
-    /// Adds to the shift, and gives what was held.
-    fn shift_by(&mut self, by: f64, give: &mut dyn FnMut(f64, T)) -> Option<f64> {
+    /// Adds to the shift, and gives what was held; returns what was added.
+    fn shift_by(&mut self, by: f64, give: &mut dyn FnMut(f64, T)) -> f64 {
         self.shift += by;
         self.release(give);
-        Some(by)
+        by
     }
 
     fn release(&mut self, give: &mut dyn FnMut(f64, T)) {

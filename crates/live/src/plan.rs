@@ -147,7 +147,6 @@ pub fn with_model(
     if let Some(model) = read {
         let mut table: DocumentMut = model.to_toml().parse().unwrap_or_default();
         let table = std::mem::take(table.as_table_mut());
-        // Last, so that what a message calls a line stays.
         document.remove("model");
         document.insert("model", Item::Table(table));
     }

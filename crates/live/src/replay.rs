@@ -1,9 +1,8 @@
 //! Logs as if they came while the vehicle drives: each piece of a file when the records that it completes hold.
 
-use crate::{Arrival, NANOS};
+use crate::{Arrival, NANOS, session};
 use std::{
     io::{self, Read},
-    path::PathBuf,
     sync::{
         Arc,
         atomic::{AtomicUsize, Ordering},
@@ -11,8 +10,8 @@ use std::{
     thread,
     time::{Duration, Instant},
 };
-use undrift_drive::drive::{Drive, ScalarLog};
-use undrift_io::{Opened, ReadError, source};
+use undrift_drive::drive::Drive;
+use undrift_io::{Opened, ReadError};
 
 /// Bytes that are read at once: pieces end at multiples of it.
 const PIECE: usize = 64;
@@ -37,23 +36,22 @@ impl Read for Pieces {
     }
 }
 
-/// The arrivals of a drive's own logs, in order of time: `logs` are its tables with the number of their source, whose files are
-/// `files`.
+/// The arrivals of a drive's own logs, in order of time: `logs` are its tables with the number of their source, of which `bytes` has
+/// what its file holds, decompressed.
 ///
 /// # Errors
 /// If a log cannot be read.
 pub fn arrivals(
     drive: &Drive,
-    files: &[PathBuf],
+    bytes: &[Arc<[u8]>],
     logs: &[(String, usize)],
 ) -> Result<Vec<Arrival>, ReadError> {
     let mut pieces = Vec::new();
-    for (number, file) in files.iter().enumerate() {
-        let bytes: Arc<[u8]> = source::bytes(file)?.into();
+    for (number, bytes) in bytes.iter().enumerate() {
         // Where a record is complete, and its time.
         let mut marks = Vec::new();
         for (table, _) in logs.iter().filter(|(_, source)| *source == number) {
-            marks.extend(marks_of(drive, table, file, &bytes)?);
+            marks.extend(marks_of(drive, table, bytes)?);
         }
         marks.sort_by(|a: &(usize, f64), b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let (mut from, mut latest) = (0, f64::NEG_INFINITY);
@@ -85,38 +83,18 @@ pub fn arrivals(
     Ok(pieces.into_iter().map(arrival).collect())
 }
 
-fn marks_of(
-    drive: &Drive,
-    table: &str,
-    file: &std::path::Path,
-    bytes: &Arc<[u8]>,
-) -> Result<Vec<(usize, f64)>, ReadError> {
+/// Where each record of a log is complete, and its time \[s\].
+fn marks_of(drive: &Drive, table: &str, bytes: &Arc<[u8]>) -> Result<Vec<(usize, f64)>, ReadError> {
     let at = Arc::new(AtomicUsize::new(0));
-    let opened = Opened::live(
-        file,
-        bytes,
-        Pieces {
-            bytes: bytes.clone(),
-            at: at.clone(),
-        },
-    )?;
-    let mark = |time: f64| (at.load(Ordering::Relaxed), time);
-    match table {
-        "imu" => drive
-            .read_imu(opened)?
-            .map(|sample| Ok(mark(sample?.time)))
-            .collect(),
-        "gnss" => drive
-            .read_gnss(opened)?
-            .map(|fix| Ok(mark(fix?.time)))
-            .collect(),
-        _ => {
-            let log = ScalarLog::ALL.into_iter().find(|log| log.name() == table);
-            let reader = log.map(|log| drive.read_scalars(log, opened)).transpose()?;
-            let scalars = reader.flatten().into_iter().flatten();
-            scalars.map(|scalar| Ok(mark(scalar?.time))).collect()
-        }
-    }
+    let pieces = Pieces {
+        bytes: bytes.clone(),
+        at: at.clone(),
+    };
+    let opened = Opened::live(table.as_ref(), bytes, pieces)?;
+    let records = session::records(drive, table, opened)?;
+    records
+        .map(|record| Ok((at.load(Ordering::Relaxed), record?.time())))
+        .collect()
 }
 
 /// Gives arrivals at a pace: 1 is their own, 0 as fast as they are taken.

@@ -4,6 +4,7 @@ mod log;
 mod setup;
 
 pub use log::Record;
+pub(crate) use log::records;
 
 use crate::{
     Arrival,
@@ -15,14 +16,12 @@ use log::LogStream;
 use std::path::{Path, PathBuf};
 use undrift_drive::{
     drive::{Drive, DriveError},
-    navigate::{Clock, NavigateError, Rows, settings},
+    navigate::{Clock, FRESH, NavigateError, Rows, settings},
 };
 use undrift_engine::{Event, Navigator, PushError, settings::Settings};
 use undrift_io::write::solution::SolutionRow;
 use undrift_noise::BiasModel;
 
-/// A solution is without GNSS where the newest fix is older than this \[s\].
-const FRESH: f64 = 2.0;
 /// How late a receiver gives its fixes, where their times do not show it \[s\].
 const LATENCY: f64 = 0.1;
 /// From one look for events to the next \[s\].

@@ -5,6 +5,7 @@ use anyhow::Result;
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
+    sync::Arc,
     time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
 use undrift::{
@@ -42,6 +43,8 @@ pub struct Asked {
     pub names: Vec<String>,
     /// The tables of the drive file with the numbers of their sources.
     pub logs: Vec<(String, usize)>,
+    /// Whether the drive's own logs are files that can be read; sources and pipes are not to be read before the run.
+    pub files_at_hand: bool,
     how: How,
 }
 
@@ -119,7 +122,13 @@ impl Asked {
                 How::Sources(sources.collect::<Result<_, _>>()?)
             }
         };
-        Ok(Self { names, logs, how })
+        let files_at_hand = named.iter().all(|(_, file)| folder.join(file).is_file());
+        Ok(Self {
+            names,
+            logs,
+            files_at_hand,
+            how,
+        })
     }
 
     /// Opens them; the drive file says how logs are read.
@@ -128,17 +137,14 @@ impl Asked {
             How::Sources(sources) => Ok(Feed::sources(sources)),
             How::Replay(files, folder, pace) => {
                 let named = plan::files(text);
+                let bytes = files.iter().map(|file| Ok(source::bytes(file)?.into()));
+                let bytes: Vec<Arc<[u8]>> = bytes.collect::<Result<_, ReadError>>()?;
                 let mut memory = BTreeMap::new();
                 for (table, number) in &self.logs {
-                    let (Some((_, file)), Some(from)) =
-                        (named.iter().find(|(of, _)| of == table), files.get(*number))
-                    else {
-                        continue;
-                    };
-                    memory.insert(
-                        folder.join(file),
-                        Memory::Bytes(source::bytes(from)?.into()),
-                    );
+                    let file = named.iter().find(|(of, _)| of == table);
+                    if let (Some((_, file)), Some(bytes)) = (file, bytes.get(*number)) {
+                        memory.insert(folder.join(file), Memory::Bytes(bytes.clone()));
+                    }
                 }
                 let logs = Logs {
                     folder,
@@ -146,7 +152,7 @@ impl Asked {
                     ..Logs::default()
                 };
                 let drive = Drive::with_logs(text, name, Path::new(""), logs)?;
-                let arrivals = replay::arrivals(&drive, &files, &self.logs)?;
+                let arrivals = replay::arrivals(&drive, &bytes, &self.logs)?;
                 Ok(Feed::paced(arrivals.into_iter().map(Ok), pace))
             }
         }

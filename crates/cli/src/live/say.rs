@@ -15,7 +15,7 @@ pub fn notice(notice: &Notice) -> String {
         Notice::ClockSet(table, by) => {
             format!("the clock of {table} was set: {by:+.3} s is added to its times from here on")
         }
-        Notice::ReadAgain(table, why) => format!("{table} is read from here on anew: {why}"),
+        Notice::ReadAgain(table, why) => format!("the reader of {table} begins again here: {why}"),
         Notice::Resumed(time) => format!("goes on from the checkpoint of {time:.1} s"),
         Notice::NotResumed(why) => {
             format!("does not go on from the checkpoint but is aligned again: {why}")

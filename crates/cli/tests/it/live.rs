@@ -104,10 +104,22 @@ fn interrupt(mut run: Child) {
     assert!(run.wait().unwrap().success());
 }
 
-/// What a run says, read as it comes.
-fn listen(run: &mut Child) -> thread::JoinHandle<String> {
+/// A run of a drive with sources of samples and fixes, and what it says.
+fn start(
+    drive: &Path,
+    [imu, gnss]: [&str; 2],
+    kept: [&str; 2],
+) -> (Child, thread::JoinHandle<String>) {
+    let sources = ["live", "drive.toml", "--imu", imu, "--gnss", gnss];
+    let mut command = undrift(drive, &sources);
+    command
+        .args(["-o", "live.csv"])
+        .args(kept)
+        .stderr(Stdio::piped());
+    let mut run = command.spawn().unwrap();
     let said = BufReader::new(run.stderr.take().unwrap());
-    thread::spawn(move || Vec::from_iter(said.lines().map_while(Result::ok)).join("\n"))
+    let said = thread::spawn(move || Vec::from_iter(said.lines().map_while(Result::ok)).join("\n"));
+    (run, said)
 }
 
 fn last_line(file: &Path) -> String {
@@ -159,23 +171,7 @@ fn through_sockets_with_late_fixes_it_is_navigate_and_a_recording_gives_it_again
     }
     let (from_imu, imu_server) = serve(imu, imu_header, PACE);
     let (from_gnss, gnss_server) = serve(gnss, gnss_header, PACE);
-    let arguments = [
-        "live",
-        "drive.toml",
-        "--imu",
-        &from_imu,
-        "--gnss",
-        &from_gnss,
-        "-o",
-        "live.csv",
-        "--record",
-        "run.mcap",
-    ];
-    let mut run = undrift(&drive, &arguments)
-        .stderr(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let said = listen(&mut run);
+    let (run, said) = start(&drive, [&from_imu, &from_gnss], ["--record", "run.mcap"]);
     let streams = [imu_server.join().unwrap(), gnss_server.join().unwrap()];
     let newest = |file: &str| {
         last_line(&drive.join(file))
@@ -225,23 +221,8 @@ fn after_a_kill_it_goes_on_from_its_checkpoint() {
         let pace = if first { PACE } else { 4.0 };
         let (from_imu, imu_server) = serve(part(&imu, first), header.clone(), pace);
         let (from_gnss, gnss_server) = serve(part(&gnss, first), gnss_header.clone(), pace);
-        let arguments = [
-            "live",
-            "drive.toml",
-            "--imu",
-            &from_imu,
-            "--gnss",
-            &from_gnss,
-            "-o",
-            "live.csv",
-            "--state",
-            "run.state",
-        ];
-        let mut run = undrift(&drive, &arguments)
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let said = listen(&mut run);
+        let kept = ["--state", "run.state"];
+        let (mut run, said) = start(&drive, [&from_imu, &from_gnss], kept);
         if first {
             let _streams = [imu_server.join().unwrap(), gnss_server.join().unwrap()];
             wait_for("a checkpoint", || drive.join("run.state").exists());

@@ -4,7 +4,7 @@ use std::io;
 use undrift_io::write::{SolutionFile, solution::SolutionRow};
 
 /// A solution is without GNSS when the last fix that was used is older than this \[s\].
-const FRESH: f64 = 2.0;
+pub const FRESH: f64 = 2.0;
 
 /// The files of a solution. While the fixes come, a span without GNSS is known [`FRESH`] after it began;
 /// once they have ended, for a smoothed solution, from its beginning.

@@ -1,7 +1,7 @@
 //! Cells that are no plain decimal numbers, as spreadsheets, programs and microcontrollers write them: decimal commas,
 //! hexadecimal counts, exponents of Fortran, several numbers in one cell, and one number or time in several.
 //!
-//! The beginning of a text shows which there are. Each row is then written anew: numbers with decimal points in their
+//! The beginning of a text shows which there are. Each row is then rewritten: numbers with decimal points in their
 //! places, and what is put together or taken apart in columns of its own behind the last, so that the numbers of the
 //! others stay as they are.
 
@@ -75,10 +75,10 @@ impl Cells {
 
     /// A line with its cells as numbers; `None` of one that stays as it is.
     pub(crate) fn row(&self, line: &[u8]) -> Option<Vec<u8>> {
-        if let Some((names, anew)) = &self.header
+        if let Some((names, rewritten)) = &self.header
             && names == line.trim_ascii()
         {
-            return Some(anew.clone());
+            return Some(rewritten.clone());
         }
         let mut cells = Vec::from_iter(split(line, self.delimiter));
         if !starts_a_row(line) || cells.len() != self.width {

@@ -42,8 +42,8 @@ impl Rewritten {
     pub(super) fn header(&self) -> Option<Vec<u8>> {
         let of_json = self.json.as_ref().map(JsonLines::header);
         let header = of_json.or_else(|| self.monitor.as_ref().and_then(Monitor::header))?;
-        let anew = self.cells.as_ref().and_then(|cells| cells.row(&header));
-        Some(anew.unwrap_or(header))
+        let rewritten = self.cells.as_ref().and_then(|cells| cells.row(&header));
+        Some(rewritten.unwrap_or(header))
     }
 
     /// A line as a row; one that is unlike the others as it is.
@@ -54,7 +54,7 @@ impl Rewritten {
             (None, Some(monitor)) => monitor.row(line),
             (None, None) => line.to_vec(),
         };
-        let anew = self.cells.as_ref().and_then(|cells| cells.row(&row));
-        anew.unwrap_or(row)
+        let rewritten = self.cells.as_ref().and_then(|cells| cells.row(&row));
+        rewritten.unwrap_or(row)
     }
 }

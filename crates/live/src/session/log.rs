@@ -3,7 +3,7 @@
 use crate::{clocks::LogClock, stream::Stream};
 use undrift_drive::drive::{Drive, ScalarLog};
 use undrift_engine::Measurement;
-use undrift_io::{ReadError, gnss::GnssSource, imu::ImuSource};
+use undrift_io::{Opened, ReadError, gnss::GnssSource, imu::ImuSource};
 use undrift_nav::sample::ImuSample;
 
 /// The table of the inertial log.
@@ -135,35 +135,38 @@ impl LogStream {
     }
 }
 
-/// The reader of a log.
+/// The reader of a log while it comes.
 fn stream(table: &str, beginning: Vec<u8>, drive: &Drive) -> Stream<Record> {
-    let (drive, name) = (drive.clone(), table.to_owned());
-    match table {
-        IMU => Stream::new(name, beginning, move |opened| {
-            Ok(drive
-                .read_imu(opened)?
-                .map(|sample| sample.map(Record::Sample)))
-        }),
-        GNSS => Stream::new(name, beginning, move |opened| {
-            let fixes = drive.read_gnss(opened)?;
-            Ok(fixes.map(|fix| fix.map(|fix| Record::Measured(Measurement::Gnss(fix)))))
-        }),
-        _ => {
-            let log = ScalarLog::ALL.into_iter().find(|log| log.name() == name);
-            Stream::new(name, beginning, move |opened| {
-                let reader = match log {
-                    Some(log) => drive.read_scalars(log, opened)?.map(|reader| (log, reader)),
-                    None => None,
-                };
-                let scalars = reader
-                    .into_iter()
-                    .flat_map(|(log, reader)| reader.map(move |scalar| (log, scalar)));
-                Ok(scalars.map(|(log, scalar)| {
-                    scalar.map(|scalar| Record::Measured(log.measurement(scalar)))
-                }))
-            })
-        }
+    let (drive, table) = (drive.clone(), table.to_owned());
+    Stream::new(table.clone(), beginning, move |opened| {
+        records(&drive, &table, opened)
+    })
+}
+
+/// The records of the log of a table, in what is open.
+///
+/// # Errors
+/// As those of [`Drive::read_imu`].
+pub(crate) fn records(
+    drive: &Drive,
+    table: &str,
+    opened: Opened,
+) -> Result<Box<dyn Iterator<Item = Result<Record, ReadError>>>, ReadError> {
+    if table == IMU {
+        let samples = drive.read_imu(opened)?;
+        return Ok(Box::new(samples.map(|sample| sample.map(Record::Sample))));
     }
+    if table == GNSS {
+        let fixes = drive.read_gnss(opened)?;
+        let measured = |fix| Record::Measured(Measurement::Gnss(fix));
+        return Ok(Box::new(fixes.map(move |fix| fix.map(measured))));
+    }
+    let Some(log) = ScalarLog::ALL.into_iter().find(|log| log.name() == table) else {
+        return Ok(Box::new(std::iter::empty()));
+    };
+    let scalars = drive.read_scalars(log, opened)?.into_iter().flatten();
+    let measured = move |scalar| Record::Measured(log.measurement(scalar));
+    Ok(Box::new(scalars.map(move |scalar| scalar.map(measured))))
 }
 
 #[cfg(test)]

@@ -76,8 +76,9 @@ fn logs() -> Vec<(String, usize)> {
 
 fn arrivals(folder: &Path) -> (Drive, Vec<Arrival>) {
     let drive = Drive::load(&folder.join("drive.toml"), None).unwrap();
-    let files = [folder.join("imu.csv"), folder.join("gnss.csv")];
-    let arrivals = replay::arrivals(&drive, &files, &logs()).unwrap();
+    let bytes =
+        ["imu.csv", "gnss.csv"].map(|name| std::fs::read(folder.join(name)).unwrap().into());
+    let arrivals = replay::arrivals(&drive, &bytes, &logs()).unwrap();
     (drive, arrivals)
 }
 

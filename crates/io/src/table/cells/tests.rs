@@ -4,9 +4,9 @@ use super::*;
 fn rows(text: &str) -> Option<Vec<String>> {
     let lines = Vec::from_iter(text.lines().map(|line| line.as_bytes().to_vec()));
     let cells = Cells::detect(&lines)?;
-    let anew = |line: &Vec<u8>| cells.row(line).unwrap_or(line.clone());
+    let rewritten = |line: &Vec<u8>| cells.row(line).unwrap_or(line.clone());
     let text = |line| String::from_utf8(line).unwrap();
-    Some(lines.iter().map(anew).map(text).collect())
+    Some(lines.iter().map(rewritten).map(text).collect())
 }
 
 fn expect(text: &str, expected: &[&str]) {
