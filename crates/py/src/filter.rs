@@ -35,7 +35,7 @@ use undrift::{
 use undrift_report::say;
 
 /// The parameters that can be estimated; what fixes are wrong by is asked for in another way.
-fn estimable() -> impl Iterator<Item = Parameter> {
+pub(crate) fn estimable() -> impl Iterator<Item = Parameter> {
     let of_fixes = [Parameter::PositionError, Parameter::VelocityError];
     Parameter::ALL
         .into_iter()

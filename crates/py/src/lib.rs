@@ -15,6 +15,7 @@ mod identify;
 mod inspect;
 mod model;
 mod navigate;
+mod navigator;
 mod orders;
 mod report;
 mod simulate;
@@ -49,6 +50,7 @@ mod _undrift {
         inspect::inspect,
         model::NoiseModel,
         navigate::{navigate, outages},
+        navigator::Navigator,
         orders::{arma_pandit_wu, arma_select},
         report::make,
         simulate::{simulate, write_csv},

@@ -12,6 +12,7 @@ from undrift._inspect import inspect
 from undrift._logs import GnssLog, ImuLog
 from undrift._model import ArmaNoise, AxisNoise, NoiseModel, Shaping, TemperatureEffect
 from undrift._navigate import Navigation, navigate
+from undrift._navigator import Event, Fix, Navigator, Sample, Scalar
 from undrift._outages import Drift, ModelErrors, Outages, outages
 from undrift._simulate import GnssReceiver, Simulation, Truth, simulate
 from undrift._solution import FilterState, Solution
@@ -43,8 +44,10 @@ __all__ = [
     "Candidate",
     "Drift",
     "Drive",
+    "Event",
     "Filter",
     "FilterState",
+    "Fix",
     "GnssLog",
     "GnssReceiver",
     "Identified",
@@ -52,8 +55,11 @@ __all__ = [
     "Innovation",
     "ModelErrors",
     "Navigation",
+    "Navigator",
     "NoiseModel",
     "Outages",
+    "Sample",
+    "Scalar",
     "Shaping",
     "Simulation",
     "Solution",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from undrift._array import Floats
@@ -227,10 +227,17 @@ class FilterState(Result):
     """Estimated parameters and their standard deviations, by name."""
 
 
-def filter_state(compiled: _undrift.Filter) -> FilterState:
-    """The state of a filter of the compiled half."""
+@overload
+def filter_state(compiled: _undrift.Filter) -> FilterState: ...
+@overload
+def filter_state(compiled: _undrift.Navigator) -> FilterState | None: ...
+def filter_state(compiled: _undrift.Filter | _undrift.Navigator) -> FilterState | None:
+    """The state of a filter of the compiled half; None of a navigator without one."""
     fields: dict[str, Any] = {}
-    for name, values in compiled.state().items():
+    state = compiled.state()
+    if state is None:
+        return None
+    for name, values in state.items():
         fields[name] = values[0] if values.ndim == 2 else float(values[0])
     parameters = {
         name: (np.array(value), np.array(std)) for name, value, std in compiled.parameters()
