@@ -1,6 +1,7 @@
 /*
  * undrift: position, velocity and attitude from a low-cost inertial sensor and GNSS, with any model of how
- * the sensor errs. No allocation, no global state. docs/embedded.md shows its use.
+ * the sensor errs. No allocation, no global state, but for the navigator (undrift_navigator_..., of a library built
+ * with the feature `navigator`), whose memory is that of undrift_set_allocator(). docs/embedded.md shows its use.
  *
  * SI units and radians. Navigation frame north-east-down, body frame forward-right-down; times in seconds of
  * one base. An error is estimate less truth.
@@ -119,6 +120,26 @@ enum undrift_status
      * The parameter is not estimated.
      */
     UNDRIFT_STATUS_NOT_ESTIMATED = 15,
+    /**
+     * No allocator was set for navigators.
+     */
+    UNDRIFT_STATUS_NO_ALLOCATOR = 16,
+    /**
+     * There are navigators whose memory is that of the allocator.
+     */
+    UNDRIFT_STATUS_IN_USE = 17,
+    /**
+     * The navigator has no solution yet, or none at the moment.
+     */
+    UNDRIFT_STATUS_NOT_ALIGNED = 18,
+    /**
+     * The measurement came later than the horizon and is not used.
+     */
+    UNDRIFT_STATUS_TOO_LATE = 19,
+    /**
+     * No event is left.
+     */
+    UNDRIFT_STATUS_NO_EVENT = 20,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -154,6 +175,75 @@ enum undrift_outcome
 typedef enum undrift_outcome undrift_outcome;
 #else
 typedef int32_t undrift_outcome;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
+ * What happened.
+ */
+enum undrift_event_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Navigation began; `value` is the standard deviation of the heading [rad].
+     */
+    UNDRIFT_EVENT_KIND_STARTED = 0,
+    /**
+     * Samples of an axis could not be right and were replaced; `value` is the axis, 0 to 5.
+     */
+    UNDRIFT_EVENT_KIND_SAMPLE_FAULT = 1,
+    /**
+     * Positions were rejected; `value` is the distance of the first [m].
+     */
+    UNDRIFT_EVENT_KIND_POSITION_REJECTED = 2,
+    /**
+     * Velocities were rejected; `value` is the distance of the first [m/s].
+     */
+    UNDRIFT_EVENT_KIND_VELOCITY_REJECTED = 3,
+    /**
+     * The solution was reset to fixes that contradicted it; `value` is by what its position was inflated [m].
+     */
+    UNDRIFT_EVENT_KIND_ACCEPTED_IN_THE_END = 4,
+    /**
+     * The course over ground contradicts the heading; `value` is by how much [rad].
+     */
+    UNDRIFT_EVENT_KIND_HEADING_OFF = 5,
+    /**
+     * Innovations were biased to one side for a while.
+     */
+    UNDRIFT_EVENT_KIND_ONE_SIDED = 6,
+    /**
+     * The solution ended and is aligned again.
+     */
+    UNDRIFT_EVENT_KIND_ALIGNS_AGAIN = 7,
+    /**
+     * What the fixes have shown of their errors is used; `value` is the factor on the standard deviation of positions.
+     */
+    UNDRIFT_EVENT_KIND_FIX_ERRORS = 8,
+    /**
+     * The mounting was found: body axes are the vehicle's from here on.
+     */
+    UNDRIFT_EVENT_KIND_MOUNTING = 9,
+    /**
+     * Another solution began.
+     */
+    UNDRIFT_EVENT_KIND_RESUMED = 10,
+    /**
+     * The solution diverged.
+     */
+    UNDRIFT_EVENT_KIND_DIVERGED = 11,
+    /**
+     * A measurement came later than the horizon and is not used.
+     */
+    UNDRIFT_EVENT_KIND_TOO_LATE = 12,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum undrift_event_kind undrift_event_kind;
+#else
+typedef int32_t undrift_event_kind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -229,9 +319,47 @@ typedef int32_t undrift_parameter;
 #endif // __cplusplus
 
 /**
+ * What the vehicle is: what it cannot do constrains the solution.
+ */
+enum undrift_vehicle
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Nothing is known of it.
+     */
+    UNDRIFT_VEHICLE_NONE = 0,
+    /**
+     * A wheeled vehicle on a road: no side slip, at rest at times.
+     */
+    UNDRIFT_VEHICLE_CAR = 1,
+    /**
+     * An aircraft: at rest on the ground.
+     */
+    UNDRIFT_VEHICLE_AIRCRAFT = 2,
+    /**
+     * A person on foot.
+     */
+    UNDRIFT_VEHICLE_PEDESTRIAN = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum undrift_vehicle undrift_vehicle;
+#else
+typedef int32_t undrift_vehicle;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
  * An error-state filter. Opaque; its memory is provided by the caller.
  */
 typedef struct undrift_filter undrift_filter;
+
+/**
+ * A navigator. Opaque; its memory is that of the allocator.
+ */
+typedef struct undrift_navigator undrift_navigator;
 
 /**
  * The noise model of one sensor axis, a shaping filter that steps once a sample:
@@ -494,6 +622,80 @@ typedef struct {
     double accel_error_std[3];
 } undrift_state;
 
+/**
+ * Where the memory of navigators comes from.
+ */
+typedef struct {
+    /**
+     * Passed to both functions.
+     */
+    void *context;
+    /**
+     * Gives `size` bytes at a multiple of `align`, a power of two up to 16, or null if there are none: the program then ends.
+     */
+    void *(*allocate)(void *context, size_t size, size_t align);
+    /**
+     * Takes back what `allocate` gave for this size.
+     */
+    void (*release)(void *context, void *memory, size_t size);
+} undrift_allocator;
+
+/**
+ * How a navigator works; undrift_navigator_defaults() sets the defaults of `undrift navigate`.
+ */
+typedef struct {
+    /**
+     * By how much a measurement may come late [s]; its memory is some 60 kB for each fifth of a second.
+     */
+    double horizon;
+    /**
+     * IMU to antenna, body axes [m].
+     */
+    double lever_arm[3];
+    /**
+     * An undrift_vehicle.
+     */
+    int32_t vehicle;
+    /**
+     * First heading from north to east [rad], where its standard deviation is above 0.
+     */
+    double heading;
+    /**
+     * Standard deviation of the heading [rad]; 0: the heading comes from the course over ground.
+     */
+    double heading_std;
+    /**
+     * Not 0: the IMU sits in the vehicle in an unknown way, which is to be found.
+     */
+    int32_t find_mounting;
+    /**
+     * Not 0: the errors of fixes beyond their covariance are learned from the fixes.
+     */
+    int32_t learn_fix_errors;
+    /**
+     * Factors on the noise that vibration adds, gyro and accelerometer x, y, z; all 0: the noise is the model's throughout.
+     */
+    double vibration[UNDRIFT_AXES];
+} undrift_navigator_settings;
+
+/**
+ * An event of the navigation.
+ */
+typedef struct {
+    /**
+     * When it began or happened [s].
+     */
+    double time;
+    /**
+     * What it is.
+     */
+    undrift_event_kind kind;
+    /**
+     * See the kinds; 0 where they say nothing.
+     */
+    double value;
+} undrift_event;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -698,6 +900,77 @@ undrift_status undrift_get_parameter(const undrift_filter *filter,
  * UNDRIFT_STATUS_OK while the solution is one: finite, possible, its covariance not negative.
  */
 undrift_status undrift_check(const undrift_filter *filter);
+
+/**
+ * Sets where the memory of navigators comes from, before the first of them: all of it is asked for there, none elsewhere.
+ * `allocator` stays where it is as long as there are navigators. UNDRIFT_STATUS_IN_USE while there are some.
+ */
+undrift_status undrift_set_allocator(const undrift_allocator *allocator);
+
+/**
+ * Sets the defaults: measurements up to 2 s late, antenna at the IMU, no vehicle, heading from the course, errors of the
+ * fixes learned from them, noise that follows the vibration.
+ */
+undrift_status undrift_navigator_defaults(undrift_navigator_settings *settings);
+
+/**
+ * Makes a navigator without data and sets `navigator` to it. `sensors` are UNDRIFT_AXES models at one interval, `parameters`
+ * UNDRIFT_PARAMETERS priors of constants to estimate, or null for none. UNDRIFT_STATUS_NO_ALLOCATOR before undrift_set_allocator().
+ */
+undrift_status undrift_navigator_new(const undrift_navigator_settings *settings,
+                                     const undrift_sensor *sensors,
+                                     const undrift_prior *parameters,
+                                     undrift_navigator **navigator);
+
+/**
+ * Gives a navigator's memory back to the allocator; null is nothing.
+ */
+void undrift_navigator_free(undrift_navigator *navigator);
+
+/**
+ * Pushes a sample, in order of time. The solution goes to the end of the sample before it: only the next shows whether one can
+ * be right. UNDRIFT_STATUS_OUT_OF_RANGE for a time that does not go on or a length that is not above 0, the navigator
+ * unchanged.
+ */
+undrift_status undrift_navigator_imu(undrift_navigator *navigator,
+                                     const undrift_sample *sample);
+
+/**
+ * Pushes a fix of the antenna at `time` [s] on the clock of the samples, early or late: its position and its velocity, null for
+ * what it lacks. UNDRIFT_STATUS_TOO_LATE, and nothing is used, where it came later than the horizon.
+ */
+undrift_status undrift_navigator_fix(undrift_navigator *navigator,
+                                     double time,
+                                     const undrift_position *position,
+                                     const undrift_velocity *velocity);
+
+/**
+ * Pushes a wheel speed [m/s], forward positive, with its standard deviation, in the manner of undrift_navigator_fix().
+ */
+undrift_status undrift_navigator_odometer(undrift_navigator *navigator,
+                                          double time,
+                                          double speed,
+                                          double std);
+
+/**
+ * Pushes a barometric height [m] with its standard deviation, in the manner of undrift_navigator_fix().
+ */
+undrift_status undrift_navigator_barometer(undrift_navigator *navigator,
+                                           double time,
+                                           double height,
+                                           double std);
+
+/**
+ * The solution, its attitude that of the vehicle's axes where the mounting is estimated. UNDRIFT_STATUS_NOT_ALIGNED, and nothing is
+ * written, before the alignment and between a restart and the next one.
+ */
+undrift_status undrift_navigator_state(undrift_navigator *navigator,
+                                       undrift_state *state);
+
+/**
+ * The next event; an event that lasts comes at its start. UNDRIFT_STATUS_NO_EVENT where none is left.
+ */
+undrift_status undrift_navigator_event(undrift_navigator *navigator, undrift_event *event);
 
 #ifdef __cplusplus
 }  // extern "C"

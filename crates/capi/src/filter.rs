@@ -172,6 +172,16 @@ unsafe fn begin(
         velocity: start.velocity_std.into(),
         attitude: start.attitude_std.into(),
     };
+    // SAFETY: passed on.
+    let (axes, estimated) = unsafe { (self::sensors(sensors)?, self::parameters(parameters)?) };
+    Ok(Inner::new(nav, &std, axes, estimated)?)
+}
+
+/// The models of all axes, at one interval.
+///
+/// # Safety
+/// `sensors` is null or points to as many as there are axes.
+pub(crate) unsafe fn sensors(sensors: *const Sensor) -> Result<[ShapingFilter; AXES], Status> {
     let mut axes = [ShapingFilter::none(1.0)?; AXES];
     for (axis, slot) in axes.iter_mut().enumerate() {
         if sensors.is_null() {
@@ -183,19 +193,27 @@ unsafe fn begin(
     if axes.iter().any(|axis| axis.interval != axes[0].interval) {
         return Err(Status::IntervalsDiffer);
     }
+    Ok(axes)
+}
+
+/// The parameters to estimate.
+///
+/// # Safety
+/// `priors` is null, for none, or points to UNDRIFT_PARAMETERS priors.
+pub(crate) unsafe fn parameters(priors: *const Prior) -> Result<Parameters, Status> {
     let mut estimated = Parameters::none();
     for (i, kind) in Parameter::ALL[..UNDRIFT_PARAMETERS].iter().enumerate() {
-        if parameters.is_null() {
+        if priors.is_null() {
             break;
         }
         // SAFETY: there are as many priors as parameters.
-        let Prior { std, walk, time } = unsafe { read(parameters.add(i)) }?;
+        let Prior { std, walk, time } = unsafe { read(priors.add(i)) }?;
         not_negative([&std, &walk, &time])?;
         if std > 0.0 {
             estimated = estimated.with(*kind, parameters::Prior { std, walk, time });
         }
     }
-    Ok(Inner::new(nav, &std, axes, estimated)?)
+    Ok(estimated)
 }
 
 /// Sets the estimated errors of gyro x, y, z [rad/s] and accelerometer x, y, z [m/s^2], UNDRIFT_AXES

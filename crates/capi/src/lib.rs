@@ -1,4 +1,5 @@
-//! The error-state filter behind a C header, `include/undrift.h`: no allocation, no standard library.
+//! The error-state filter behind a C header, `include/undrift.h`: no allocation, no standard library. With feature `navigator` also
+//! the navigator around it, in memory of the caller's allocator ([`navigator`]).
 //!
 //! The caller gives the memory of a filter ([`filter::undrift_filter_init`]); all else passes by pointers
 //! to plain structs, which are copied. Units, frames and signs are those of `docs/conventions.md`:
@@ -17,9 +18,16 @@
 #[cfg(not(target_os = "none"))]
 extern crate std;
 
+#[cfg(feature = "navigator")]
+extern crate alloc;
+
+#[cfg(feature = "navigator")]
+pub mod allocator;
 mod capacity;
 pub mod filter;
 mod memory;
+#[cfg(feature = "navigator")]
+pub mod navigator;
 pub mod read;
 pub mod sensor;
 pub mod status;

@@ -6,7 +6,41 @@ use crate::{
     status::{Status, call},
     types::State,
 };
-use undrift_nav::{attitude, parameters::Parameter};
+use undrift_nav::{
+    Vector3, attitude,
+    covariance::{AXES, NAV},
+    mechanisation::NavState,
+    parameters::Parameter,
+};
+
+/// The solution of these parts: `sensors` has the sensors' errors and their standard deviations.
+pub(crate) fn solution(
+    nav: &NavState,
+    omega_nb_b: &Vector3,
+    [n, e, d, vn, ve, vd, roll, pitch, yaw]: [f64; NAV],
+    sensors: [[f64; AXES]; 2],
+) -> State {
+    let q = nav.q_nb.quaternion();
+    let [[gx, gy, gz, ax, ay, az], std] = sensors;
+    let [gx_std, gy_std, gz_std, ax_std, ay_std, az_std] = std;
+    State {
+        time: nav.time,
+        latitude: nav.position.lat,
+        longitude: nav.position.lon,
+        height: nav.position.height,
+        velocity: nav.v_n.into(),
+        quaternion: [q.w, q.i, q.j, q.k],
+        roll_pitch_yaw: attitude::to_rpy(&nav.q_nb).into(),
+        gyro_error: [gx, gy, gz],
+        accel_error: [ax, ay, az],
+        angular_rate: (*omega_nb_b).into(),
+        position_std: [n, e, d],
+        velocity_std: [vn, ve, vd],
+        attitude_std: [roll, pitch, yaw],
+        gyro_error_std: [gx_std, gy_std, gz_std],
+        accel_error_std: [ax_std, ay_std, az_std],
+    }
+}
 
 /// Number of states in use; 0 for what is no filter.
 #[unsafe(no_mangle)]
@@ -21,28 +55,12 @@ pub unsafe extern "C" fn undrift_get_state(filter: *const Filter, state: *mut St
     call(|| {
         // SAFETY: null or a filter that nobody changes meanwhile.
         let filter = unsafe { filter_ref(filter) }?;
-        let nav = filter.nav();
-        let q = nav.q_nb.quaternion();
-        let [gx, gy, gz, ax, ay, az] = filter.sensor_error();
-        let [gx_std, gy_std, gz_std, ax_std, ay_std, az_std] = filter.sensor_error_std();
-        let [n, e, d, vn, ve, vd, roll, pitch, yaw] = filter.nav_std();
-        let solution = State {
-            time: nav.time,
-            latitude: nav.position.lat,
-            longitude: nav.position.lon,
-            height: nav.position.height,
-            velocity: nav.v_n.into(),
-            quaternion: [q.w, q.i, q.j, q.k],
-            roll_pitch_yaw: attitude::to_rpy(&nav.q_nb).into(),
-            gyro_error: [gx, gy, gz],
-            accel_error: [ax, ay, az],
-            angular_rate: filter.omega_nb_b().into(),
-            position_std: [n, e, d],
-            velocity_std: [vn, ve, vd],
-            attitude_std: [roll, pitch, yaw],
-            gyro_error_std: [gx_std, gy_std, gz_std],
-            accel_error_std: [ax_std, ay_std, az_std],
-        };
+        let solution = solution(
+            filter.nav(),
+            &filter.omega_nb_b(),
+            filter.nav_std(),
+            [filter.sensor_error(), filter.sensor_error_std()],
+        );
         // SAFETY: null or a state's.
         unsafe { write(state, solution) }
     })

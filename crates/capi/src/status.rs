@@ -42,6 +42,16 @@ pub enum Status {
     Diverged = 14,
     /// The parameter is not estimated.
     NotEstimated = 15,
+    /// No allocator was set for navigators.
+    NoAllocator = 16,
+    /// There are navigators whose memory is that of the allocator.
+    InUse = 17,
+    /// The navigator has no solution yet, or none at the moment.
+    NotAligned = 18,
+    /// The measurement came later than the horizon and is not used.
+    TooLate = 19,
+    /// No event is left.
+    NoEvent = 20,
 }
 
 impl From<FilterError> for Status {
@@ -108,6 +118,11 @@ pub extern "C" fn undrift_error_text(status: i32) -> *const core::ffi::c_char {
         13 => c"the sample does not start where the previous one ended",
         14 => c"the solution diverged: initialise the filter again",
         15 => c"the parameter is not estimated",
+        16 => c"no allocator is set",
+        17 => c"the allocator is in use: free the navigators first",
+        18 => c"the navigator is not aligned",
+        19 => c"the measurement came later than the horizon",
+        20 => c"no event is left",
         _ => c"no such status",
     };
     text.as_ptr()

@@ -65,7 +65,7 @@ unsafe fn run<const M: usize>(
 }
 
 /// Whether a matrix of up to three rows is symmetric to rounding and its leading minors are positive.
-fn is_positive<const M: usize>(r: &[[f64; M]; M]) -> bool {
+pub(crate) fn is_positive<const M: usize>(r: &[[f64; M]; M]) -> bool {
     let mut whole = Matrix3::identity();
     for i in 0..M {
         for j in 0..M {

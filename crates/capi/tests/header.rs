@@ -14,6 +14,8 @@ fn the_header_is_made_from_the_source() {
         "filter.rs",
         "update.rs",
         "read.rs",
+        "allocator.rs",
+        "navigator.rs",
     ] {
         builder = builder.with_src(root.join("src").join(file));
     }

@@ -120,7 +120,7 @@ const ALLOWED: [(&str, &[&str]); 19] = [
         &["undrift", "undrift-live", "undrift-report"],
     ),
     ("undrift-py", &["undrift", "undrift-report"]),
-    ("undrift-capi", &["undrift-nav"]),
+    ("undrift-capi", &["undrift-nav", "undrift-engine"]),
     // Benches and generators, which nothing else uses.
     (
         "undrift-lab",
