@@ -1,7 +1,10 @@
 //! `undrift live`: the solution while the vehicle drives.
 
+mod again;
 mod feed;
 mod say;
+
+pub use again::Recorded;
 
 use crate::{
     signals,
@@ -25,7 +28,7 @@ use undrift::{
 };
 use undrift_live::{
     Arrival, Notice, Session, Sink,
-    output::{Complain, Outlet, Output, Target},
+    output::{Complain, Outlet, Output, Place, Target},
     page::Page,
     plan::{self, Plan},
     session::Options,
@@ -84,7 +87,7 @@ pub struct Arguments {
     /// Show the solution in a browser at this address
     #[arg(long, value_name = "HOST:PORT", help_heading = "Output")]
     page: Option<String>,
-    /// Record all that arrives; `undrift live replay:FILE.mcap?pace=0` gives the same solution again
+    /// Record all that arrives; `undrift navigate FILE.mcap` gives the same solution again
     #[arg(long, value_name = "FILE.mcap", help_heading = "Output")]
     record: Option<PathBuf>,
     /// Keep a checkpoint here each second, and go on from it at the next start
@@ -207,7 +210,10 @@ struct Recorder {
 
 /// Where everything goes.
 struct Run {
-    outputs: Vec<(Output, Option<Outlet>)>,
+    /// Outputs that are open but have no rows before the date of the times is known, and those that have.
+    places: Vec<Place>,
+    outlets: Vec<Outlet>,
+    failed: Option<anyhow::Error>,
     page: Option<Page>,
     recorder: Option<Recorder>,
     state: Option<PathBuf>,
@@ -243,11 +249,9 @@ impl Run {
             .map(|path| record(path, plan))
             .transpose()?;
         Ok(Self {
-            outputs: arguments
-                .output
-                .iter()
-                .map(|output| (output.clone(), None))
-                .collect(),
+            places: arguments.output.iter().map(place).collect::<Result<_>>()?,
+            outlets: Vec::new(),
+            failed: None,
             page,
             recorder,
             state: arguments.state.clone(),
@@ -269,8 +273,8 @@ impl Run {
             self.recorder = None;
         }
         session.take(arrival, self)?;
-        if let Some(drive) = session.drive() {
-            self.open_outputs(drive)?;
+        if let Some(error) = self.failed.take() {
+            return Err(error);
         }
         if arrival.at >= self.next_state
             && let Some(path) = &self.state
@@ -284,25 +288,6 @@ impl Run {
                 ));
                 self.state = None;
             }
-        }
-        Ok(())
-    }
-
-    /// Opens the outputs, once the date of the times is known.
-    fn open_outputs(&mut self, drive: &Drive) -> Result<()> {
-        for (output, outlet) in self
-            .outputs
-            .iter_mut()
-            .filter(|(_, outlet)| outlet.is_none())
-        {
-            let options = SolutionOptions {
-                epoch: drive.epoch,
-                name: "undrift live".into(),
-                every: self.every,
-            };
-            let opened = Outlet::open(output, &options, &self.complain);
-            *outlet =
-                Some(opened.with_context(|| format!("cannot open the output {}", output.name()))?);
         }
         Ok(())
     }
@@ -334,7 +319,7 @@ impl Run {
         {
             warn(format!("{}: {error}", path.display()));
         }
-        for outlet in self.outputs.into_iter().filter_map(|(_, outlet)| outlet) {
+        for outlet in self.outlets {
             let (name, dropped) = outlet.dropped();
             if dropped > 0 {
                 warn(format!(
@@ -389,15 +374,37 @@ impl Recorder {
     }
 }
 
+/// Opens the place of an output.
+fn place(output: &Output) -> Result<Place> {
+    let opened = Place::open(output);
+    opened.with_context(|| format!("cannot open the output {}", output.name()))
+}
+
 impl Sink for Run {
+    fn ready(&mut self, drive: &Drive) {
+        let options = SolutionOptions {
+            epoch: drive.epoch,
+            name: "undrift live".into(),
+            every: self.every,
+        };
+        for place in std::mem::take(&mut self.places) {
+            let name = place.name().to_owned();
+            match place.start(&options, &self.complain) {
+                Ok(outlet) => self.outlets.push(outlet),
+                Err(error) => {
+                    let error = anyhow!(error).context(format!("cannot open the output {name}"));
+                    self.failed = Some(error);
+                }
+            }
+        }
+    }
+
     fn row(&mut self, row: &SolutionRow, since_fix: Option<f64>) {
         self.seen.rows += 1;
         self.seen.first.get_or_insert(row.time);
         self.seen.last = Some(*row);
-        for (_, outlet) in &mut self.outputs {
-            if let Some(outlet) = outlet {
-                outlet.row(row, since_fix);
-            }
+        for outlet in &mut self.outlets {
+            outlet.row(row, since_fix);
         }
         if let Some(page) = &mut self.page {
             page.row(row, since_fix);

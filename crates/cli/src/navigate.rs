@@ -35,7 +35,7 @@ use undrift_report::{say as sentences, sentence, text};
 
 tools/make-drive30 makes target/drive30/seed1.")]
 pub struct Arguments {
-    /// The drive file; or the logs of an IMU and a receiver, described as `undrift inspect` does
+    /// The drive file; or the logs of an IMU and a receiver, described as `undrift inspect` does; or a recording of `undrift live`
     #[arg(value_name = "DRIVE.toml|LOGS", required = true)]
     drive: Vec<PathBuf>,
     #[command(flatten)]
@@ -108,6 +108,12 @@ pub fn load<'a>(
 pub fn run(arguments: &Arguments) -> Result<()> {
     let solutions = arguments.output.iter().map(PathBuf::as_path);
     let written = arguments.result.files().chain(solutions);
+    #[cfg(not(target_family = "wasm"))]
+    if let [path] = arguments.drive.as_slice()
+        && let Some(recorded) = crate::live::Recorded::open(path)?
+    {
+        return again(arguments, path, recorded);
+    }
     let (Source { file, drive, .. }, _, files) = load(
         &arguments.drive,
         &arguments.common,
@@ -150,6 +156,37 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Some(time) => bail!(sentences::ended(time, &result.findings)),
         None => Ok(()),
     }
+}
+
+/// The solution of a recorded live run again, to the last bit: what would change it is refused.
+#[cfg(not(target_family = "wasm"))]
+fn again(arguments: &Arguments, path: &Path, recorded: crate::live::Recorded) -> Result<()> {
+    let others = [
+        (arguments.smooth, "--smooth"),
+        (arguments.look_ahead, "--look-ahead"),
+        (arguments.model.is_some(), "--model"),
+        (arguments.clock.is_some(), "--clock"),
+        (arguments.common.data.is_some(), "--data"),
+        (arguments.common.kept.file().is_some(), "--save-drive"),
+        (
+            arguments.result.is_wanted(),
+            "--json, --report and --figures",
+        ),
+    ];
+    if let Some((_, option)) = others.into_iter().find(|(is_asked, _)| *is_asked) {
+        bail!(Invalid(format!(
+            "{}: a recording of undrift live gives its run again, which {option} cannot change; for that navigate the logs",
+            path.display()
+        )));
+    }
+    let solutions = arguments.output.iter().map(PathBuf::as_path);
+    Files::claim([path], solutions)?;
+    let line = recorded.navigate(&mut |drive| outputs(arguments, path, drive))?;
+    say(line)?;
+    for path in &arguments.output {
+        say(format!("solution: {}", output::shown(path)))?;
+    }
+    Ok(())
 }
 
 /// The files that were asked for.

@@ -171,26 +171,67 @@ pub struct Outlet {
 /// Takes what goes wrong at an output: its name and why.
 pub type Complain = Arc<dyn Fn(&str, &str) + Send + Sync>;
 
-impl Outlet {
-    /// Opens an output; what goes wrong later is given to `complain`.
+/// An output whose port, socket or file is open, before there are rows.
+pub struct Place {
+    output: Output,
+    opened: Opened,
+}
+
+enum Opened {
+    Tcp(TcpListener),
+    Udp(UdpSocket),
+    Serial(SerialPort, PathBuf, u32),
+    Stdout,
+    File(File),
+}
+
+impl Place {
+    /// Opens the place of an output.
     ///
     /// # Errors
-    /// If it cannot be opened.
-    pub fn open(
-        output: &Output,
-        options: &SolutionOptions,
-        complain: &Complain,
-    ) -> io::Result<Self> {
+    /// If it cannot be opened: a port that is in use, a folder that is not there.
+    pub fn open(output: &Output) -> io::Result<Self> {
+        let opened = match &output.target {
+            Target::Tcp(address) => Opened::Tcp(TcpListener::bind(address)?),
+            Target::Udp(address) => {
+                let socket = UdpSocket::bind("0.0.0.0:0")?;
+                socket.connect(address)?;
+                Opened::Udp(socket)
+            }
+            Target::Serial(path, baud) => {
+                let mut port = SerialPort::open(path, *baud)?;
+                port.set_write_timeout(Duration::from_secs(1))?;
+                Opened::Serial(port, path.clone(), *baud)
+            }
+            Target::Stdout => Opened::Stdout,
+            Target::File(path) => Opened::File(File::create(path)?),
+        };
+        Ok(Self {
+            output: output.clone(),
+            opened,
+        })
+    }
+
+    /// As it was written.
+    pub fn name(&self) -> &str {
+        self.output.name()
+    }
+
+    /// Begins to give rows; what goes wrong later is given to `complain`.
+    ///
+    /// # Errors
+    /// If the options are wrong.
+    pub fn start(self, options: &SolutionOptions, complain: &Complain) -> io::Result<Outlet> {
         let left = Left::default();
-        let mut writer = SolutionFile::new(left.clone(), output.format, options)?;
+        let mut writer = SolutionFile::new(left.clone(), self.output.format, options)?;
         writer.flush()?;
         let head = left.take();
         let readers = Arc::new(Broadcast::default());
         let mut threads = Vec::new();
-        let (name, complain) = (output.name.clone(), complain.clone());
-        match &output.target {
-            Target::Tcp(address) => {
-                let listener = TcpListener::bind(address)?;
+        let (name, complain) = (self.output.name, complain.clone());
+        let outlet_name = name.clone();
+        match self.opened {
+            Opened::Tcp(listener) => {
                 let readers = readers.clone();
                 thread::spawn(move || {
                     for stream in listener.incoming().map_while(Result::ok) {
@@ -199,9 +240,7 @@ impl Outlet {
                     }
                 });
             }
-            Target::Udp(address) => {
-                let socket = UdpSocket::bind("0.0.0.0:0")?;
-                socket.connect(address)?;
+            Opened::Udp(socket) => {
                 let queue = readers.join(head);
                 threads.push(thread::spawn(move || {
                     while let Some(row) = queue.next() {
@@ -210,10 +249,8 @@ impl Outlet {
                     }
                 }));
             }
-            Target::Serial(path, baud) => {
-                let mut port = SerialPort::open(path, *baud)?;
-                port.set_write_timeout(Duration::from_secs(1))?;
-                let (queue, path, baud) = (readers.join(head), path.clone(), *baud);
+            Opened::Serial(mut port, path, baud) => {
+                let queue = readers.join(head);
                 thread::spawn(move || {
                     while let Err(error) = queue.pour(&port) {
                         complain(&name, &error.to_string());
@@ -224,7 +261,7 @@ impl Outlet {
                     }
                 });
             }
-            Target::Stdout => {
+            Opened::Stdout => {
                 let queue = readers.join(head);
                 threads.push(thread::spawn(move || {
                     if let Err(error) = queue.pour(io::stdout()) {
@@ -232,8 +269,8 @@ impl Outlet {
                     }
                 }));
             }
-            Target::File(path) => {
-                let (file, queue) = (File::create(path)?, readers.join(head));
+            Opened::File(file) => {
+                let queue = readers.join(head);
                 threads.push(thread::spawn(move || {
                     if let Err(error) = queue.pour(file) {
                         complain(&name, &error.to_string());
@@ -241,15 +278,17 @@ impl Outlet {
                 }));
             }
         }
-        Ok(Self {
+        Ok(Outlet {
             writer,
             left,
             readers,
-            name: output.name.clone(),
+            name: outlet_name,
             threads,
         })
     }
+}
 
+impl Outlet {
     /// Gives a row; the newest fix is so much older \[s\].
     pub fn row(&mut self, row: &SolutionRow, since_fix: Option<f64>) {
         let without_gnss = is_without_gnss(since_fix);
@@ -336,7 +375,9 @@ mod tests {
             every: Some(0.0),
             ..SolutionOptions::default()
         };
-        let mut outlet = Outlet::open(&output, &options, &complain).unwrap();
+        let place = Place::open(&output).unwrap();
+        assert!(Place::open(&output).is_err(), "the port is in use");
+        let mut outlet = place.start(&options, &complain).unwrap();
         let _sleeper = TcpStream::connect(free).unwrap();
         let mut reader = BufReader::new(TcpStream::connect(free).unwrap());
         let mut line = String::new();

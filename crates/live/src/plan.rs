@@ -118,6 +118,42 @@ const DRIVE: &str = "drive.toml";
 const NUMBERS: &str = "run.json";
 const STATE: &str = "state";
 
+/// The text of a drive file without some of its keys and tables at the top, in whose lines nothing is left: messages count lines as in
+/// the file. Where that would change more than these, they are taken out.
+pub(crate) fn without(text: &str, names: &[&str]) -> String {
+    let mut document: DocumentMut = text.parse().unwrap_or_default();
+    for name in names {
+        document.remove(name);
+    }
+    let (mut in_table, mut skips, mut depth) = (false, false, 0_i32);
+    let mut blanked = String::with_capacity(text.len());
+    for line in text.split_inclusive('\n') {
+        let start = line.trim_start();
+        let name = start.trim_start_matches('[').trim_start();
+        let name = name
+            .split(|c: char| !(c.is_alphanumeric() || c == '_'))
+            .next();
+        let is_named = name.is_some_and(|name| names.contains(&name));
+        if start.starts_with('[') && depth == 0 {
+            (in_table, skips) = (true, is_named);
+        } else if !in_table && depth == 0 {
+            skips = is_named;
+        }
+        // An array or inline table may go over lines.
+        let count = |of: &[char]| start.matches(of).count() as i32;
+        depth = (depth + count(&['[', '{']) - count(&[']', '}'])).max(0);
+        match skips {
+            true => blanked.extend(line.ends_with('\n').then_some('\n')),
+            false => blanked.push_str(line),
+        }
+    }
+    let values = |text: &str| text.parse::<toml::Table>().ok();
+    match values(&blanked) {
+        Some(same) if Some(&same) == values(&document.to_string()).as_ref() => blanked,
+        _ => document.to_string(),
+    }
+}
+
 /// A drive file with its model in it: that of `model` or else the one it names, which lies in `home` if it is a file.
 ///
 /// # Errors
@@ -129,14 +165,11 @@ pub fn with_model(
     model: Option<&ImuModel>,
 ) -> Result<String, DriveError> {
     parse(text, name)?;
-    let mut document: DocumentMut = text.parse().unwrap_or_default();
-    let named = document
-        .get("model")
-        .and_then(Item::as_str)
-        .map(str::to_owned);
+    let document: DocumentMut = text.parse().unwrap_or_default();
+    let named = document.get("model").and_then(Item::as_str);
     let read = match (model, named) {
         (Some(model), _) => Some(model.clone()),
-        (None, Some(name)) => match ImuModel::resolve(&name, home) {
+        (None, Some(name)) => match ImuModel::resolve(name, home) {
             Ok(model) => Some(model),
             // Said with its line where the drive file is read.
             Err(ModelError::Read { .. }) => None,
@@ -144,13 +177,15 @@ pub fn with_model(
         },
         (None, None) => None,
     };
-    if let Some(model) = read {
-        let mut table: DocumentMut = model.to_toml().parse().unwrap_or_default();
-        let table = std::mem::take(table.as_table_mut());
-        document.remove("model");
-        document.insert("model", Item::Table(table));
-    }
-    Ok(document.to_string())
+    let Some(read) = read else {
+        return Ok(text.to_owned());
+    };
+    let mut table: DocumentMut = read.to_toml().parse().unwrap_or_default();
+    let mut whole = DocumentMut::new();
+    whole.insert("model", Item::Table(std::mem::take(table.as_table_mut())));
+    let text = without(text, &["model"]);
+    let end = if text.ends_with('\n') { "" } else { "\n" };
+    Ok(format!("{text}{end}{whole}"))
 }
 
 /// A recording and its plan; `None` of any other file.
@@ -185,5 +220,35 @@ mod tests {
         let again = with_model(&whole, "drive.toml", Path::new(""), None).unwrap();
         assert_eq!(again, whole);
         assert_eq!(files(&whole), [("imu", PathBuf::from("imu.csv"))]);
+    }
+
+    #[test]
+    fn lines_stay_where_they_are() {
+        let text = "# Mine.\nmodel = \"mpu6050\" # Or so.\nspan = { start = 1 }\n[imu]\nfile = \"imu.csv\"\n[truth]\nfile = \"t.csv\"\nposition = [\n \"lat\",\n[\"x\"]]\n[gnss]\nfile = \"g.csv\"";
+        let whole = with_model(text, "drive.toml", Path::new(""), None).unwrap();
+        let kept = without(&whole, &["truth", "span"]);
+        let lines: Vec<&str> = kept.lines().take(12).collect();
+        let expected = [
+            "# Mine.",
+            "",
+            "",
+            "[imu]",
+            "file = \"imu.csv\"",
+            "",
+            "",
+            "",
+            "",
+            "",
+            "[gnss]",
+            "file = \"g.csv\"",
+        ];
+        assert_eq!(lines, expected);
+        let document: DocumentMut = kept.parse().unwrap();
+        assert!(document["model"].is_table_like() && document.get("truth").is_none());
+        // A text over lines that look like tables is taken out as a whole.
+        let text = "[imu]\nfile = \"\"\"\n[truth]\n\"\"\"\n[truth]\nfile = \"t\"\n";
+        let kept: DocumentMut = without(text, &["truth"]).parse().unwrap();
+        assert_eq!(kept["imu"]["file"].as_str(), Some("[truth]\n"));
+        assert!(kept.get("truth").is_none());
     }
 }

@@ -103,6 +103,8 @@ pub fn is_without_gnss(since_fix: Option<f64>) -> bool {
 
 /// Takes what a session gives.
 pub trait Sink {
+    /// The logs are understood: what of them the outputs need is known. Rows follow.
+    fn ready(&mut self, drive: &Drive);
     /// The solution at the newest sample, and how much older the newest fix is \[s\]; `None` before the first.
     fn row(&mut self, row: &SolutionRow, since_fix: Option<f64>);
     /// A notice, at a time of the solution \[s\] where it has one.
@@ -242,6 +244,7 @@ impl Session {
             };
         let arrivals = collected.take();
         let mut running = Box::new(Running::new(drive, &self.logs, &arrivals, &self.options)?);
+        sink.ready(&running.drive);
         sink.notice(
             None,
             Notice::Ready(1.0 / running.drive.sample_interval().map_err(DriveError::from)?),

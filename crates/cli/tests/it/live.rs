@@ -200,9 +200,18 @@ fn through_sockets_with_late_fixes_it_is_navigate_and_a_recording_gives_it_again
 
     let again = ["live", "replay:run.mcap?pace=0", "-o", "again.csv", "-q"];
     assert!(undrift(&drive, &again).status().unwrap().success());
-    assert!(
-        fs::read(drive.join("live.csv")).unwrap() == fs::read(drive.join("again.csv")).unwrap()
-    );
+    let navigate = ["navigate", "run.mcap", "-o", "navigated.csv", "-q"];
+    assert!(undrift(&drive, &navigate).status().unwrap().success());
+    for other in ["again.csv", "navigated.csv"] {
+        assert!(
+            fs::read(drive.join("live.csv")).unwrap() == fs::read(drive.join(other)).unwrap(),
+            "{other}"
+        );
+    }
+    let smooth = ["navigate", "run.mcap", "--smooth"];
+    let said = undrift(&drive, &smooth).output().unwrap().stderr;
+    let said = String::from_utf8(said).unwrap();
+    assert!(said.contains("which --smooth cannot change"), "{said}");
 }
 
 #[test]
@@ -243,13 +252,15 @@ fn after_a_kill_it_goes_on_from_its_checkpoint() {
             interrupt(run);
             let said = said.join().unwrap();
             assert!(said.contains("goes on from the checkpoint of "), "{said}");
+            // From the first samples on, though what the logs are is understood half a second later.
+            let (_, solution) = self::rows(&drive.join("live.csv"));
+            assert!(solution[0].0 < cut + 0.1, "{:?}", solution[0]);
             // The truth has a row each fifth of a second.
             let numbers = |row: &str| -> Vec<f64> {
                 let fields = row.trim_end().split(',');
                 fields.map(|field| field.parse().unwrap()).collect()
             };
             let (_, truth) = self::rows(&drive.join("truth.csv"));
-            let (_, solution) = self::rows(&drive.join("live.csv"));
             let both = solution.iter().rev().find_map(|(time, row)| {
                 let same = truth.iter().find(|(at, _)| (at - time).abs() < 1e-3)?;
                 Some((numbers(row), numbers(&same.1)))
@@ -270,9 +281,36 @@ fn after_a_kill_it_goes_on_from_its_checkpoint() {
 #[test]
 fn a_mistake_is_said_before_anything_runs() {
     let drive = sample("mistakes");
+    let taken = TcpListener::bind("127.0.0.1:0").unwrap();
+    let taken = format!("tcp://{}", taken.local_addr().unwrap());
+    let text = fs::read_to_string(drive.join("drive.toml")).unwrap();
+    let line = 1 + text
+        .lines()
+        .position(|line| line.starts_with("accel_unit"))
+        .unwrap();
+    let wrong = text.replace("accel_unit", "acel_unit");
+    fs::write(drive.join("wrong.toml"), wrong).unwrap();
+    let line = format!("wrong.toml line {line}, imu.acel_unit");
     for (arguments, words) in [
         (
-            &["live", "drive.toml"] as &[&str],
+            &["live", "wrong.toml", "--replay", "0"] as &[&str],
+            line.as_str(),
+        ),
+        (
+            &[
+                "live",
+                "drive.toml",
+                "--imu",
+                "-",
+                "--gnss",
+                "-",
+                "-o",
+                &taken,
+            ],
+            "cannot open the output tcp://127",
+        ),
+        (
+            &["live", "drive.toml"],
             "no source of [imu]: specify --imu SOURCE, or --replay 1",
         ),
         (

@@ -20,10 +20,7 @@ const MOST: usize = 64 << 20;
 pub(super) fn without_reference(text: &str, name: &str) -> Result<String, SessionError> {
     // Its mistakes are said as those of any drive file.
     parse(text, name).map_err(DriveError::from)?;
-    let mut document: toml_edit::DocumentMut = text.parse().unwrap_or_default();
-    document.remove("truth");
-    document.remove("span");
-    Ok(document.to_string())
+    Ok(crate::plan::without(text, &["truth", "span"]))
 }
 
 /// Whether each log has a source.

@@ -90,6 +90,10 @@ struct Seen {
 }
 
 impl Sink for Seen {
+    fn ready(&mut self, _: &Drive) {
+        assert!(self.rows.is_empty(), "outputs are ready before rows");
+    }
+
     fn row(&mut self, row: &SolutionRow, since_fix: Option<f64>) {
         self.rows.push(*row);
         self.without += usize::from(is_without_gnss(since_fix));
