@@ -77,7 +77,7 @@ pub struct Arguments {
     /// Whose times the solution has: imu or gnss. Default: imu, and where the two differ the standard deviations contain it
     #[arg(long, value_name = "NAME")]
     clock: Option<Clock>,
-    /// Write the solution: a file, - or serial:/dev/… as csv, jsonl, nmea or kf-gins, tcp://:port (a server), udp://host:port;
+    /// Write the solution: a file, - or serial:/dev/… as csv, jsonl, nmea, mavlink or kf-gins, tcp://:port (a server), udp://host:port;
     /// ?format=NAME behind it; repeatable
     #[arg(short, long, value_name = "OUTPUT", help_heading = "Output")]
     output: Vec<Output>,

@@ -23,6 +23,8 @@ pub enum Format {
     Novatel,
     /// Septentrio Binary Format.
     Sbf,
+    /// MAVLink, as it comes or as a .tlog.
+    Mavlink,
     /// ROS 1 bag.
     RosBag,
     /// MCAP, as ROS 2 writes it.
@@ -46,7 +48,7 @@ pub enum Format {
 }
 
 /// Formats by the name that configuration files give them, and what they are called.
-pub const FORMATS: [(&str, Format, &str); 20] = [
+pub const FORMATS: [(&str, Format, &str); 21] = [
     ("csv", Format::Csv, "delimited text"),
     ("kf-gins", Format::KfGins, "KF-GINS text"),
     ("euroc", Format::Euroc, "EuRoC CSV"),
@@ -61,6 +63,7 @@ pub const FORMATS: [(&str, Format, &str); 20] = [
     ("ubx", Format::Ubx, "u-blox UBX"),
     ("novatel", Format::Novatel, "a NovAtel log"),
     ("sbf", Format::Sbf, "Septentrio SBF"),
+    ("mavlink", Format::Mavlink, "MAVLink"),
     ("rosbag", Format::RosBag, "a ROS 1 bag"),
     ("mcap", Format::Mcap, "MCAP"),
     ("rosbag2", Format::RosBag2, "a ROS 2 bag"),

@@ -13,6 +13,7 @@ mod explorer;
 mod frames;
 mod gnsslogger;
 mod gpx;
+pub(crate) mod mavlink;
 pub(crate) mod mcap;
 mod navego;
 mod nmea;
@@ -65,7 +66,7 @@ type LogFormat = (
 /// The formats that are one stream, in the order in which they are looked for: those with a mark at their
 /// beginning first, then text that may hold stray bytes of others.
 #[rustfmt::skip]
-const FORMATS: [LogFormat; 15] = [
+const FORMATS: [LogFormat; 16] = [
     (Format::RosBag, bag::detect, Messages(bag::entries), bag::streams),
     (Format::Mcap, mcap::detect, Messages(mcap::entries), mcap::streams),
     (Format::ULog, ulog::detect, Twice(ulog::entries), ulog::streams),
@@ -76,6 +77,7 @@ const FORMATS: [LogFormat; 15] = [
     (Format::SensorLogger, sensor_logger::detect, Messages(sensor_logger::entries), sensor_logger::streams),
     (Format::Novatel, novatel::detect, Messages(novatel::entries), novatel::streams),
     (Format::Sbf, sbf::detect, Messages(sbf::entries), sbf::streams),
+    (Format::Mavlink, mavlink::detect, Messages(mavlink::entries), mavlink::streams),
     (Format::Nmea, is_nmea, Lines(nmea::entries), nmea::streams),
     (Format::Ubx, ubx::detect, Messages(ubx::entries), ubx::streams),
     (Format::Rtklib, rtklib::detect, Lines(rtklib::entries), rtklib::streams),

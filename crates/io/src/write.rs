@@ -9,6 +9,7 @@ mod gpx;
 mod json_lines;
 mod kf_gins;
 mod kml;
+mod mavlink;
 pub mod mcap;
 mod nmea;
 #[cfg(feature = "parquet")]

@@ -58,7 +58,7 @@ impl Output {
 pub struct OutputError(String, String);
 
 /// Formats that can be read while they are written.
-const STREAMED: &str = "csv, jsonl, nmea or kf-gins";
+const STREAMED: &str = "csv, jsonl, nmea, mavlink or kf-gins";
 
 impl FromStr for Output {
     type Err = OutputError;
@@ -120,6 +120,7 @@ impl FromStr for Output {
             SolutionFormat::JsonLines,
             SolutionFormat::Nmea,
             SolutionFormat::KfGins,
+            SolutionFormat::Mavlink,
         ];
         if !streamed.contains(&format) {
             let name = format.name();

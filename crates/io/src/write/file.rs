@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use super::mavlink::MavlinkWriter;
 use super::mcap::McapWriter;
 #[cfg(feature = "parquet")]
 use super::parquet;
@@ -37,10 +38,12 @@ pub enum SolutionFormat {
     Sbet,
     /// One JSON object a row, with the columns of CSV.
     JsonLines,
+    /// MAVLink messages ODOMETRY and GPS_INPUT.
+    Mavlink,
 }
 
 /// Formats, their names and the extensions of their files; the first is the usual one.
-const FORMATS: [(SolutionFormat, &str, &[&str]); 10] = [
+const FORMATS: [(SolutionFormat, &str, &[&str]); 11] = [
     (SolutionFormat::Csv, "csv", &["csv"]),
     (SolutionFormat::KfGins, "kf-gins", &["nav"]),
     (SolutionFormat::Nmea, "nmea", &["nmea"]),
@@ -51,6 +54,7 @@ const FORMATS: [(SolutionFormat, &str, &[&str]); 10] = [
     (SolutionFormat::Parquet, "parquet", &["parquet"]),
     (SolutionFormat::Sbet, "sbet", &["sbet"]),
     (SolutionFormat::JsonLines, "jsonl", &["jsonl", "ndjson"]),
+    (SolutionFormat::Mavlink, "mavlink", &["mavlink"]),
 ];
 
 impl SolutionFormat {
@@ -79,7 +83,7 @@ impl SolutionFormat {
     /// From one row to the next \[s\] unless asked otherwise: all rows, but ten a second on maps and
     /// in sentences.
     pub fn usual_every(self) -> f64 {
-        if self.is_map() || self == Self::Nmea {
+        if self.is_map() || matches!(self, Self::Nmea | Self::Mavlink) {
             0.1
         } else {
             0.0
@@ -90,7 +94,7 @@ impl SolutionFormat {
 /// A name that is no format of solutions.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown format {0:?}; available: csv, kf-gins, nmea, kml, geojson, gpx, mcap, parquet, sbet, jsonl"
+    "unknown format {0:?}; available: csv, kf-gins, nmea, kml, geojson, gpx, mcap, parquet, sbet, jsonl, mavlink"
 )]
 pub struct UnknownSolutionFormat(pub String);
 
@@ -130,6 +134,7 @@ pub struct SolutionFile<W: Write + Send = PendingFile> {
 enum Writer<W: Write + Send> {
     Text(Box<TextWriter<W>>),
     Mcap(Box<McapWriter<W>>),
+    Mavlink(Box<MavlinkWriter<W>>),
     #[cfg(feature = "parquet")]
     Parquet(Box<ParquetTableWriter<W>>, Option<Epoch>),
 }
@@ -166,7 +171,7 @@ impl SolutionFile<PendingFile> {
             let format = format.or_else(|| SolutionFormat::from_path(path));
             let format = format.or_else(|| (path == Path::new("-")).then_some(SolutionFormat::Csv));
             let format = format.ok_or_else(|| {
-                format!("{name}: unknown extension; use csv, nav, nmea, kml, geojson, gpx, mcap, parquet, sbet or jsonl, or set --format")
+                format!("{name}: unknown extension; use csv, nav, nmea, kml, geojson, gpx, mcap, parquet, sbet, jsonl or mavlink, or set --format")
             })?;
             let file = Self::create(path, format, options);
             files.push(file.map_err(|e| format!("cannot write {name}: {e}"))?);
@@ -210,6 +215,10 @@ impl<W: Write + Send> SolutionFile<W> {
                 let writer = Writer::Mcap(Box::new(writer));
                 return Ok(Self { writer, thinning });
             }
+            SolutionFormat::Mavlink => {
+                let writer = Writer::Mavlink(Box::new(MavlinkWriter::new(out, epoch)));
+                return Ok(Self { writer, thinning });
+            }
             #[cfg(feature = "parquet")]
             SolutionFormat::Parquet => {
                 let writer =
@@ -235,6 +244,7 @@ impl<W: Write + Send> SolutionFile<W> {
             Writer::Text(writer) => writer.write(row, outage),
             _ if !self.thinning.takes(row.time) => Ok(()),
             Writer::Mcap(writer) => writer.write(row),
+            Writer::Mavlink(writer) => writer.write(row),
             #[cfg(feature = "parquet")]
             Writer::Parquet(writer, epoch) => writer.write(parquet::values(row, *epoch)),
         }
@@ -248,6 +258,7 @@ impl<W: Write + Send> SolutionFile<W> {
     pub fn flush(&mut self) -> io::Result<()> {
         match &mut self.writer {
             Writer::Text(writer) => writer.flush(),
+            Writer::Mavlink(writer) => writer.flush(),
             _ => Ok(()),
         }
     }
@@ -260,6 +271,7 @@ impl<W: Write + Send> SolutionFile<W> {
         match self.writer {
             Writer::Text(writer) => writer.into_inner(),
             Writer::Mcap(writer) => writer.into_inner(),
+            Writer::Mavlink(writer) => writer.into_inner(),
             #[cfg(feature = "parquet")]
             Writer::Parquet(writer, _) => writer.into_inner(),
         }
