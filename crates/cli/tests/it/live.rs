@@ -351,3 +351,35 @@ fn a_mistake_is_said_before_anything_runs() {
         );
     }
 }
+
+/// A file may not become larger than 100 kB, as on a disk that is full: the recording ends, the solution goes on.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_ends_the_recording_alone() {
+    let drive = sample("full");
+    let live = "live drive.toml --replay 0 --record run.mcap --every 1 -o live.csv";
+    let limited = format!(
+        "trap '' XFSZ; ulimit -f 200; exec '{}' {live}",
+        env!("CARGO_BIN_EXE_undrift")
+    );
+    let run = Command::new("sh")
+        .args(["-c", &limited])
+        .current_dir(&drive)
+        .output()
+        .unwrap();
+    let said = String::from_utf8(run.stderr).unwrap();
+    assert!(run.status.success(), "{said}");
+    assert!(
+        said.contains("run.mcap: ")
+            && said.contains("the recording ends here, the solution goes on"),
+        "{said}"
+    );
+    assert!(
+        last_line(&drive.join("live.csv")).starts_with("159."),
+        "{said}"
+    );
+    // What was recorded before can be read: an IMU at rest, whose alignment had not come.
+    let again = undrift(&drive, &["navigate", "run.mcap"]).output().unwrap();
+    let said = String::from_utf8(again.stderr).unwrap();
+    assert!(said.contains("no solution: "), "{said}");
+}

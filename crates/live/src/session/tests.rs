@@ -21,19 +21,25 @@ position_std = "1.5, 1.5, 3 m"
 lever_arm = "0, 0, 0 m"
 "#;
 
-/// A drive of 150 s as files in a folder: 50 Hz, fixes each second.
-fn folder(seed: u64) -> tempfile::TempDir {
+mod faults;
+
+/// A drive at 50 Hz with fixes each second.
+fn simulated(seed: u64, length: f64) -> undrift_simulate::Simulation {
     let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
     let filters = model.shaping(BiasModel::GaussMarkov, 0.02).unwrap();
     let noise = GnssNoise::default();
-    let log = simulate(
-        &Trajectory::car(150.0, seed),
-        50.0,
-        Some(&filters),
-        &noise,
-        seed,
-    )
-    .unwrap();
+    let path = Trajectory::car(length, seed);
+    simulate(&path, 50.0, Some(&filters), &noise, seed).unwrap()
+}
+
+/// A drive of 150 s as files in a folder.
+fn folder(seed: u64) -> tempfile::TempDir {
+    folder_of(seed, 150.0)
+}
+
+/// A drive of any length \[s\].
+fn folder_of(seed: u64, length: f64) -> tempfile::TempDir {
+    let log = simulated(seed, length);
     let folder = tempfile::tempdir().unwrap();
     let mut imu = "t,gx,gy,gz,fx,fy,fz\n".to_owned();
     for sample in &log.imu {
