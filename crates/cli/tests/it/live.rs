@@ -92,7 +92,7 @@ fn serve(
 }
 
 /// Ends a run as Ctrl-C does, by a signal that is not ignored in the background, and waits for it.
-fn interrupt(mut run: Child) {
+pub(crate) fn interrupt(mut run: Child) {
     let id = run.id().to_string();
     assert!(
         Command::new("kill")
@@ -122,7 +122,7 @@ fn start(
     (run, said)
 }
 
-fn last_line(file: &Path) -> String {
+pub(crate) fn last_line(file: &Path) -> String {
     fs::read_to_string(file)
         .unwrap()
         .lines()
@@ -131,7 +131,7 @@ fn last_line(file: &Path) -> String {
         .to_owned()
 }
 
-fn wait_for(what: &str, mut done: impl FnMut() -> bool) {
+pub(crate) fn wait_for(what: &str, mut done: impl FnMut() -> bool) {
     let begin = Instant::now();
     while !done() {
         assert!(begin.elapsed() < Duration::from_secs(60), "{what}");

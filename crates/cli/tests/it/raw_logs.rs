@@ -9,6 +9,7 @@ mod autopilots;
 mod drives;
 mod every_format;
 mod every_turn;
+mod live;
 mod log;
 mod matlab;
 mod phones;

@@ -1,4 +1,4 @@
-//! Logs of autopilots: PX4's ULog and the text of ArduPilot's DataFlash.
+//! Logs of autopilots: PX4's ULog, the text of ArduPilot's DataFlash, MAVLink.
 
 use super::log::{Event, Fix, Log, START, Sample, WEEK, week_ms};
 use std::{
@@ -130,6 +130,75 @@ FMT, 175, 21, GPA, QBCCCCB, TimeUS,I,VDop,HAcc,VAcc,SAcc,VV
         }
     }
     let file = folder.join("drive.log");
+    fs::write(&file, out).unwrap();
+    vec![file]
+}
+
+/// HIGHRES_IMU and GPS_RAW_INT of MAVLink 2, with a HEARTBEAT now and then.
+pub fn mavlink(log: &Log, folder: &Path) -> Vec<PathBuf> {
+    const UNKNOWN: u16 = u16::MAX;
+    let mut out = Vec::new();
+    let mut sequence = 0u8;
+    let mut message = |number: u32, extra: u8, body: &[u8]| {
+        let end = body
+            .iter()
+            .rposition(|byte| *byte != 0)
+            .map_or(1, |at| at + 1);
+        let mut covered = vec![end as u8, 0, 0, sequence, 1, 1];
+        sequence = sequence.wrapping_add(1);
+        covered.extend(&number.to_le_bytes()[..3]);
+        covered.extend(&body[..end]);
+        let sum = covered
+            .iter()
+            .chain([&extra])
+            .fold(0xFFFF_u16, |sum, byte| {
+                (0..8).fold(sum ^ u16::from(*byte), |sum, _| {
+                    sum >> 1 ^ if sum & 1 == 1 { 0x8408 } else { 0 }
+                })
+            });
+        out.push(0xFD);
+        out.extend(covered);
+        pack!(out; sum);
+    };
+    for (k, event) in log.in_order().enumerate() {
+        let mut body = Vec::new();
+        match event {
+            Event::Sample(Sample {
+                time, gyro, accel, ..
+            }) => {
+                pack!(body; micros(*time));
+                for value in accel.iter().chain(gyro.iter()).copied().chain([0.0; 7]) {
+                    pack!(body; value as f32);
+                }
+                pack!(body; 0x3Fu16, 0u8);
+                message(105, 93, &body);
+            }
+            Event::Fix(fix) => {
+                let [lat, lon] = [0, 1].map(|k| (fix.place[k] * 1e7).round() as i32);
+                let height = (fix.place[2] * 1e3).round() as i32;
+                let (speed, course) = fix.course().map_or((UNKNOWN, UNKNOWN), |(speed, course)| {
+                    (
+                        (speed * 100.0).round() as u16,
+                        (course * 100.0).round() as u16 % 36_000,
+                    )
+                });
+                let [place, velocity] = fix.std.map(|std| std * 1e3);
+                let [h, v, s] = [
+                    place.x.hypot(place.y),
+                    place.z,
+                    velocity.x.hypot(velocity.y),
+                ]
+                .map(|std| std.round() as u32);
+                pack!(body; micros(fix.time), lat, lon, height, 80u16, 120u16, speed, course, 3u8, 12u8);
+                pack!(body; height, h, v, s, 0u32, 0u16);
+                message(24, 24, &body);
+            }
+        }
+        if k % 500 == 0 {
+            message(0, 50, &[0, 0, 0, 0, 2, 3, 0, 4, 3]);
+        }
+    }
+    let file = folder.join("drive.mavlink");
     fs::write(&file, out).unwrap();
     vec![file]
 }

@@ -9,7 +9,7 @@
 //! * Trial06 of the car with position-only fixes: most of its positions are bad, which has to be reported.
 
 use super::{
-    autopilots::{dataflash, ulog},
+    autopilots::{dataflash, mavlink, ulog},
     drives::{
         Found, How, Shared, WITHIN_DEG, angle_deg, compared, drift, inspect, scratch, undrift,
     },
@@ -46,7 +46,7 @@ const EXACT: [f64; 2] = [1e-9, 1e-7];
 const SINGLE: [f64; 2] = [1e-5, 1e-4];
 
 #[rustfmt::skip]
-const FORMATS: [Format; 17] = [
+const FORMATS: [Format; 18] = [
     Format { name: "CSV, deg/s and g", write: degrees_and_g, time: 1e-6, sensors: EXACT, place: 1e-3, velocity: 1e-6, drift: 1.1 },
     Format { name: "CSV, dates, semicolons", write: dates, time: 2e-4, sensors: EXACT, place: 1e-3, velocity: 1e-6, drift: 1.1 },
     Format { name: "CSV, Unix ms", write: unix_ms, time: 2e-3, sensors: EXACT, place: 1e-3, velocity: 1e-6, drift: 1.5 },
@@ -61,6 +61,7 @@ const FORMATS: [Format; 17] = [
     Format { name: "ROS 2 MCAP", write: mcap, time: 1e-6, sensors: EXACT, place: 1e-3, velocity: 1e-6, drift: 1.1 },
     Format { name: "ULog", write: ulog, time: 2e-6, sensors: SINGLE, place: 1e-3, velocity: 1e-5, drift: 1.1 },
     Format { name: "DataFlash", write: dataflash, time: 2e-3, sensors: SINGLE, place: 0.02, velocity: 1e-4, drift: 1.1 },
+    Format { name: "MAVLink", write: mavlink, time: 2e-6, sensors: SINGLE, place: 0.02, velocity: 0.02, drift: 1.25 },
     Format { name: "GnssLogger", write: gnss_logger, time: 2e-3, sensors: EXACT, place: 1e-3, velocity: 1e-6, drift: 1.25 },
     Format { name: "Sensor Logger", write: sensor_logger, time: 1e-6, sensors: EXACT, place: 1e-3, velocity: 1e-6, drift: 1.25 },
     Format { name: "NaveGo", write: navego, time: 1e-6, sensors: EXACT, place: 1e-3, velocity: 1e-6, drift: 1.1 },
