@@ -35,6 +35,8 @@ pub struct Opened {
     read: BytesRead,
     /// Of a log that is read while it comes, how it began.
     shown: Option<Vec<u8>>,
+    /// Records in a row behind the last accepted one that end the reading, where that is not as usual.
+    pub(crate) patience: Option<u32>,
 }
 
 /// A log in memory; clones share it.
@@ -127,6 +129,14 @@ impl Opened {
         Ok(Self { shown, ..opened })
     }
 
+    /// Ends the reading already after so many records in a row that are earlier than the last accepted one, by the error of a clock
+    /// that was set back: for whoever then begins again.
+    #[must_use]
+    pub fn patient_for(self, records: u32) -> Self {
+        let patience = Some(records);
+        Self { patience, ..self }
+    }
+
     fn from_stream(
         name: &Path,
         stream: impl Read + Send + 'static,
@@ -153,6 +163,7 @@ impl Opened {
             rest,
             read: read.clone(),
             shown: None,
+            patience: None,
         })
     }
 
@@ -189,6 +200,7 @@ impl Opened {
             rest: Box::new(io::empty()),
             read: read.clone(),
             shown: None,
+            patience: None,
         }
     }
 

@@ -183,6 +183,9 @@ impl<K: Kind> Reader<K> {
     /// If it is not of the format, lacks a column or a stream, or the options contradict themselves.
     pub fn new(opened: Opened, options: &K::Options) -> Result<Self, ReadError> {
         let name = opened.name().to_path_buf();
+        let patience = opened
+            .patience
+            .map_or(K::PATIENCE, |few| few.min(K::PATIENCE));
         let plan = K::plan(options).map_err(|error| error.in_log(&name))?;
         let rows = match plan.source {
             Want::Table(wanted) => {
@@ -201,7 +204,7 @@ impl<K: Kind> Reader<K> {
             name,
             rows,
             kind: plan.kind,
-            clock: Clock::new(K::PATIENCE),
+            clock: Clock::new(patience),
             span: plan.span,
             held: None,
             covered: None,

@@ -20,12 +20,15 @@ use undrift_drive::{
 };
 use undrift_engine::{Event, Navigator, PushError, settings::Settings};
 use undrift_io::write::solution::SolutionRow;
+use undrift_nav::sample::ImuSample;
 use undrift_noise::BiasModel;
 
 /// How late a receiver gives its fixes, where their times do not show it \[s\].
 const LATENCY: f64 = 0.1;
 /// From one look for events to the next \[s\].
 const EVENTS: f64 = 1.0;
+/// Steps of a sample's clock that are larger are taken out of its length \[s\].
+const STEP: f64 = 0.4;
 /// Longest gap between two processes that a solution goes on over \[s\]: beyond, the navigator aligns again anyway.
 const MOST_GAP: f64 = 60.0;
 
@@ -388,6 +391,10 @@ impl Running {
     }
 
     fn push(&mut self, record: Record, sink: &mut dyn Sink) -> Result<(), SessionError> {
+        let record = match (record, self.newest) {
+            (Record::Sample(sample), Some((newest, _))) => Record::Sample(after(sample, newest)),
+            _ => record,
+        };
         let pushed = match record {
             Record::Sample(sample) => self.navigator.imu(sample),
             Record::Measured(measurement) => {
@@ -399,8 +406,9 @@ impl Running {
             }
         };
         match pushed {
+            Ok(()) => {}
             // What is not in order, or no number, is left out: the next one may be.
-            Ok(()) | Err(PushError::NotFinite { .. } | PushError::NotInOrder { .. }) => {}
+            Err(PushError::NotFinite { .. } | PushError::NotInOrder { .. }) => return Ok(()),
             Err(error) => return Err(SessionError::Push(error)),
         }
         let Record::Sample(sample) = record else {
@@ -431,6 +439,21 @@ impl Running {
         for event in self.navigator.events() {
             sink.notice(Some(event.time()), Notice::Navigation(event));
         }
+    }
+}
+
+/// A sample that follows the one at `newest` \[s\] where its clock was set forward: its length, which its stamps give, goes over the step.
+fn after(sample: ImuSample, newest: f64) -> ImuSample {
+    let since = sample.time - newest;
+    if since <= 0.0 || sample.dt <= since + STEP {
+        return sample;
+    }
+    let part = since / sample.dt;
+    ImuSample {
+        dt: since,
+        dtheta: sample.dtheta * part,
+        dvel: sample.dvel * part,
+        ..sample
     }
 }
 

@@ -135,11 +135,14 @@ impl LogStream {
     }
 }
 
+/// Records in a row behind the last one by which a clock was set back: more than overtake others.
+const SET_BACK: u32 = 10;
+
 /// The reader of a log while it comes.
 fn stream(table: &str, beginning: Vec<u8>, drive: &Drive) -> Stream<Record> {
     let (drive, table) = (drive.clone(), table.to_owned());
     Stream::new(table.clone(), beginning, move |opened| {
-        records(&drive, &table, opened)
+        records(&drive, &table, opened.patient_for(SET_BACK))
     })
 }
 

@@ -147,7 +147,16 @@ fn a_clock_that_steps_by_a_second_is_followed() {
         );
         let last = outcome.seen.rows.last().unwrap();
         assert!((last.time - 199.96).abs() < 0.2, "{}", last.time);
-        assert!(outcome.inside(140.0) > 0.95, "{}", outcome.inside(140.0));
+        let others =
+            |notice: &Notice| matches!(notice, Notice::ClockSet(table, _) if table != "imu");
+        assert!(
+            !outcome.seen.notices.iter().any(others),
+            "{:?}",
+            outcome.seen.notices
+        );
+        let strange = |event: &Event| matches!(event, Event::Rejected(_) | Event::Doubted(_));
+        assert!(!outcome.events().any(strange), "{:?}", outcome.seen.notices);
+        assert!(outcome.inside(120.0) > 0.95, "{}", outcome.inside(120.0));
     }
 }
 
