@@ -27,8 +27,6 @@ use undrift_noise::BiasModel;
 const LATENCY: f64 = 0.1;
 /// From one look for events to the next \[s\].
 const EVENTS: f64 = 1.0;
-/// Steps of a sample's clock that are larger are taken out of its length \[s\].
-const STEP: f64 = 0.4;
 /// Longest gap between two processes that a solution goes on over \[s\]: beyond, the navigator aligns again anyway.
 const MOST_GAP: f64 = 60.0;
 
@@ -148,6 +146,8 @@ struct Running {
     rows: Rows,
     /// Time of the newest sample, and when it came \[s\].
     newest: Option<(f64, f64)>,
+    /// Whether the next sample does not follow the one before by its own stamps: the clock was set, or the reader begins again.
+    breaks: bool,
     /// Newest time of a fix \[s\].
     last_fix: Option<f64>,
     /// When events are looked for next \[s\].
@@ -281,6 +281,7 @@ impl Running {
             settings,
             rows: Rows::new(options.clock),
             newest: None,
+            breaks: false,
             last_fix: None,
             next_events: f64::NEG_INFINITY,
             at: 0,
@@ -341,6 +342,7 @@ impl Running {
                 let give = &mut |time, record: Record| ready.push(record.at(time));
                 changes.extend(log.clock.take(now, record.time(), record, give));
             }
+            self.breaks |= log.table == log::IMU && !changes.is_empty();
             for change in changes {
                 let notice = match change {
                     ClockChange::Apart(by) => Notice::ClockApart(log.table.clone(), by),
@@ -360,12 +362,13 @@ impl Running {
     }
 
     /// The records that an arrival completes.
-    fn read(&self, log: &mut LogStream, arrival: &Arrival, sink: &mut dyn Sink) -> Vec<Record> {
+    fn read(&mut self, log: &mut LogStream, arrival: &Arrival, sink: &mut dyn Sink) -> Vec<Record> {
         let mut records = Vec::new();
         let ended = log.feed(&arrival.bytes, &self.drive, &mut |record| {
             records.push(record);
         });
         if let Some(why) = ended {
+            self.breaks |= log.table == log::IMU;
             let why = why.map_or_else(String::new, |error| error.to_string());
             sink.notice(self.time(), Notice::ReadAgain(log.table.clone(), why));
         }
@@ -392,7 +395,10 @@ impl Running {
 
     fn push(&mut self, record: Record, sink: &mut dyn Sink) -> Result<(), SessionError> {
         let record = match (record, self.newest) {
-            (Record::Sample(sample), Some((newest, _))) => Record::Sample(after(sample, newest)),
+            (Record::Sample(sample), Some((newest, _))) if self.breaks => {
+                self.breaks = false;
+                Record::Sample(after(sample, newest))
+            }
             _ => record,
         };
         let pushed = match record {
@@ -442,10 +448,11 @@ impl Running {
     }
 }
 
-/// A sample that follows the one at `newest` \[s\] where its clock was set forward: its length, which its stamps give, goes over the step.
+/// A sample that follows the one at `newest` \[s\], over whatever was between: its length is that of its stamps, which a step of its clock is in,
+/// or the usual one.
 fn after(sample: ImuSample, newest: f64) -> ImuSample {
     let since = sample.time - newest;
-    if since <= 0.0 || sample.dt <= since + STEP {
+    if since <= 0.0 {
         return sample;
     }
     let part = since / sample.dt;
