@@ -319,6 +319,31 @@ typedef int32_t undrift_parameter;
 #endif // __cplusplus
 
 /**
+ * Measurements of one number that a navigator takes.
+ */
+enum undrift_scalar_kind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+    /**
+     * Speed of a wheel, forward positive [m/s].
+     */
+    UNDRIFT_SCALAR_KIND_ODOMETER = 0,
+    /**
+     * Height, up positive [m].
+     */
+    UNDRIFT_SCALAR_KIND_BAROMETER = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum undrift_scalar_kind undrift_scalar_kind;
+#else
+typedef int32_t undrift_scalar_kind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+/**
  * What the vehicle is: what it cannot do constrains the solution.
  */
 enum undrift_vehicle
@@ -945,20 +970,13 @@ undrift_status undrift_navigator_fix(undrift_navigator *navigator,
                                      const undrift_velocity *velocity);
 
 /**
- * Pushes a wheel speed [m/s], forward positive, with its standard deviation, in the manner of undrift_navigator_fix().
+ * Pushes a measurement of one number, an undrift_scalar_kind, with its standard deviation, in the manner of undrift_navigator_fix().
  */
-undrift_status undrift_navigator_odometer(undrift_navigator *navigator,
-                                          double time,
-                                          double speed,
-                                          double std);
-
-/**
- * Pushes a barometric height [m] with its standard deviation, in the manner of undrift_navigator_fix().
- */
-undrift_status undrift_navigator_barometer(undrift_navigator *navigator,
-                                           double time,
-                                           double height,
-                                           double std);
+undrift_status undrift_navigator_scalar(undrift_navigator *navigator,
+                                        int32_t kind,
+                                        double time,
+                                        double value,
+                                        double std);
 
 /**
  * The solution, its attitude that of the vehicle's axes where the mounting is estimated. UNDRIFT_STATUS_NOT_ALIGNED, and nothing is

@@ -1,5 +1,5 @@
 //! The error-state filter behind a C header, `include/undrift.h`: no allocation, no standard library. With feature `navigator` also
-//! the navigator around it, in memory of the caller's allocator ([`navigator`]).
+//! the navigator around it, in memory of the caller's allocator (module `navigator`).
 //!
 //! The caller gives the memory of a filter ([`filter::undrift_filter_init`]); all else passes by pointers
 //! to plain structs, which are copied. Units, frames and signs are those of `docs/conventions.md`:

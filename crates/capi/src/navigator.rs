@@ -8,7 +8,7 @@ use crate::{
 };
 use alloc::{boxed::Box, collections::VecDeque};
 use undrift_engine::{
-    Event, Navigator as Inner, Part, PushError, Scalar,
+    Event, Navigator as Inner, Part, PushError, Scalar, ScalarLog,
     align::{AlignSettings, Heading},
     settings::{Settings, fix_errors::FromFixes},
     vehicle::Profile,
@@ -314,45 +314,27 @@ pub unsafe extern "C" fn undrift_navigator_fix(
     })
 }
 
-/// Pushes a wheel speed [m/s], forward positive, with its standard deviation, in the manner of undrift_navigator_fix().
+/// Pushes a measurement of one number, an undrift_scalar_kind, with its standard deviation, in the manner of undrift_navigator_fix().
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn undrift_navigator_odometer(
+pub unsafe extern "C" fn undrift_navigator_scalar(
     navigator: *mut Navigator,
+    kind: i32,
     time: f64,
-    speed: f64,
+    value: f64,
     std: f64,
-) -> Status {
-    // SAFETY: passed on.
-    unsafe { scalar(navigator, Inner::odometer, [time, speed, std]) }
-}
-
-/// Pushes a barometric height \[m\] with its standard deviation, in the manner of undrift_navigator_fix().
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn undrift_navigator_barometer(
-    navigator: *mut Navigator,
-    time: f64,
-    height: f64,
-    std: f64,
-) -> Status {
-    // SAFETY: passed on.
-    unsafe { scalar(navigator, Inner::barometer, [time, height, std]) }
-}
-
-/// # Safety
-/// As [`navigator_mut`].
-unsafe fn scalar(
-    navigator: *mut Navigator,
-    push: fn(&mut Inner, Scalar) -> Result<bool, PushError>,
-    [time, value, std]: [f64; 3],
 ) -> Status {
     call(|| {
         // SAFETY: null or a navigator that nobody else uses.
         let navigator = unsafe { navigator_mut(navigator) }?;
+        let kind = usize::try_from(kind).ok();
+        let kind = kind.and_then(|number| ScalarLog::ALL.get(number));
+        let kind = kind.ok_or(Status::OutOfRange)?;
         finite([&std])?;
         if std <= 0.0 {
             return Err(Status::OutOfRange);
         }
-        let in_time = push(&mut navigator.inner, Scalar { time, value, std })?;
+        let measurement = kind.measurement(Scalar { time, value, std });
+        let in_time = navigator.inner.measure(measurement)?;
         in_time.then_some(()).ok_or(Status::TooLate)
     })
 }

@@ -55,6 +55,16 @@ pub struct Start {
     pub attitude_std: [f64; 3],
 }
 
+/// Measurements of one number that a navigator takes.
+#[repr(i32)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ScalarKind {
+    /// Speed of a wheel, forward positive [m/s].
+    Odometer = 0,
+    /// Height, up positive \[m\].
+    Barometer = 1,
+}
+
 /// Constants that can be estimated beside the sensors' errors: places in the array given to
 /// undrift_filter_init().
 #[repr(i32)]

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Mutex, PoisonError};
 use undrift::{
-    engine::{self, Event, Measurement, Scalar},
+    engine::{self, Event, Measurement, Scalar, ScalarLog},
     io::write::solution::SolutionRow,
     nav::{
         Vector3,
@@ -131,14 +131,18 @@ impl Navigator {
         self.measure(py, Measurement::Gnss(fix))
     }
 
-    /// Pushes a wheel speed [m/s]: whether it came within the horizon.
-    fn odometer(&self, py: Python<'_>, time: f64, value: f64, std: f64) -> PyResult<bool> {
-        self.measure(py, Measurement::Odometer(Scalar { time, value, std }))
-    }
-
-    /// Pushes a barometric height [m]: whether it came within the horizon.
-    fn barometer(&self, py: Python<'_>, time: f64, value: f64, std: f64) -> PyResult<bool> {
-        self.measure(py, Measurement::Barometer(Scalar { time, value, std }))
+    /// Pushes a measurement of one number by its name: whether it came within the horizon.
+    fn scalar(
+        &self,
+        py: Python<'_>,
+        name: &str,
+        time: f64,
+        value: f64,
+        std: f64,
+    ) -> PyResult<bool> {
+        let known = ScalarLog::ALL.into_iter().find(|log| log.name() == name);
+        let known = known.ok_or_else(|| error(format!("unknown measurement \"{name}\"")))?;
+        self.measure(py, known.measurement(Scalar { time, value, std }))
     }
 
     /// The events since the last call: time [s], kind and sentence.

@@ -1,7 +1,10 @@
 //! The functions of the navigator against the navigator that they stand for.
 
 use super::*;
-use crate::allocator::{Allocator, Callers, undrift_set_allocator};
+use crate::{
+    allocator::{Allocator, Callers, undrift_set_allocator},
+    types::ScalarKind,
+};
 use core::{
     alloc::{GlobalAlloc, Layout},
     ffi::c_void,
@@ -222,14 +225,14 @@ fn what_is_wrong_has_a_status() {
         };
         let status = undrift_navigator_fix(navigator, 1.0, &fix, null());
         assert_eq!(status, Status::BadMeasurement);
-        assert_eq!(
-            undrift_navigator_odometer(navigator, 1.0, 3.0, 0.0),
-            Status::OutOfRange
-        );
-        assert_eq!(
-            undrift_navigator_barometer(navigator, 1.0, 3.0, 1.0),
-            Status::Ok
-        );
+        let scalar = |kind: i32, std| undrift_navigator_scalar(navigator, kind, 1.0, 3.0, std);
+        let kinds = [ScalarKind::Odometer, ScalarKind::Barometer].map(|kind| kind as i32);
+        assert_eq!(scalar(kinds[0], 0.0), Status::OutOfRange);
+        assert_eq!(scalar(kinds[1] + 1, 1.0), Status::OutOfRange);
+        assert_eq!(kinds.map(|kind| scalar(kind, 1.0)), [Status::Ok; 2]);
+        // The numbers are those of the engine.
+        let names = kinds.map(|kind| ScalarLog::ALL[kind as usize].name());
+        assert_eq!(names, ["odometer", "barometer"]);
         let mut other = navigator;
         let sensors = self::sensors().map(Sensor::from);
         let wrong = NavigatorSettings {

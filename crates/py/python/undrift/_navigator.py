@@ -188,15 +188,11 @@ class Navigator:
 
     def odometer(self, time: float, speed: float, std: float = 0.1) -> bool:
         """Pushes the speed of a wheel, forward positive [m/s]: whether it came within the horizon."""
-        return self._navigator.odometer(
-            number(time, "time"), number(speed, "speed"), positive(std, "std")
-        )
+        return self.push(Scalar("odometer", time, speed, std))
 
     def barometer(self, time: float, height: float, std: float = 1.0) -> bool:
         """Pushes a barometric height [m]: whether it came within the horizon."""
-        return self._navigator.barometer(
-            number(time, "time"), number(height, "height"), positive(std, "std")
-        )
+        return self.push(Scalar("barometer", time, height, std))
 
     def push(self, item: Pushed) -> bool:
         """Pushes a :class:`Sample`, :class:`Fix` or :class:`Scalar`: what :meth:`imu`, :meth:`fix` and the others return."""
@@ -212,11 +208,10 @@ class Navigator:
                 velocity_std=item.velocity_std,
                 velocity_cov=item.velocity_cov,
             )
-        if isinstance(item, Scalar) and item.kind == "odometer":
-            return self.odometer(item.time, item.value, item.std)
-        if isinstance(item, Scalar) and item.kind == "barometer":
-            return self.barometer(item.time, item.value, item.std)
-        raise ArgumentError(f"{item!r}: a Sample, Fix, odometer or barometer is needed")
+        if isinstance(item, Scalar):
+            time, value = number(item.time, "time"), number(item.value, item.kind)
+            return self._navigator.scalar(item.kind, time, value, positive(item.std, "std"))
+        raise ArgumentError(f"{item!r}: a Sample, Fix or Scalar is needed")
 
     # Out
 
