@@ -49,7 +49,13 @@ impl System {
     pub fn gauss_markov(sigma: f64, tau_s: f64, interval: f64) -> Self {
         let f = (-interval / tau_s).exp();
         let variance = sigma * sigma;
-        Self::one(f, -variance * (-2.0 * interval / tau_s).exp_m1(), 0.0, 0.0, variance)
+        Self::one(
+            f,
+            -variance * (-2.0 * interval / tau_s).exp_m1(),
+            0.0,
+            0.0,
+            variance,
+        )
     }
 
     pub fn walk(k: f64, interval: f64) -> Self {
@@ -73,7 +79,10 @@ impl System {
                 f[i][i + 1] = 1.0;
             }
         }
-        let q: Vec<Vec<f64>> = g.iter().map(|a| g.iter().map(|b| a * b).collect()).collect();
+        let q: Vec<Vec<f64>> = g
+            .iter()
+            .map(|a| g.iter().map(|b| a * b).collect())
+            .collect();
         let p0 = stationary(&f, &q);
         let mut h = vec![0.0; n];
         h[0] = 1.0;
@@ -143,10 +152,19 @@ impl System {
     }
 
     /// The drift over each horizon [s] on series that start alike, from the sample `first` on.
-    pub fn drift(&self, series: &[Vec<f64>], interval: f64, first: usize, horizons: &[f64]) -> Vec<Drift> {
+    pub fn drift(
+        &self,
+        series: &[Vec<f64>],
+        interval: f64,
+        first: usize,
+        horizons: &[f64],
+    ) -> Vec<Drift> {
         let n = self.h.len();
         let length = series[0].len();
-        let steps: Vec<usize> = horizons.iter().map(|h| (h / interval).round() as usize).collect();
+        let steps: Vec<usize> = horizons
+            .iter()
+            .map(|h| (h / interval).round() as usize)
+            .collect();
         let ahead: Vec<(Vec<f64>, f64)> = steps.iter().map(|k| self.ahead(*k)).collect();
         let sums: Vec<Vec<f64>> = series.iter().map(|of| running(of)).collect();
         let every = ((2.0 / interval).round() as usize).max(1);
@@ -206,7 +224,8 @@ impl System {
             if is_diagonal {
                 for i in 0..n {
                     for j in 0..=i {
-                        let value = self.f[i][i] * p[i][j] * self.f[j][j] + self.q[i][j] - v * gain[i] * gain[j];
+                        let value = self.f[i][i] * p[i][j] * self.f[j][j] + self.q[i][j]
+                            - v * gain[i] * gain[j];
                         p[i][j] = value;
                         p[j][i] = value;
                     }

@@ -35,7 +35,7 @@ pub enum Disturbance {
     WarmUp(f64, f64),
     /// The level is higher from here on.
     Step(f64, f64),
-    /// Back to zero every so often: a ramp of this height, reset.
+    /// Other levels up to this one, each for this share of the record.
     Rezero(f64, f64),
     /// A sine of this period.
     Cycle(f64, f64),
@@ -62,7 +62,11 @@ fn ladder(b: f64, steeper: bool) -> Vec<(f64, f64)> {
         .map(|k| {
             let tau = 0.016 * rho.powi(k);
             let sigma = b * (rho.ln() / PI).sqrt();
-            let grown = if steeper { (tau / 100.0).powf(0.25) } else { 1.0 };
+            let grown = if steeper {
+                (tau / 100.0).powf(0.25)
+            } else {
+                1.0
+            };
             (sigma * grown, tau)
         })
         .collect()
@@ -80,7 +84,10 @@ fn butterworth(frequency: f64, rate_hz: f64) -> ([f64; 2], f64) {
 /// φ of a resonance, and the deviation of its innovations for a variance of 1.
 fn resonance(frequency: f64, width: f64, rate_hz: f64) -> ([f64; 2], f64) {
     let radius = (-PI * width / rate_hz).exp();
-    let phi = [2.0 * radius * (TAU * frequency / rate_hz).cos(), -radius * radius];
+    let phi = [
+        2.0 * radius * (TAU * frequency / rate_hz).cos(),
+        -radius * radius,
+    ];
     let ratio = (1.0 - phi[1]) / (1.0 + phi[1]) / ((1.0 - phi[1]).powi(2) - phi[0] * phi[0]);
     (phi, ratio.sqrt().recip())
 }
@@ -101,7 +108,9 @@ impl Part {
             Self::Flicker(b) | Self::Steeper(b) => {
                 let steps = ladder(b, matches!(self, Self::Steeper(_)));
                 let of = |(sigma, tau): &(f64, f64)| System::gauss_markov(sigma * WHITE, *tau, t);
-                steps.iter().fold(System::white(0.0, t), |sum, step| sum.plus(&of(step)))
+                steps
+                    .iter()
+                    .fold(System::white(0.0, t), |sum, step| sum.plus(&of(step)))
             }
             Self::Telegraph(size, hold) => System::gauss_markov(size * WHITE, 0.5 * hold, t),
             Self::Line(frequency, width, sigma) => {
@@ -191,7 +200,9 @@ impl Kind {
         let parts = self.parts.iter().map(|part| part.system(self.rate_hz));
         let engine = match self.disturbance {
             // On half of the time.
-            Disturbance::Engine(sigma) => Some(Part::Line(23.0, 2.0, sigma * 0.5f64.sqrt()).system(self.rate_hz)),
+            Disturbance::Engine(sigma) => {
+                Some(Part::Line(23.0, 2.0, sigma * 0.5f64.sqrt()).system(self.rate_hz))
+            }
             _ => None,
         };
         let none = System::white(0.0, 1.0 / self.rate_hz);
@@ -225,7 +236,9 @@ impl Kind {
                     Disturbance::Nothing => 0.0,
                     Disturbance::WarmUp(size, tau) => size * (-share / tau).exp(),
                     Disturbance::Step(size, at) => f64::from(u8::from(share > at)) * size,
-                    Disturbance::Rezero(size, each) => size * (share / each).fract(),
+                    Disturbance::Rezero(size, each) => {
+                        size * [0.0, 1.0, -0.4, 0.5][(share / each) as usize % 4]
+                    }
                     Disturbance::Cycle(size, period) => size * (TAU * share / period).sin(),
                     Disturbance::Bump(size, seconds, at_end) => {
                         let time = k as f64 / rate;
@@ -280,12 +293,42 @@ pub fn kinds() -> Vec<Kind> {
     add("walk-10min", 100.0, 10.0, &[white, walk], Nothing);
     add("gm100", 100.0, 20.0, &[white, gm100], Nothing);
     add("flicker", 100.0, 20.0, &[white, flicker], Nothing);
-    add("flicker-strong", 100.0, 20.0, &[white, Flicker(0.6)], Nothing);
-    add("flicker+walk", 100.0, 20.0, &[white, Flicker(0.3), walk], Nothing);
-    add("gm1+walk", 100.0, 20.0, &[white, Process(1.0, 1.0), walk], Nothing);
-    add("gm0.3+walk", 100.0, 20.0, &[white, Process(1.0, 0.3), walk], Nothing);
+    add(
+        "flicker-strong",
+        100.0,
+        20.0,
+        &[white, Flicker(0.6)],
+        Nothing,
+    );
+    add(
+        "flicker+walk",
+        100.0,
+        20.0,
+        &[white, Flicker(0.3), walk],
+        Nothing,
+    );
+    add(
+        "gm1+walk",
+        100.0,
+        20.0,
+        &[white, Process(1.0, 1.0), walk],
+        Nothing,
+    );
+    add(
+        "gm0.3+walk",
+        100.0,
+        20.0,
+        &[white, Process(1.0, 0.3), walk],
+        Nothing,
+    );
     add("f^-1.5", 100.0, 20.0, &[white, Steeper(0.3)], Nothing);
-    add("telegraph", 100.0, 20.0, &[white, Telegraph(0.3, 60.0)], Nothing);
+    add(
+        "telegraph",
+        100.0,
+        20.0,
+        &[white, Telegraph(0.3, 60.0)],
+        Nothing,
+    );
     for (filter, rate) in [
         (5.0, 100.0),
         (5.0, 400.0),
@@ -296,23 +339,81 @@ pub fn kinds() -> Vec<Kind> {
         (98.0, 400.0),
     ] {
         let minutes = if rate > 500.0 { 10.0 } else { 20.0 };
-        add(&format!("walk-{filter}@{rate}"), rate, minutes, &[LowPass(filter), walk], Nothing);
+        add(
+            &format!("walk-{filter}@{rate}"),
+            rate,
+            minutes,
+            &[LowPass(filter), walk],
+            Nothing,
+        );
     }
     add("white-20@100", 100.0, 20.0, &[LowPass(20.0)], Nothing);
-    add("gm100-10@100", 100.0, 20.0, &[LowPass(10.0), gm100], Nothing);
-    add("flicker-20@100", 100.0, 20.0, &[LowPass(20.0), flicker], Nothing);
-    add("walk-5@100-10min", 100.0, 10.0, &[LowPass(5.0), walk], Nothing);
-    add("line3Hz", 100.0, 20.0, &[white, walk, Line(3.1, 0.3, 10.0)], Nothing);
-    add("line0.3Hz", 100.0, 20.0, &[white, walk, Line(0.3, 0.05, 1.0)], Nothing);
+    add(
+        "gm100-10@100",
+        100.0,
+        20.0,
+        &[LowPass(10.0), gm100],
+        Nothing,
+    );
+    add(
+        "flicker-20@100",
+        100.0,
+        20.0,
+        &[LowPass(20.0), flicker],
+        Nothing,
+    );
+    add(
+        "walk-5@100-10min",
+        100.0,
+        10.0,
+        &[LowPass(5.0), walk],
+        Nothing,
+    );
+    add(
+        "line3Hz",
+        100.0,
+        20.0,
+        &[white, walk, Line(3.1, 0.3, 10.0)],
+        Nothing,
+    );
+    add(
+        "line0.3Hz",
+        100.0,
+        20.0,
+        &[white, walk, Line(0.3, 0.05, 1.0)],
+        Nothing,
+    );
     add("warm-up", 100.0, 20.0, &[white], WarmUp(3.0, 0.15));
-    add("warm-up-gm", 100.0, 20.0, &[white, gm100], WarmUp(8.0, 0.25));
+    add(
+        "warm-up-gm",
+        100.0,
+        20.0,
+        &[white, gm100],
+        WarmUp(8.0, 0.25),
+    );
     add("step", 100.0, 20.0, &[white], Step(1.0, 0.4));
     add("re-zero", 100.0, 20.0, &[white], Rezero(1.5, 0.27));
     add("cycle", 100.0, 20.0, &[white], Cycle(0.5, 0.3));
-    add("bump-start", 100.0, 20.0, &[white, walk], Bump(300.0, 8.0, false));
-    add("bump-end", 100.0, 20.0, &[white, walk], Bump(300.0, 8.0, true));
+    add(
+        "bump-start",
+        100.0,
+        20.0,
+        &[white, walk],
+        Bump(300.0, 8.0, false),
+    );
+    add(
+        "bump-end",
+        100.0,
+        20.0,
+        &[white, walk],
+        Bump(300.0, 8.0, true),
+    );
     add("engine", 100.0, 20.0, &[white, walk], Engine(30.0));
-    for (name, sensor, logger) in [("held40@100", 40.0, 100.0), ("held2", 50.0, 100.0), ("held3", 50.0, 150.0)] {
+    for (name, sensor, logger) in [
+        ("held40@100", 40.0, 100.0),
+        ("held2", 50.0, 100.0),
+        ("held3", 50.0, 150.0),
+    ] {
         all.push(Kind {
             name: name.to_owned(),
             rate_hz: sensor,

@@ -41,7 +41,9 @@ struct Outcome {
 fn outcome(kind: &Kind, seed: u64, fresh: &[Vec<f64>], best: &[Drift]) -> Result<Outcome, String> {
     let (record, rate) = kind.record(seed);
     let missing = f64::NAN;
-    let rows = record.iter().map(|x| [*x + 1e-3, missing, missing, missing, missing, missing]);
+    let rows = record
+        .iter()
+        .map(|x| [*x + 1e-3, missing, missing, missing, missing, missing]);
     let start = std::time::Instant::now();
     let found = undrift::identify(&Vec::from_iter(rows), rate).map_err(|why| why.to_string())?;
     let seconds = start.elapsed().as_secs_f64();
@@ -50,16 +52,33 @@ fn outcome(kind: &Kind, seed: u64, fresh: &[Vec<f64>], best: &[Drift]) -> Result
     let interval = 1.0 / kind.rate_hz;
     let system = System::from_file(&file.gyro[0], interval);
     let drift = drift(&system, fresh, interval);
-    let axis = found.identified.axes.first().and_then(|(_, axis)| axis.as_ref().ok());
+    let axis = found
+        .identified
+        .axes
+        .first()
+        .and_then(|(_, axis)| axis.as_ref().ok());
     let axis = axis.ok_or("no axis")?;
-    let least = axis.candidates.iter().map(|one| one.aic).fold(f64::INFINITY, f64::min);
+    let least = axis
+        .candidates
+        .iter()
+        .map(|one| one.aic)
+        .fold(f64::INFINITY, f64::min);
     let wanted = std::env::var_os("CANDIDATES").is_some();
     let candidates = axis.candidates.iter().filter(|_| wanted).map(|one| {
         let real = self::drift(&System::from_file(&one.model, interval), fresh, interval);
         let ratio: [f64; 3] = std::array::from_fn(|h| real[h].real / best[h].real);
-        let scores = one.score.iter().map(|score| format!("{:.3e}", score.rms / WHITE));
+        let scores = one
+            .score
+            .iter()
+            .map(|score| format!("{:.3e}", score.rms / WHITE));
         let scores = Vec::from_iter(scores).join(" ");
-        format!("{:8.1} | {scores} | {ratio:.2?} | {}{} {:?}", one.aic - least, one.name, if one.compared { " *" } else { "" }, one.remarks)
+        format!(
+            "{:8.1} | {scores} | {ratio:.2?} | {}{} {:?}",
+            one.aic - least,
+            one.name,
+            if one.compared { " *" } else { "" },
+            one.remarks
+        )
     });
     Ok(Outcome {
         candidates: candidates.collect(),
@@ -67,7 +86,9 @@ fn outcome(kind: &Kind, seed: u64, fresh: &[Vec<f64>], best: &[Drift]) -> Result
         verdict: found.verdict.to_string(),
         used_share: axis.samples as f64 / (kind.seconds * kind.rate_hz),
         drift: std::array::from_fn(|h| drift[h].real / best[h].real),
-        predicted: std::array::from_fn(|h| drift[h].real / best[h].real * best[h].predicted / drift[h].predicted),
+        predicted: std::array::from_fn(|h| {
+            drift[h].real / best[h].real * best[h].predicted / drift[h].predicted
+        }),
         white: file.gyro[0].white_density() / WHITE,
         seconds,
     })
@@ -94,7 +115,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (count, first) = (number(0, 5)?, number(1, 1)?);
     let wanted = arguments.get(2..).unwrap_or_default();
     println!("{count} series each, seeds from {first}, at 10, 60, 300 s");
-    println!("| kind | drift over the best: mean | worst | real over predicted: mean | N | used | recommended | verdict | s |");
+    println!(
+        "| kind | drift over the best: mean | worst | real over predicted: mean | N | used | recommended | verdict | s |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|");
     for kind in kinds() {
         if !wanted.is_empty() && !wanted.contains(&kind.name) {
@@ -104,7 +127,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let outcomes: Vec<Result<Outcome, String>> = (first..first + count)
             .into_par_iter()
             .map(|seed| {
-                let length = if kind.rate_hz > 300.0 { 0.5 * FRESH_S } else { FRESH_S };
+                let length = if kind.rate_hz > 300.0 {
+                    0.5 * FRESH_S
+                } else {
+                    FRESH_S
+                };
                 let fresh: Vec<Vec<f64>> = (1..=FRESH)
                     .map(|k| kind.fresh(length, seed + k * 1_000_000_000))
                     .collect();
@@ -113,9 +140,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             })
             .collect();
         let good: Vec<&Outcome> = outcomes.iter().filter_map(|o| o.as_ref().ok()).collect();
-        let mean = |of: &dyn Fn(&Outcome) -> f64| good.iter().map(|o| of(o)).sum::<f64>() / good.len().max(1) as f64;
+        let mean = |of: &dyn Fn(&Outcome) -> f64| {
+            good.iter().map(|o| of(o)).sum::<f64>() / good.len().max(1) as f64
+        };
         let worst = |h: usize| good.iter().map(|o| o.drift[h]).fold(0.0, f64::max);
-        let row = |of: &dyn Fn(usize) -> f64| Vec::from_iter((0..3).map(|h| format!("{:.2}", of(h)))).join(" ");
+        let row = |of: &dyn Fn(usize) -> f64| {
+            Vec::from_iter((0..3).map(|h| format!("{:.2}", of(h)))).join(" ")
+        };
         let failures = outcomes.iter().filter_map(|o| o.as_ref().err());
         let verdicts = good.iter().map(|o| o.verdict.as_str());
         println!(
@@ -134,7 +165,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             for (seed, outcome) in (first..).zip(&outcomes) {
                 match outcome {
                     Ok(o) => {
-                        println!("  {seed} {:.2?} {:.2?} {:.3} {:.2} {} {}", o.drift, o.predicted, o.white, o.used_share, o.name, o.verdict);
+                        println!(
+                            "  {seed} {:.2?} {:.2?} {:.3} {:.2} {} {}",
+                            o.drift, o.predicted, o.white, o.used_share, o.name, o.verdict
+                        );
                         o.candidates.iter().for_each(|line| println!("    {line}"));
                     }
                     Err(why) => println!("  {seed} {why}"),
