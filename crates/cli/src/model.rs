@@ -20,7 +20,7 @@ use undrift::{
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift model adis16465 --to kalibr --rate 200 -o imu.yaml
-  undrift model mpu6050 --to px4
+  undrift model mpu6050 --to px4 --outage 10s
   undrift model icm20602 --json -
   undrift model --list")]
 pub struct Arguments {
@@ -28,7 +28,7 @@ pub struct Arguments {
     #[arg(value_name = "IMU.toml", required_unless_present = "list")]
     model: Option<String>,
     /// List the presets with their values; with --json, as model files
-    #[arg(long, conflicts_with_all = ["model", "to", "rate"])]
+    #[arg(long, conflicts_with_all = ["model", "to", "rate", "outage"])]
     list: bool,
     /// Format: kalibr, kf-gins, ros, px4, matlab, or undrift for the model file with every value in it
     #[arg(long, value_name = "NAME", required_unless_present_any = ["json", "list"])]
@@ -36,11 +36,27 @@ pub struct Arguments {
     /// Sample rate [Hz]; for px4, the rate of EKF2's predictions. Default: that of the identified recording
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
+    /// Length of an outage [s]: where the program's bias is a random walk, it is the best one for this
+    #[arg(long, value_name = "S", default_value = "30")]
+    outage: Seconds,
     /// Write into this file instead of standard output
     #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     output: Option<PathBuf>,
     #[command(flatten)]
     json: JsonOutput,
+}
+
+/// A length of time: "30", "30s" or "30 s".
+#[derive(Clone, Copy)]
+struct Seconds(f64);
+
+impl std::str::FromStr for Seconds {
+    type Err = std::num::ParseFloatError;
+
+    fn from_str(text: &str) -> std::result::Result<Self, Self::Err> {
+        let number = text.strip_suffix('s').unwrap_or(text);
+        number.trim().parse().map(Self)
+    }
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
@@ -58,9 +74,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let Some(format) = arguments.to else {
         return Ok(());
     };
-    let exported = model.export(format, arguments.rate);
+    let exported = model.export_for(format, arguments.rate, arguments.outage.0);
     let exported = exported.map_err(|error| match error {
-        ModelError::BadRate(_) => Invalid(error.to_string()).into(),
+        ModelError::BadRate(_) | ModelError::BadOutage(_) => Invalid(error.to_string()).into(),
         _ => anyhow::Error::from(error),
     });
     write(arguments, &files, &exported?)

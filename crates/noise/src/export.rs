@@ -25,8 +25,10 @@
 mod comments;
 mod equivalent;
 mod formats;
+mod outage;
 mod poles;
 
+use crate::bias_model::HORIZON;
 use crate::model_file::{ImuModel, ModelError};
 use equivalent::Equivalent;
 
@@ -88,20 +90,37 @@ impl std::str::FromStr for ModelFormat {
 }
 
 impl ImuModel {
-    /// The text of this model in `format`. `rate_hz` is the rate of the samples \[Hz\], of PX4's
+    /// The text of this model in `format`, for outages of 30 s: [`Self::export_for`]. `rate_hz` is the rate of the samples \[Hz\], of PX4's
     /// prediction for [`ModelFormat::Px4`] (100 Hz if not given); without it the rate of the record
     /// that the model was identified from is taken.
     ///
     /// # Errors
     /// An axis without what the format cannot do without, or no rate where it needs one.
     pub fn export(&self, format: ModelFormat, rate_hz: Option<f64>) -> Result<String, ModelError> {
+        self.export_for(format, rate_hz, HORIZON)
+    }
+
+    /// Does [`Self::export`] for outages of another length \[s\]: where a program has a random walk alone for a bias that is none, it
+    /// is the one whose filter drifts little over such an outage, and as it expects.
+    ///
+    /// # Errors
+    /// As [`Self::export`]; an outage that is not positive.
+    pub fn export_for(
+        &self,
+        format: ModelFormat,
+        rate_hz: Option<f64>,
+        outage_s: f64,
+    ) -> Result<String, ModelError> {
+        if !(outage_s > 0.0 && outage_s.is_finite()) {
+            return Err(ModelError::BadOutage(outage_s));
+        }
         if let Some(rate) = rate_hz.filter(|rate| !(*rate > 0.0 && rate.is_finite())) {
             return Err(ModelError::BadRate(rate));
         }
         if format == ModelFormat::Undrift {
             return Ok(self.to_toml());
         }
-        let imu = Equivalent::new(self, format)?;
+        let imu = Equivalent::new(self, format, outage_s)?;
         let rate = || {
             rate_hz.or(self.known_rate()).ok_or(ModelError::NoRate {
                 format: format.name(),

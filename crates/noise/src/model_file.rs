@@ -251,6 +251,9 @@ pub enum ModelError {
     /// The requested sample rate \[Hz\] is not positive and finite.
     #[error("invalid sample rate: {0} Hz")]
     BadRate(f64),
+    /// The length of an outage \[s\] is not positive and finite.
+    #[error("invalid outage: {0} s")]
+    BadOutage(f64),
     /// The shaping filter cannot be made.
     #[error("{}the {model} model: {error}", axis_prefix(*axis))]
     Shaping {

@@ -3,6 +3,7 @@
 
 mod axis;
 mod bounds;
+mod floor;
 mod lines;
 mod orders;
 pub(crate) mod pool;
@@ -19,6 +20,7 @@ use super::{
 use axis::{allan_panel, of_axis, psd_panel};
 pub(crate) use axis::{correlation, drift_table, of_others, record};
 pub(crate) use bounds::bounds;
+pub(crate) use floor::floor;
 pub(crate) use lines::lines;
 pub(crate) use orders::{adequacy, adequacy_line, pandit_wu};
 pub(crate) use temperatures::temperatures;
@@ -229,7 +231,8 @@ fn of_allan<'a>() -> [Column<'a>; 4] {
             with_unit(a.axis.allan_terms.white.value, units(a.name).white).into()
         }),
         ("bias instability", &|a| {
-            seen(&a.axis.allan_terms.bias_instability, units(a.name).bias)
+            let (unit, factor) = units(a.name).bias;
+            format!("{} {unit}", floor(a.axis, factor)).into()
         }),
         ("random walk", &|a| {
             seen(&a.axis.allan_terms.random_walk, units(a.name).walk)

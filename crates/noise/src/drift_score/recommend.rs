@@ -12,6 +12,8 @@ const WORSE: f64 = 0.05;
 /// …unless so many sampling errors of independent windows are more.
 const INDEPENDENT_ERRORS: f64 = 2.0;
 
+/// Horizons that decide are this long \[s\] or longer.
+const SHORTEST_S: f64 = 10.0;
 /// Candidates whose Akaike criteria differ by less are as likely (Burnham & Anderson 2002, section 2.6).
 const EQUAL_AIC: f64 = 2.0;
 
@@ -111,7 +113,7 @@ fn is_as_good(score: &HorizonScore, best: &HorizonScore) -> bool {
 }
 
 /// The choice among models of one record. Of the candidates whose drift is within the sampling error of the least at
-/// every horizon, those whose Akaike criterion is within 2 of the least; of these the one with the fewest parameters, then states,
+/// every horizon of 10 s and more (of the longest, where none is), those whose Akaike criterion is within 2 of the least; of these the one with the fewest parameters, then states,
 /// then the first. The windows of a long horizon are few: where drift does not tell two models apart, the likelihood may.
 /// Where no candidate is as good as the best everywhere, the one whose worst ratio to the best is least. None of an empty list,
 /// or where scores are missing or not finite in every candidate.
@@ -136,8 +138,25 @@ pub fn recommend(candidates: &[Scored]) -> Option<Recommendation> {
         .collect();
     let ratio =
         |c: &Scored, h: usize| c.horizons[h].rms / best[h].horizons[h].rms.max(f64::MIN_POSITIVE);
-    let worst = |c: &Scored| (0..horizons).map(|h| ratio(c, h)).fold(0.0, f64::max);
-    let good = |c: &Scored| (0..horizons).all(|h| is_as_good(&c.horizons[h], &best[h].horizons[h]));
+    // One second of an integral is white noise and what is faster than any bias: it decides where there is nothing longer.
+    let longest = best
+        .last()
+        .map_or(0.0, |c| c.horizons[horizons - 1].horizon_s);
+    let decides = |h: &usize| best[*h].horizons[*h].horizon_s >= SHORTEST_S.min(longest);
+    let worst = |c: &Scored| {
+        (0..horizons)
+            .filter(decides)
+            .map(|h| ratio(c, h))
+            .fold(0.0, f64::max)
+    };
+    let deciding_s = (0..horizons)
+        .filter(decides)
+        .map(|h| best[h].horizons[h].horizon_s);
+    let deciding_s: Vec<f64> = deciding_s.collect();
+    let good = |c: &Scored| {
+        let mut deciding = (0..horizons).filter(decides);
+        deciding.all(|h| is_as_good(&c.horizons[h], &best[h].horizons[h]))
+    };
     // The likelihood sees more of a record than the few windows of a long horizon do.
     let least_aic = usable.iter().filter(|(_, c)| good(c)).map(|(_, c)| c.aic);
     let least_aic = least_aic.fold(f64::INFINITY, f64::min);
@@ -152,13 +171,14 @@ pub fn recommend(candidates: &[Scored]) -> Option<Recommendation> {
             name: chosen.name.clone(),
             states: chosen.states,
             parameters: chosen.parameters,
-            horizons_s: best[0].horizons.iter().map(|h| h.horizon_s).collect(),
+            horizons_s: deciding_s.clone(),
             choice,
         },
     };
     let excess = |c: &Scored| 100.0 * (worst(c) - 1.0);
     if let Some(&(index, chosen)) = simplest {
-        let choice = if best.iter().all(|b| std::ptr::eq(*b, chosen)) {
+        let is_best = |h: usize| std::ptr::eq(best[h], chosen);
+        let choice = if (0..horizons).filter(decides).all(is_best) {
             Choice::LeastDrift
         } else {
             let excess_percent = excess(chosen);
@@ -181,7 +201,7 @@ mod tests {
 
     fn candidate(name: &str, states: usize, rms: &[f64], scatter: f64) -> Scored {
         let horizons = rms.iter().enumerate().map(|(h, &rms)| HorizonScore {
-            horizon_s: [1.0, 10.0][h],
+            horizon_s: [10.0, 60.0][h],
             rms,
             standard_error: 0.1 * rms,
             predicted_rms: rms,
@@ -214,7 +234,7 @@ mod tests {
             (&*reason.name, reason.states, reason.parameters),
             ("one", 1, 3)
         );
-        assert_eq!(reason.horizons_s, [1.0, 10.0]);
+        assert_eq!(reason.horizons_s, [10.0, 60.0]);
         // 1.0 over 0.995 and 2.01 over 2.00: the first is the worse.
         let Choice::Simplest { excess_percent } = reason.choice else {
             panic!("{reason:?}");
@@ -312,6 +332,34 @@ mod tests {
         };
         assert_eq!(recommend(&[large.clone(), simple(101.9)]).unwrap().index, 1);
         assert_eq!(recommend(&[large, simple(102.1)]).unwrap().index, 0);
+    }
+
+    #[test]
+    fn a_second_decides_only_where_there_is_nothing_longer() {
+        let at = |first: f64, candidate: Scored| {
+            let mut candidate = candidate;
+            candidate.horizons[0].horizon_s = first;
+            candidate
+        };
+        let list = |first| {
+            [
+                at(first, candidate("line", 4, &[1.0, 2.2], 0.01)),
+                at(first, candidate("walk", 1, &[1.3, 2.0], 0.01)),
+            ]
+        };
+        let choice = recommend(&list(1.0)).unwrap();
+        assert_eq!(
+            (choice.index, choice.reason.choice),
+            (1, Choice::LeastDrift)
+        );
+        assert_eq!(choice.reason.horizons_s, [60.0]);
+        // Ten seconds count: 30 % there are more than 10 % later.
+        assert_eq!(recommend(&list(10.0)).unwrap().index, 0);
+        let alone = list(1.0).map(|mut one| {
+            one.horizons.truncate(1);
+            one
+        });
+        assert_eq!(recommend(&alone).unwrap().index, 0);
     }
 
     #[test]

@@ -14,6 +14,12 @@ pub(super) fn comment((name, remark): &(&str, Remark)) -> String {
             "a bias of less than {SLOW} s of correlation time ({}) counts as white noise.",
             list(taus, "s")
         ),
+        Remark::WalkAlone { outage_s, factors } => format!(
+            "its bias is not a random walk. The one used is the best for an outage of {} s: after it a filter's standard deviation is {} its error, after ten times as long {}.",
+            rounded(*outage_s, 3),
+            times(factors[0]),
+            times(factors[1])
+        ),
         Remark::JoinedBias => format!(
             "its Gauss-Markov processes but the slowest count as a random walk, which has their variance after {HORIZON} s."
         ),
@@ -39,6 +45,11 @@ pub(super) fn comment((name, remark): &(&str, Remark)) -> String {
         Remark::Innovations => "without its bias its ARMA has no noise at low frequencies; its innovations serve as white noise.".into(),
     };
     format!("{name}: {what}")
+}
+
+/// "1.3 times".
+fn times(factor: f64) -> String {
+    format!("{factor:.1} times")
 }
 
 /// Three digits each, with the unit.

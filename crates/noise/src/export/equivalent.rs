@@ -1,10 +1,11 @@
 //! What a model is in the terms that every program knows: white noise, a slow process, a constant.
 
 use super::ModelFormat;
+use super::outage::WalkFilter;
 use super::poles;
 use crate::bias_model::{SLOW, Slow, UNIT_ROOT_TAU};
 use crate::composite::GaussMarkov;
-use crate::model_file::{Arma, AxisModel, ImuModel, ModelError};
+use crate::model_file::{AXES, Arma, AxisModel, ImuModel, ModelError};
 
 /// A density below this share of the innovations' is rounding: a bias alone has none.
 const ROUNDING: f64 = 1e-9;
@@ -23,6 +24,9 @@ pub(super) struct Equivalent {
     pub remarks: Vec<(&'static str, Remark)>,
 }
 
+/// How many times the outage later a walk's σ is stated, too.
+const LATER: f64 = 10.0;
+
 /// What was derived or left out.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Remark {
@@ -33,6 +37,13 @@ pub(super) enum Remark {
     },
     /// Biases of less than [`SLOW`] of these correlation times \[s\] count as white noise.
     FastBias(Vec<f64>),
+    /// Its random walk is the best one for an outage.
+    WalkAlone {
+        /// Length of the outage \[s\].
+        outage_s: f64,
+        /// Standard deviation that the filter states over the error that it has, at the end and ten times later.
+        factors: [f64; 2],
+    },
     /// Its Gauss-Markov processes but the slowest count as a random walk.
     JoinedBias,
     /// Its quantisation is omitted.
@@ -64,14 +75,16 @@ pub(super) struct EquivalentAxis {
     pub turn_on: f64,
     /// Gauss-Markov processes and random walk.
     pub slow: Slow,
+    /// Random walk [unit/√s] that is best for a filter which knows no other bias.
+    pub walk: f64,
 }
 
 impl Equivalent {
-    pub fn new(model: &ImuModel, format: ModelFormat) -> Result<Self, ModelError> {
+    pub fn new(model: &ImuModel, format: ModelFormat, outage_s: f64) -> Result<Self, ModelError> {
         let mut remarks = Vec::new();
         let mut axes: [EquivalentAxis; 6] = Default::default();
         for ((name, axis), slot) in model.known_axes()?.into_iter().zip(&mut axes) {
-            *slot = equivalent(name, axis, &mut remarks);
+            *slot = equivalent(name, axis, format, &mut remarks);
         }
         let [gx, gy, gz, ax, ay, az] = axes;
         let (mut gyro, mut accel) = ([gx, gy, gz], [ax, ay, az]);
@@ -97,6 +110,19 @@ impl Equivalent {
                 remarks.push((sensor, Remark::Undetected { length }));
             }
         }
+        let named = AXES.into_iter().zip(gyro.iter_mut().chain(&mut accel));
+        for (name, axis) in named {
+            let filter = WalkFilter::new(axis.white, &axis.slow);
+            axis.walk = filter.best(outage_s);
+            if !axis.slow.processes.is_empty() && has_only_a_walk(format) {
+                let factor = |length: f64| {
+                    let drift = filter.drift(axis.walk, length);
+                    drift.expected / drift.real
+                };
+                let factors = [outage_s, LATER * outage_s].map(factor);
+                remarks.push((name, Remark::WalkAlone { outage_s, factors }));
+            }
+        }
         Ok(Self {
             name: model.name.clone(),
             source: model.source.clone(),
@@ -105,6 +131,11 @@ impl Equivalent {
             remarks,
         })
     }
+}
+
+/// Whether a format's bias is a random walk and nothing else.
+fn has_only_a_walk(format: ModelFormat) -> bool {
+    matches!(format, ModelFormat::Kalibr | ModelFormat::Px4)
 }
 
 /// Length of the record that a model was identified from \[s\].
@@ -124,6 +155,7 @@ fn unseen_walk(white: f64, length: f64) -> f64 {
 fn equivalent(
     name: &'static str,
     axis: &AxisModel,
+    format: ModelFormat,
     remarks: &mut Vec<(&'static str, Remark)>,
 ) -> EquivalentAxis {
     let mut found = Vec::new();
@@ -152,7 +184,7 @@ fn equivalent(
         let times = fast.iter().map(|of| of.tau_s);
         found.push(Remark::FastBias(times.collect()));
     }
-    if slow.processes.len() > 1 {
+    if slow.processes.len() > 1 && !has_only_a_walk(format) {
         found.push(Remark::JoinedBias);
     }
     if axis.quantisation.is_some() {
@@ -170,6 +202,7 @@ fn equivalent(
         white,
         turn_on: axis.turn_on,
         slow,
+        walk: 0.0,
     }
 }
 
@@ -295,7 +328,7 @@ mod tests {
             ..AxisModel::default()
         };
         let mut remarks = Vec::new();
-        let found = equivalent("gyro_x", &model, &mut remarks);
+        let found = equivalent("gyro_x", &model, ModelFormat::KfGins, &mut remarks);
         let density = 0.09 + 2.0 * 0.25 * 0.5 * SLOW;
         assert!((found.white * found.white / density - 1.0).abs() < 1e-14);
         assert_eq!(found.slow.processes, [process(0.2, SLOW)]);
@@ -307,7 +340,7 @@ mod tests {
             ..model
         };
         let mut remarks = Vec::new();
-        let found = equivalent("gyro_x", &model, &mut remarks);
+        let found = equivalent("gyro_x", &model, ModelFormat::KfGins, &mut remarks);
         assert_eq!((found.white, found.slow.processes.len()), (0.3, 2));
         assert_eq!(remarks, [("gyro_x", Remark::JoinedBias)]);
     }

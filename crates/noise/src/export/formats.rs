@@ -2,7 +2,6 @@
 
 use super::comments::comment;
 use super::equivalent::{Equivalent, EquivalentAxis, common_tau, driven, rms};
-use crate::composite::GaussMarkov;
 
 /// EKF2's prediction, EKF2_PREDICT_US = 10000 unless changed \[Hz\].
 pub(super) const PX4_RATE: f64 = 100.0;
@@ -14,18 +13,12 @@ const HOUR: f64 = 3600.0;
 pub(super) fn kalibr(imu: &Equivalent, rate_hz: f64) -> String {
     let mut out = Text::about(imu, "#");
     out.comment("Each number is the root mean square of the three axes.");
-    let process = |axis: &EquivalentAxis| !axis.slow.processes.is_empty();
-    if imu.gyro.iter().chain(&imu.accel).any(process) {
-        out.comment(
-            "Kalibr has no Gauss-Markov bias (σ, τ): its random walk is the driving noise σ √(2/τ), valid for times much shorter than τ.",
-        );
-    }
     for (sensor, axes, unit) in [
         ("accelerometer", &imu.accel, "m/s²"),
         ("gyroscope", &imu.gyro, "rad/s"),
     ] {
         let white = number(rms(axes, |axis| axis.white));
-        let walk = number(rms(axes, |axis| axis.slow.drive()));
+        let walk = number(rms(axes, |axis| axis.walk));
         out.body += &format!("{sensor}_noise_density: {white}  # {unit}/√Hz\n");
         out.body += &format!("{sensor}_random_walk: {walk}  # {unit}/s/√Hz\n");
     }
@@ -102,11 +95,11 @@ pub(super) fn px4(imu: &Equivalent, rate_hz: f64) -> String {
     let mut out = Text::about(imu, "#");
     let rate = number(rate_hz);
     out.comment(&format!(
-        "Each number is the root mean square of the three axes, as a standard deviation per prediction at {rate} Hz, N/√dt (EKF2_PREDICT_US). For a Gauss-Markov bias it is the driving noise. A noise model does not include vibration, which PX4's defaults allow for."
+        "Each number is the root mean square of the three axes, as a standard deviation per prediction at {rate} Hz, N/√dt (EKF2_PREDICT_US). A noise model does not include vibration, which PX4's defaults allow for."
     ));
     let root = rate_hz.sqrt();
     let white = |axis: &EquivalentAxis| axis.white * root;
-    let drive = |axis: &EquivalentAxis| axis.slow.drive() * root;
+    let drive = |axis: &EquivalentAxis| axis.walk * root;
     let turn_on = |axis: &EquivalentAxis| axis.turn_on;
     let (gyro, accel) = (&imu.gyro, &imu.accel);
     /// Name, axes, what of an axis, PX4's range and unit.
@@ -162,21 +155,17 @@ pub(super) fn matlab(imu: &Equivalent, rate_hz: f64) -> String {
         let walk = list(&|axis| axis.slow.beside_slowest());
         out.body += &format!("{name} = {constructor}('NoiseType', 'single-sided', ...\n");
         out.body += &format!("    'NoiseDensity', {white}, ...\n    'RandomWalk', {walk}");
-        let tau = axes
-            .iter()
-            .filter_map(|axis| axis.slow.slowest().map(|of| of.tau_s))
-            .max_by(f64::total_cmp);
-        if let Some(tau) = tau {
-            let sigma = list(&|axis| {
-                let slowest = axis.slow.slowest();
-                driven(slowest.map_or(0.0, GaussMarkov::drive), tau)
-            });
+        let taus = axes.iter().filter_map(|axis| axis.slow.slowest());
+        let taus: Vec<f64> = taus.map(|of| of.tau_s.ln()).collect();
+        if !taus.is_empty() {
+            let tau = (taus.iter().sum::<f64>() / taus.len() as f64).exp();
+            let sigma = list(&|axis| axis.slow.slowest().map_or(0.0, |of| of.sigma));
             // 1 − φ² by exp_m1: φ is 1 to ten digits for a slow process.
             let step = -1.0 / (rate_hz * tau);
             let (phi, gain) = (step.exp(), (-(2.0 * step).exp_m1()).sqrt());
             let time = number(tau);
             out.comment(&format!(
-                "BiasInstability of {name} is a Gauss-Markov process of correlation time {time} s, the longest of its axes, with the driving noise of each kept; its filter is that of the sample rate."
+                "BiasInstability of {name} is a Gauss-Markov process of correlation time {time} s, the geometric mean of its axes, with the standard deviation of each kept; its filter is that of the sample rate."
             ));
             out.body += &format!(", ...\n    'BiasInstability', {sigma}, ...\n");
             out.body += &format!(

@@ -46,8 +46,11 @@ const LEFT_OUT_SINGLY: usize = 6;
 const PROBABILITY: f64 = 0.95;
 /// Block averages that the candidates' likelihoods are compared on, at most…
 const COMPARED: usize = 20_000;
-/// …each at least so long \[s\]: a fourth of the shortest horizon, below which nothing drifts.
-const COMPARED_S: f64 = 0.25;
+/// …each at least so long \[s\], and as long as the blocks that sums of terms are fitted to: a fourth of the shortest horizon that
+/// decides. What is faster, a filter's memory or a line, would outweigh what drifts by hundreds.
+const COMPARED_S: f64 = 2.5;
+/// Fewest of them, for which they are shorter.
+const FEWEST_COMPARED: usize = 100;
 
 /// The records and how they are judged.
 pub(super) struct Task<'a> {
@@ -141,8 +144,10 @@ impl Task<'_> {
     /// Akaike's criterion of block averages of the record, the same of every candidate; infinite without one.
     fn aic(&self, fitted: &Fitted, recipe: Recipe) -> f64 {
         let shortest = (COMPARED_S * self.rate_hz).round() as usize;
+        let shortest = self.block().max(shortest);
         let samples: usize = self.records.iter().map(|record| record.len()).sum();
-        let block = samples.div_ceil(COMPARED).max(shortest);
+        let most = samples / FEWEST_COMPARED;
+        let block = samples.div_ceil(COMPARED).max(shortest.min(most)).max(1);
         let likelihood = || -> Option<f64> {
             let filter = fitted.shaping(0.0, self.rate_hz)?;
             let averages = Averages::new(&self.records, block, 1.0 / self.rate_hz).ok()?;

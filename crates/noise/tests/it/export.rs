@@ -2,7 +2,7 @@
 //! reads the same texts with PyYAML.
 
 use std::path::PathBuf;
-use undrift_noise::{ImuModel, ModelFormat};
+use undrift_noise::{GaussMarkov, ImuModel, ModelFormat};
 
 /// Round numbers in the units of the formats, other ones on one axis.
 const MODEL: &str = r#"
@@ -85,11 +85,22 @@ fn kalibr_has_the_walk_that_a_record_could_not_show() {
 fn kalibr_has_densities() {
     let text = model().export(ModelFormat::Kalibr, Some(200.0)).unwrap();
     close(&numbers(&text, "gyroscope_noise_density"), &[gyro_white()]);
-    close(&numbers(&text, "gyroscope_random_walk"), &[GYRO_DRIVE]);
+    // For 30 s a little less than the driving noise, which would be right for times far below 200 s.
+    let walk = |text: &str| numbers(text, "gyroscope_random_walk")[0] / GYRO_DRIVE;
+    assert!((0.7..0.95).contains(&walk(&text)), "{text}");
+    let of_outage = |outage| {
+        let format = ModelFormat::Kalibr;
+        let text = model().export_for(format, Some(200.0), outage);
+        walk(&text.unwrap())
+    };
+    assert_eq!(of_outage(30.0), walk(&text));
+    assert!(of_outage(30.0) > of_outage(300.0));
+    let error = model().export_for(ModelFormat::Kalibr, Some(200.0), 0.0);
+    assert_eq!(error.unwrap_err().to_string(), "invalid outage: 0 s");
     close(&numbers(&text, "accelerometer_noise_density"), &[1e-3]);
     close(&numbers(&text, "accelerometer_random_walk"), &[1e-4]);
     close(&numbers(&text, "update_rate"), &[200.0]);
-    assert!(text.contains("root mean square") && text.contains("σ √(2/τ)"));
+    assert!(text.contains("root mean square") && text.contains("for an outage of 30 s"));
     assert!(text.starts_with("# Test: \"IMU\" # 1\n# Source: two lines\n"));
 }
 
@@ -134,7 +145,11 @@ fn px4_has_standard_deviations_of_a_prediction() {
     let value = |name: &str| numbers(&text, &format!("{name}\t"))[..1].to_vec();
     close(&value("EKF2_GYR_NOISE"), &[gyro_white() * 10.0]);
     close(&value("EKF2_ACC_NOISE"), &[0.01]);
-    close(&value("EKF2_GYR_B_NOISE"), &[GYRO_DRIVE * 10.0]);
+    // The random walk that Kalibr has.
+    let kalibr = model().export(ModelFormat::Kalibr, Some(100.0)).unwrap();
+    let walk = numbers(&kalibr, "gyroscope_random_walk")[0];
+    let ratio = value("EKF2_GYR_B_NOISE")[0] / (10.0 * walk);
+    assert!((ratio - 1.0).abs() < 1e-8, "{ratio}");
     close(&value("EKF2_ACC_B_NOISE"), &[1e-3]);
     let turn_on = 12.0 * DEG / 3600.0 / 3f64.sqrt();
     close(&value("EKF2_GBIAS_INIT"), &[turn_on]);
@@ -225,6 +240,13 @@ fn all_are(found: [(f64, f64); 3], white: f64, drive: f64) {
     }
 }
 
+/// The same of a process, which Kalibr has as another random walk.
+fn are_driven(found: [(f64, f64); 3], white: f64, drive: f64) {
+    let [(kalibr, _), kf_gins, _] = found;
+    let of_kalibr = (kalibr, drive);
+    all_are([of_kalibr, kf_gins, found[2]], white, drive);
+}
+
 #[test]
 fn an_arma_becomes_the_terms_of_its_spectrum() {
     let exported = |ar, ma| in_every_format(&with_arma(ar, ma));
@@ -247,7 +269,7 @@ fn an_arma_becomes_the_terms_of_its_spectrum() {
     let (found, _) = exported("[0.999]", "[]");
     let tau = -0.01 / 0.999f64.ln();
     let drive = 0.02 / (1.0 - 0.999f64.powi(2)).sqrt() * (2.0 / tau).sqrt();
-    all_are(found, 0.02 / 10.0, drive);
+    are_driven(found, 0.02 / 10.0, drive);
 }
 
 /// Sums of independent processes as ARMA, by `testdata/golden/arma_sum.py`.
@@ -271,7 +293,7 @@ fn complex_and_fast_poles_are_no_bias() {
         0.010867927222022995,
     );
     // 0.002 √(2/50 s).
-    all_are(in_every_format(&bias).0, (0.01 * short).sqrt(), 4e-4);
+    are_driven(in_every_format(&bias).0, (0.01 * short).sqrt(), 4e-4);
     let negative = with_sigma(
         "[0.5, 0.5]",
         "[0.7572766685615939, 0.232494809345425]",
@@ -340,8 +362,10 @@ fn the_random_walk_for_several_processes_covers_their_growth() {
     );
     let model = ImuModel::from_toml(&text, "test").unwrap();
     let (found, text) = in_every_format(&model);
-    assert!(text.contains("count as a random walk"), "{text}");
-    let k = found[0].1 / (DEG / 3600.0);
+    assert!(text.contains("for an outage of 30 s"), "{text}");
+    let kf_gins = model.export(ModelFormat::KfGins, None).unwrap();
+    assert!(kf_gins.contains("count as a random walk"), "{kf_gins}");
+    let k = found[1].1 / (DEG / 3600.0);
     let growth = |time: f64| -> f64 {
         let of = |(sigma, tau): &(f64, f64)| 2.0 * sigma * sigma * -(-time / tau).exp_m1();
         processes.iter().map(of).sum()
@@ -351,6 +375,21 @@ fn the_random_walk_for_several_processes_covers_their_growth() {
     assert!(ratio(60.0) > 1.0 && ratio(60.0) < 1.4, "{}", ratio(60.0));
     // Over shorter times it falls short, by no more than the processes of 10 s that it takes for slower.
     assert!(ratio(5.0) > 0.6, "{}", ratio(5.0));
+}
+
+/// Axes of other correlation times have one in MATLAB, and the standard deviations that they have.
+#[test]
+fn a_simulated_process_has_the_standard_deviation_of_the_model() {
+    let mut model = model();
+    let process = |sigma: f64, tau_s| vec![GaussMarkov { sigma, tau_s }];
+    model.gyro[0].instability = process(1e-4, 50.0);
+    model.gyro[1].instability = process(2e-4, 800.0);
+    model.gyro[2].instability = process(3e-4, 200.0);
+    let text = model.export(ModelFormat::Matlab, Some(100.0)).unwrap();
+    close(&numbers(&text, "'BiasInstability',"), &[1e-4, 2e-4, 3e-4]);
+    let pole = -numbers(&text, "'BiasInstabilityCoefficients',")[2];
+    // The geometric mean of the three.
+    assert!((-0.01 / pole.ln() / 200.0 - 1.0).abs() < 1e-6, "{text}");
 }
 
 #[test]

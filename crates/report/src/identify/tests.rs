@@ -114,7 +114,7 @@ fn the_terms_are_a_row_for_each_axis() {
             [
                 "a: gyro x",
                 "2.00 °/√h",
-                "3.00 °/h",
+                "<2711 °/h",
                 "not detected",
                 "white + random walk",
                 "0"
@@ -122,7 +122,7 @@ fn the_terms_are_a_row_for_each_axis() {
             [
                 "a: accelerometer x",
                 "0.500 m/s/√h",
-                "not detected",
+                "<1.34 mg",
                 "2.00 mg/√h",
                 "white + random walk",
                 "3"

@@ -47,6 +47,7 @@ fn gyro() -> Axis {
     terms.white = term(2.5 / 60.0 * DEG, true);
     terms.random_walk = term(8.0 / 3600.0 / 60.0 * DEG, true);
     terms.quantisation = term(9.0 / 3600.0 * DEG, false);
+    axis.allan.adev = numbers(&[2.0, 0.664 * 1.2, 1.5].map(|of| of / 3600.0 * DEG));
     axis
 }
 
@@ -87,21 +88,21 @@ fn the_terms_of_a_model_stand_below_their_units() {
     let text = identify(&result, false, unmarked);
     assert_eq!(
         line(&text, "axis"),
-        ["axis", "N", "B", "τ", "K", "Q", "turn-on"]
+        ["axis", "N", "B", "σ", "τ", "K", "Q", "turn-on"]
     );
     assert_eq!(
         line(&text, "°/√h"),
-        ["°/√h", "°/h", "s", "°/h/√h", "arcsec", "°/s"]
+        ["°/√h", "°/h", "°/h", "s", "°/h/√h", "arcsec", "°/s"]
     );
     assert_eq!(
         line(&text, "gyro x"),
         [
-            "gyro", "x", "2.00", "7.00,", "3.00", "100,", "20.0", "6.00", "5.00", "0.500"
+            "gyro", "x", "2.00", "1.20", "7.00,", "3.00", "100,", "20.0", "6.00", "5.00", "0.500"
         ]
     );
     assert_eq!(
         line(&text, "m/s/√h"),
-        ["m/s/√h", "mg", "s", "mg/√h", "mm/s", "mg"]
+        ["m/s/√h", "mg", "mg", "s", "mg/√h", "mm/s", "mg"]
     );
     assert_eq!(
         line(&text, "accelerometer z"),
@@ -109,6 +110,7 @@ fn the_terms_of_a_model_stand_below_their_units() {
             "accelerometer",
             "z",
             "0.500",
+            "5.93e-4",
             "2.00",
             "50.0",
             "–",
@@ -128,7 +130,9 @@ fn an_arma_has_the_terms_of_the_allan_deviation_that_are_seen() {
     // Of the deviation the quantisation is not seen.
     assert_eq!(
         line(&text, "gyro x *"),
-        ["gyro", "x", "*", "2.50", "–", "–", "8.00", "–", "0.500"]
+        [
+            "gyro", "x", "*", "2.50", "1.20", "–", "–", "8.00", "–", "0.500"
+        ]
     );
     assert!(
         text.contains("* terms of the Allan deviation: the model recommended is an ARMA\n"),
@@ -146,11 +150,47 @@ fn an_arma_has_the_terms_of_the_allan_deviation_that_are_seen() {
 #[test]
 fn flicker_noise_stands_for_its_processes() {
     let mut axis = gyro();
-    axis.chosen.flicker = (4.0 / 3600.0 * DEG).into();
+    let flicker = 4.0 / 3600.0 * DEG;
+    axis.chosen.flicker = flicker.into();
     let text = identify(&identified(&[("gyro_x", axis)]), false, unmarked);
     assert_eq!(
         line(&text, "gyro x"),
-        ["gyro", "x", "2.00", "4.00", "1/f", "–", "5.00", "0.500"]
+        [
+            "gyro", "x", "2.00", "1.20", "–", "1/f", "5.16", "5.00", "0.500"
+        ]
+    );
+}
+
+#[test]
+fn the_walk_beside_flicker_noise_is_its_own_and_fast_processes_are_white_noise() {
+    let mut axis = gyro();
+    let flicker = 4.0 / 3600.0 * DEG;
+    axis.chosen.flicker = flicker.into();
+    // Its own slow part alone is no random walk.
+    let own = undrift_noise::composite::flicker(flicker).1;
+    axis.chosen.random_walk = own.into();
+    let shown = |axis: &Axis| {
+        let text = identify(&identified(&[("gyro_x", axis.clone())]), false, unmarked);
+        line(&text, "gyro x").join(" ")
+    };
+    assert_eq!(shown(&axis), "gyro x 2.00 1.20 – 1/f – 5.00 0.500");
+    axis.chosen.random_walk = own.hypot(2.0 / 3600.0 / 60.0 * DEG).into();
+    assert_eq!(shown(&axis), "gyro x 2.00 1.20 – 1/f 2.00 5.00 0.500");
+    // N² + 2σ²τ: 2² of white noise and 1.5² of a process.
+    let mut axis = gyro();
+    let sigma = 1.5 / 60.0 * DEG / f64::sqrt(2.0 * 0.5);
+    let process = |tau_s| vec![GaussMarkov { sigma, tau_s }];
+    axis.chosen.gauss_markov = process(0.5);
+    assert!(
+        shown(&axis).starts_with("gyro x 2.50 1.20 "),
+        "{}",
+        shown(&axis)
+    );
+    axis.chosen.gauss_markov = process(1.5);
+    assert!(
+        shown(&axis).starts_with("gyro x 2.00 1.20 "),
+        "{}",
+        shown(&axis)
     );
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{
     Cell, Table,
-    identify::{Units, is_allan, spoken, units},
+    identify::{Units, floor, is_allan, spoken, units},
     numbers::short,
     plain::{Mark, plain_table},
 };
@@ -11,7 +11,7 @@ use undrift_results::{Axis, Identify, Number};
 /// A row for each axis below one of units for its sensor.
 pub(super) fn table(result: &Identify, mark: Mark) -> String {
     let known = || result.in_order().filter(|(_, axis)| axis.error.is_none());
-    let mut rows: Vec<[String; 7]> = Vec::new();
+    let mut rows: Vec<[String; 8]> = Vec::new();
     for sensor in ["gyro", "accel"] {
         let units = units(sensor);
         let axes: Vec<_> = known()
@@ -23,6 +23,7 @@ pub(super) fn table(result: &Identify, mark: Mark) -> String {
         let heads = [
             units.white,
             units.bias,
+            units.bias,
             ("s", 1.0),
             units.walk,
             units.rounding,
@@ -30,13 +31,13 @@ pub(super) fn table(result: &Identify, mark: Mark) -> String {
         ];
         let mut head = heads.map(|(unit, _)| unit.to_owned()).to_vec();
         head.insert(0, String::new());
-        rows.extend(<[String; 7]>::try_from(head));
+        rows.extend(<[String; 8]>::try_from(head));
         rows.extend(axes.into_iter().map(|(name, axis)| row(name, axis, units)));
     }
     if rows.is_empty() {
         return String::new();
     }
-    let heads = ["axis", "N", "B", "τ", "K", "Q", "turn-on"];
+    let heads = ["axis", "N", "B", "σ", "τ", "K", "Q", "turn-on"];
     let table = Table {
         name: String::new(),
         caption: String::new(),
@@ -52,7 +53,28 @@ pub(super) fn table(result: &Identify, mark: Mark) -> String {
         true => "* terms of the Allan deviation: the model recommended is an ARMA\n",
         false => "",
     };
-    format!("{text}{note}")
+    format!("{text}{LEGEND}{note}")
+}
+
+/// What the letters are.
+const LEGEND: &str = "\
+N: angle or velocity random walk, with processes below 1 s. B: bias instability,
+  the floor of the Allan deviation over 0.664 (below: no floor yet). σ, τ: Gauss-Markov
+  processes. K: rate random walk. Q: quantisation. turn-on: size of the mean
+";
+
+/// A process of a shorter correlation time \[s\] is white noise to whoever takes N.
+const FAST_S: f64 = 1.0;
+/// The random walk K [unit/√s] beside flicker noise, whose own slow part is one, too.
+fn walk_beside(flicker: f64, walk: f64) -> f64 {
+    let own = undrift_noise::composite::flicker(flicker).1;
+    let square = walk * walk - own * own;
+    // What rounding leaves is none.
+    if square > 1e-6 * walk * walk {
+        square.sqrt()
+    } else {
+        0.0
+    }
 }
 
 /// Whether the recommended model has no terms.
@@ -60,7 +82,7 @@ fn is_arma(axis: &Axis) -> bool {
     axis.chosen.white.get().is_none()
 }
 
-fn row(name: &str, axis: &Axis, units: &Units) -> [String; 7] {
+fn row(name: &str, axis: &Axis, units: &Units) -> [String; 8] {
     let chosen = &axis.chosen;
     let scaled = |number: Number, (_, factor): (&str, f64)| match number.get() {
         Some(value) if value > 0.0 => short(value * factor),
@@ -90,13 +112,17 @@ fn row(name: &str, axis: &Axis, units: &Units) -> [String; 7] {
         processes(|process| process.sigma, units.bias.1),
         processes(|process| process.tau_s, 1.0),
     ];
-    let mut walk = scaled(walk, units.walk);
-    if chosen.flicker.get().is_some() {
+    let mut walk = walk;
+    if let Some(flicker) = chosen.flicker.get() {
         // The processes that approximate flicker noise are not listed.
-        processes = [scaled(chosen.flicker, units.bias), "1/f".to_owned()];
-        walk = "–".to_owned();
+        processes = ["–".to_owned(), "1/f".to_owned()];
+        walk = walk.get().map(|walk| walk_beside(flicker, walk)).into();
     }
-    let [bias, tau] = processes;
+    let fast = chosen.gauss_markov.iter().filter(|of| of.tau_s < FAST_S);
+    let fast: f64 = fast.map(|of| 2.0 * of.sigma * of.sigma * of.tau_s).sum();
+    let white = white.get().map(|white| (white * white + fast).sqrt());
+    let bias = floor(axis, units.bias.1);
+    let [sigma, tau] = processes;
     let label = if is_arma(axis) {
         format!("{} *", spoken(name))
     } else {
@@ -104,10 +130,11 @@ fn row(name: &str, axis: &Axis, units: &Units) -> [String; 7] {
     };
     [
         label,
-        scaled(white, units.white),
+        scaled(white.into(), units.white),
         bias,
+        sigma,
         tau,
-        walk,
+        scaled(walk, units.walk),
         scaled(rounding, units.rounding),
         scaled(chosen.turn_on, units.constant),
     ]
