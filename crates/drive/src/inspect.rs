@@ -21,6 +21,7 @@ pub use undrift_results::inspect::{
     Part, Start, about_gravity,
 };
 
+pub(crate) use topics::choose as choose_topic;
 pub(crate) use units::rate as unit_of_rates;
 
 use crate::drive::Logs;
@@ -99,7 +100,7 @@ fn of_log(path: &Path, held: Option<Memory>) -> Result<Inspection, ReadError> {
         let names = part.choices.iter().find(|(key, _)| *key == "topic");
         if let Some((_, names)) = names.filter(|(_, names)| part.table == "imu" && names.len() > 1)
         {
-            let chosen = topics::choose(path, &logs, format, names);
+            let chosen = choose_topic(path, &logs, format, names);
             part.lines.extend(chosen);
         }
         measure::measure(path, &mut logs, format, part);
