@@ -127,6 +127,14 @@ fn table(file: &Path, part: &Part) -> toml::Table {
     keys.map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
+/// Rate \[Hz\] of an inertial log without times, which is a guess.
+pub fn guessed_rate(inspections: &[Inspection]) -> Option<f64> {
+    let (_, imu) = first(inspections, "imu")?;
+    let guess = |line: &&Line| matches!(line.known, Known::NoTimes | Known::RowsOfFixes);
+    let line = imu.lines.iter().find(guess)?;
+    line.value.as_str()?.strip_suffix(" Hz")?.parse().ok()
+}
+
 /// Where the logs are: those in memory, and files relative to `folder`.
 pub fn logs(inspections: &[Inspection], folder: &Path) -> Logs {
     let held = inspections.iter();

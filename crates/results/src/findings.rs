@@ -149,6 +149,11 @@ pub enum Finding {
         /// By how much later than the stamps of the fixes \[s\].
         delay: f64,
     },
+    /// The inertial log has no times, and its rate is a guess.
+    GuessedRate {
+        /// Samples a second \[Hz\].
+        rate: f64,
+    },
     /// Solution and fixes do not go together, and so few samples miss what the vehicle does between them.
     SlowSamples {
         /// Samples a second \[Hz\].
