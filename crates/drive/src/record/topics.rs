@@ -105,8 +105,11 @@ mod tests {
     use crate::record::RecordFormat;
     use undrift_io::Opened;
 
+    /// Time \[ms\], gyros and forces.
+    type Row = (u32, [f64; 3], [f64; 3]);
+
     /// A bag of ROS 1 without an index: topics of sensor_msgs/Imu with these rows of time \[ms\], gyros and forces.
-    fn bag(topics: &[(&str, Vec<(u32, [f64; 3], [f64; 3])>)]) -> Vec<u8> {
+    fn bag(topics: &[(&str, Vec<Row>)]) -> Vec<u8> {
         type Fields<'a> = &'a [(&'a str, Vec<u8>)];
         let header = |fields: Fields<'_>| -> Vec<u8> {
             let mut all = Vec::new();
