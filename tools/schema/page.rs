@@ -186,7 +186,13 @@ impl Tables<'_> {
             Takes::Numbers => json!({"type": "array", "items": {"type": "number"}}),
             Takes::Column => column(),
             Takes::ThreeColumns => {
-                json!({"type": "array", "items": column(), "minItems": 3, "maxItems": 3})
+                // Of places without a height two.
+                let least = if (name, key) == ("gnss", "position") {
+                    2
+                } else {
+                    3
+                };
+                json!({"type": "array", "items": column(), "minItems": least, "maxItems": 3})
             }
             Takes::Quantities(_) => json!({
                 "type": ["string", "array"], "items": {"type": "string"}, "minItems": 1,

@@ -121,7 +121,8 @@ impl Source {
         let model = undrift::inspect::model(&inspections);
         let text = drive_file(&model, &inspections, folder, None, motion, &report::comment);
         let logs = undrift::inspect::logs(&inspections, folder);
-        let drive = Drive::with_logs(&text, &file.display().to_string(), folder, logs)?;
+        let mut drive = Drive::with_logs(&text, &file.display().to_string(), folder, logs)?;
+        drive.guessed_rate = undrift::inspect::guessed_rate(&inspections);
         let keep = match kept.file() {
             Some(file) => format!("drive file: {}", shown(file)),
             None => format!("--save-drive {UNSAVED} keeps the drive file"),

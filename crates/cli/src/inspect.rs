@@ -118,16 +118,6 @@ pub fn complete(inspections: &[Inspection], drive: Option<&Path>) -> Result<()> 
                 ..
             }) => bail!("the {what} cannot be read: {problem}"),
             Some(_) => {}
-            None if table == "gnss"
-                && let Some(log) = inspections
-                    .iter()
-                    .find(|log| log.found.contains(&inspect::Note::NoHeight)) =>
-            {
-                bail!(
-                    "no height column in {}: add a column named height_m, with the height of the place if nothing else is known",
-                    output::shown(&log.file)
-                )
-            }
             None if unknown(table).is_some() => bail!(
                 "no {what} in {}: {}",
                 names.join(" and "),

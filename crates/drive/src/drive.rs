@@ -138,6 +138,8 @@ pub struct Drive {
     pub beginning: Beginning,
     /// Folder of its logs, the span that is read, and logs in memory.
     pub logs: Logs,
+    /// Rate of an inertial log without times \[Hz\], where it is a guess of [`crate::inspect`].
+    pub guessed_rate: Option<f64>,
 }
 
 impl Drive {
@@ -252,6 +254,7 @@ impl Drive {
             model: top.model("model", home)?,
             epoch: None,
             beginning: Beginning::default(),
+            guessed_rate: None,
             logs,
         };
         drive.date(epoch::read_epoch(top)?);

@@ -21,6 +21,7 @@ pub use undrift_results::inspect::{
     Part, Start, about_gravity,
 };
 
+pub(crate) use topics::choose as choose_topic;
 pub(crate) use units::rate as unit_of_rates;
 
 use crate::drive::Logs;
@@ -99,7 +100,7 @@ fn of_log(path: &Path, held: Option<Memory>) -> Result<Inspection, ReadError> {
         let names = part.choices.iter().find(|(key, _)| *key == "topic");
         if let Some((_, names)) = names.filter(|(_, names)| part.table == "imu" && names.len() > 1)
         {
-            let chosen = topics::choose(path, &logs, format, names);
+            let chosen = choose_topic(path, &logs, format, names);
             part.lines.extend(chosen);
         }
         measure::measure(path, &mut logs, format, part);
@@ -124,6 +125,14 @@ fn table(file: &Path, part: &Part) -> toml::Table {
     let file = ("file", (*file.to_string_lossy()).into());
     let keys = [file].into_iter().chain(lines);
     keys.map(|(key, value)| (key.to_owned(), value)).collect()
+}
+
+/// Rate \[Hz\] of an inertial log without times, which is a guess.
+pub fn guessed_rate(inspections: &[Inspection]) -> Option<f64> {
+    let (_, imu) = first(inspections, "imu")?;
+    let guess = |line: &&Line| matches!(line.known, Known::NoTimes | Known::RowsOfFixes);
+    let line = imu.lines.iter().find(guess)?;
+    line.value.as_str()?.strip_suffix(" Hz")?.parse().ok()
 }
 
 /// Where the logs are: those in memory, and files relative to `folder`.

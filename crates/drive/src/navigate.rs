@@ -93,6 +93,8 @@ pub struct Report {
     pub first_sample: Option<f64>,
     /// Noise model that the drive was navigated with.
     pub model: Option<ImuModel>,
+    /// Rate of the samples \[Hz\], where it is a guess.
+    pub guessed_rate: Option<f64>,
 }
 
 /// Why there is no solution.
@@ -396,6 +398,7 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
         rejected: seen.rejected,
         first_sample,
         model: drive.model.clone(),
+        guessed_rate: drive.guessed_rate,
         truth_read: seen.truth_read,
         imu_skipped: imu.skipped().clone(),
         gnss_skipped: aids.gnss.skipped().clone(),

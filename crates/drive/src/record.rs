@@ -6,9 +6,10 @@ mod guess;
 mod parts;
 mod rates;
 mod repeats;
+mod topics;
 
 use crate::{
-    drive::{self, DriveError},
+    drive::{self, DriveError, Logs},
     findings::of_timing,
     temperature,
 };
@@ -23,9 +24,8 @@ use std::{
 use undrift_io::{
     Key, Opened, ReadError,
     format::Format,
-    imu::{ImuFormat, ImuReader},
+    imu::{ImuFormat, ImuReader, ImuSource},
     layouts,
-    log::AND,
     skipped::{SkipKind, Skipped},
     source::BytesRead,
     table::Column,
@@ -172,22 +172,44 @@ pub fn read(opened: Opened, format: &RecordFormat) -> Result<Record, ReadError> 
         Format::Euroc => Some(layouts::euroc_imu()),
         log if log.is_log() => {
             let topic = format.topic.clone();
-            if topic.as_ref().is_some_and(|topic| topic.contains(AND)) {
-                let error = ReadError::new(&record.name, INTERPOLATED).key("--topic");
-                return Err(error.mend("identify each topic alone"));
-            }
             Some(ImuFormat::log(log, topic))
         }
         _ => None,
     };
     let record = match known {
-        Some(imu) => read_samples(opened, imu, record).map_err(|error| match error.key {
+        Some(imu) => read_log(opened, imu, record).map_err(|error| match error.key {
             Some(Key::Topic(_)) => error.key("--topic"),
             _ => error,
         }),
         None => read_table(opened, format, record),
     }?;
     with_temperature(record, format.temperature)
+}
+
+/// Reads a record from a log that says what it holds; of one with several topics those that `inspect` chooses.
+fn read_log(opened: Opened, format: ImuFormat, record: Record) -> Result<Record, ReadError> {
+    let logs = Logs::default();
+    let path = opened.file().map(Path::to_path_buf);
+    if let (Some(path), Some(apart)) = (&path, topics::apart(&format)) {
+        return topics::read(path, &logs, &apart, record);
+    }
+    let several = |error: &ReadError| matches!(error.key, Some(Key::Topic(_)));
+    match (read_samples(opened, format.clone(), record.clone()), path) {
+        (Err(error), Some(path)) if several(&error) => {
+            let ImuSource::Log(log, None) = format.source else {
+                return Err(error);
+            };
+            let chosen = topics::chosen(&path, &logs, log).ok_or(error)?;
+            let format = ImuFormat::log(log, Some(chosen.clone()));
+            let mut record = match topics::apart(&format) {
+                Some(apart) => topics::read(&path, &logs, &apart, record)?,
+                None => read_samples(Opened::open(&path)?, format, record)?,
+            };
+            record.guessed.push(("--topic", chosen));
+            Ok(record)
+        }
+        (read, _) => read,
+    }
 }
 
 /// A record that has a temperature, if it `must`.
@@ -240,7 +262,10 @@ pub fn read_drive(path: &Path, temperature: bool) -> Result<Record, DriveError> 
         body_axes: imu.format.rotation != Matrix3::identity(),
         ..Record::default()
     };
-    let record = read_samples(opened, imu.format, record)?;
+    let record = match topics::apart(&imu.format) {
+        Some(apart) => topics::read(&imu.path, &imu.logs, &apart, record)?,
+        None => read_samples(opened, imu.format, record)?,
+    };
     Ok(with_temperature(record, temperature)?)
 }
 

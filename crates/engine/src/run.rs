@@ -288,7 +288,8 @@ impl Run {
     /// Delay of the fixes as estimated; none without a solution.
     fn latency(&self) -> Latency {
         let solution = self.solution.as_ref();
-        solution.map_or(Latency::default(), Solution::latency)
+        let failed = self.alignment.again;
+        solution.map_or(Latency::default(), |solution| solution.latency(failed))
     }
 
     /// The solution has diverged: ends it and realigns. Without gating it only notes the time \[s\], and no other begins.

@@ -1,6 +1,8 @@
 //! The navigation state: a filter, and how far it has come within the present sample.
 
-use super::{bridge::Bridge, measurement::Latency, observer::Observer, summary::Summary};
+use super::{
+    bridge::Bridge, measurement::Latency, observer::Observer, summary::Summary, watch::FAR,
+};
 use crate::estimator::{Estimator, STAMP_ROUNDING};
 use alloc::boxed::Box;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -64,11 +66,16 @@ impl Solution {
         }
     }
 
-    /// Delay of the fixes against their stamps, as estimated, within ten prior standard deviations.
-    pub(super) fn latency(&self) -> Latency {
+    /// Delay of the fixes against their stamps, as estimated, within ten prior standard deviations; of a solution that `failed`
+    /// one beyond five is an error of it, which the next start must not inherit.
+    pub(super) fn latency(&self, failed: bool) -> Latency {
         let offset = |kind| {
-            let most = MOST_LATE * self.filter.parameters().prior(kind)?.std;
-            Some(self.filter.time_offset(kind)?.0.clamp(-most, most))
+            let std = self.filter.parameters().prior(kind)?.std;
+            let (offset, most) = (self.filter.time_offset(kind)?.0, MOST_LATE * std);
+            Some(match failed && offset.abs() > FAR * std {
+                true => 0.0,
+                false => offset.clamp(-most, most),
+            })
         };
         Latency {
             position: offset(Parameter::TimeOffset).unwrap_or(0.0),

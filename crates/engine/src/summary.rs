@@ -287,6 +287,17 @@ impl Summary {
         }
     }
 
+    /// Drops what a start that failed made of innovations, when another one replaces it: the solution is judged by itself.
+    pub(super) fn forget_failed_start(&mut self) {
+        self.innovations = ByAid::default();
+        self.windows = Windows::default();
+        self.against_velocity = <[(f64, f64); 3]>::default();
+        self.late_samples = LateSamples::default();
+        self.heading_off.clear();
+        self.leans.clear();
+        self.suspect = None;
+    }
+
     /// Judges the signs of the velocity, at the end of the log.
     pub(super) fn judge_signs(&mut self) {
         let wrong = |i: &usize| {

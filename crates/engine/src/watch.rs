@@ -13,8 +13,10 @@ const SUSPECT_UPDATES: u32 = 20;
 const SUSPECT_NIS: f64 = 25.0;
 /// NIS of a sound solution.
 const SOUND_NIS: f64 = 4.0;
-/// A solution that was sound and has been suspect for this long is re-initialised \[s\].
+/// A solution that has been suspect for this long is re-initialised \[s\].
 const SICK: f64 = 30.0;
+/// Starts that are tried where none was ever sound: of accuracies that are stated far too small every solution is suspect.
+const STARTS: usize = 3;
 /// Fixes in a block over which innovations are averaged for a lean to one side.
 const LEAN_BLOCK: usize = 40;
 /// The mean over a block leans when it is this many times the usual and the expected size, squared.
@@ -53,9 +55,16 @@ impl Streak {
         }
     }
 
-    /// Whether a solution that was sound has been beyond its size for long [`SICK`].
-    pub(super) fn is_sick(&self, time: f64) -> bool {
-        self.sick_since.is_some_and(|since| time - since > SICK)
+    /// Whether a solution has been beyond its size for long [`SICK`]: one that was sound, or one of the first few that never
+    /// were, after so many `restarts`.
+    pub(super) fn is_sick(&self, time: f64, restarts: usize) -> bool {
+        let judged = self.sound || restarts + 1 < STARTS;
+        judged && self.sick_since.is_some_and(|since| time - since > SICK)
+    }
+
+    /// Whether a block of the solution's innovations was ever of about the size predicted.
+    pub(super) fn was_sound(&self) -> bool {
+        self.sound
     }
 
     /// Judges the solution by the updates since the count began, and counts again.
@@ -68,9 +77,7 @@ impl Streak {
             if summary.suspect.is_none() {
                 summary.suspect = Some(self.start);
             }
-            if self.sound {
-                self.sick_since.get_or_insert(self.start);
-            }
+            self.sick_since.get_or_insert(self.start);
         } else {
             self.sick_since = None;
             self.sound |= nis < SOUND_NIS;

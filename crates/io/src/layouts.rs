@@ -34,6 +34,7 @@ pub fn kf_gins_gnss(columns: usize) -> GnssFormat {
             angle_scale: 1f64.to_radians(),
             degrees_minutes: false,
             height_scale: 1.0,
+            height: None,
         }),
         position_std: Some(three(if with_velocity { 8 } else { 5 })),
         velocity: with_velocity.then(|| three(5)),

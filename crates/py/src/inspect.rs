@@ -57,7 +57,8 @@ fn drive_of(
     let text = inspection::drive_file(&model, &found, home, vehicle, motion, &report::comment);
     let logs = inspection::logs(&found, home);
     let file = PathBuf::from("<drive>");
-    let drive = drive::Drive::with_logs(&text, "<drive>", home, logs)?;
+    let mut drive = drive::Drive::with_logs(&text, "<drive>", home, logs)?;
+    drive.guessed_rate = inspection::guessed_rate(&found);
     let described: Vec<String> = found.iter().map(report::text).collect();
     Ok((Drive { drive, file }, text, described.join("\n")))
 }

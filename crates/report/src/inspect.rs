@@ -128,6 +128,12 @@ fn known(known: &Known) -> String {
         Known::SmallPlaces => "guessed: no latitude exceeds pi/2 and no longitude exceeds pi",
         Known::SmallAngles => "guessed: no angle exceeds 2 pi",
         Known::NoColumns => "guessed: no such columns; set the receiver's accuracy",
+        Known::GpsSeconds => {
+            "one log counts GPS seconds since 1980, the other Unix time, which is without leap seconds"
+        }
+        Known::NoHeights => {
+            "assumed: no height column; the heights of the solution mean nothing, and position_std has 50 m for them. Set the height of the place"
+        }
         Known::NotInLog => "guessed: not in the log; set the receiver's accuracy",
         Known::NotInNmea => {
             "guessed: not in NMEA; large for the vertical speed, which NMEA lacks"
@@ -209,9 +215,6 @@ fn note(note: &Note) -> String {
         } => format!(
             "the column names specify accelerations in {named}, but their median magnitude is {median:.4}, as in {size}, which is used"
         ),
-        Note::NoHeight => {
-            "latitude and longitude, but no height column: add a column named height_m, with the height of the place if nothing else is known".into()
-        }
         Note::NoWheels => {
             "the IMU has no fixed direction of motion: not a wheeled vehicle, or the IMU is not fixed to it; assumes x forward".into()
         }

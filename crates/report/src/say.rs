@@ -109,6 +109,7 @@ pub fn say(finding: &Finding) -> String {
             samples,
             start,
         } => sensors::spikes(*axis, *samples, *start),
+        F::GuessedRate { rate } => sensors::guessed_rate(*rate),
         F::SlowSamples { rate, factor } => sensors::slow_samples(*rate, *factor),
         F::LateSamples { delay, most } => sensors::late_samples(*delay, *most),
         F::HeadingOff {

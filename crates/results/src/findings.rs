@@ -1,6 +1,7 @@
 //! What a run finds out about its logs and its solution, as values: numbers in SI units, times in the
 //! log's own time base. Their sentences are made where results are shown.
 
+mod implausible;
 mod kinds;
 mod weight;
 
@@ -9,7 +10,7 @@ pub use undrift_engine::Log;
 pub use weight::{is_doubtful, is_jump, ranked, verdict};
 
 use serde::{Deserialize, Serialize};
-use undrift_engine::{Contradiction, FixMend, Implausible, Lean, Part, RestartCause, WindowPart};
+use undrift_engine::{Contradiction, FixMend, Lean, Part, RestartCause, WindowPart};
 
 /// One thing found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -148,6 +149,11 @@ pub enum Finding {
     Late {
         /// By how much later than the stamps of the fixes \[s\].
         delay: f64,
+    },
+    /// The inertial log has no times, and its rate is a guess.
+    GuessedRate {
+        /// Samples a second \[Hz\].
+        rate: f64,
     },
     /// Solution and fixes do not go together, and so few samples miss what the vehicle does between them.
     SlowSamples {
@@ -476,24 +482,4 @@ pub enum Finding {
         /// The usual interval \[s\].
         interval: f64,
     },
-}
-
-impl From<Implausible> for Finding {
-    fn from(what: Implausible) -> Self {
-        match what {
-            Implausible::Gravity(ratio) => Self::WrongGravity { ratio },
-            Implausible::Down(down) => Self::NotDown { down },
-            Implausible::TurnScale(ratio) => Self::WrongTurnRate { ratio },
-            Implausible::TurnAxis(axis) => Self::WrongTurnAxis { axis },
-            Implausible::NoTurn => Self::NoTurns,
-            Implausible::Late(delay) => Self::Late { delay },
-            Implausible::Push { forward, right } => Self::WrongAxes {
-                forward,
-                right,
-                axes: None,
-            },
-            Implausible::Velocity(mend) => Self::WrongVelocity { mend },
-            Implausible::Alternates(distance) => Self::TwoReceivers { distance },
-        }
-    }
 }

@@ -246,7 +246,12 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
     let (angle_scale, degrees_minutes) = section.place_unit("position_unit")?;
     let height_scale = section.unit("height_unit", Quantity::Length, 1.0)?;
     let ecef = section.columns("ecef")?;
-    let place = match (section.columns("position")?, section.columns("baseline")?) {
+    let height = section.quantity("height", Quantity::Length)?;
+    let position = match height {
+        Some(_) => section.two_columns("position")?,
+        None => section.columns("position")?,
+    };
+    let place = match (position, section.columns("baseline")?) {
         (Some(_), Some(_)) => {
             return Err(section.error("baseline", "set position or baseline, not both"));
         }
@@ -258,6 +263,7 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
             angle_scale,
             degrees_minutes,
             height_scale,
+            height,
         }),
         (None, Some(ned)) => Some(PositionColumns::Baseline {
             ned,

@@ -65,6 +65,7 @@ impl Drive {
             model: None,
             epoch: None,
             beginning: Beginning::default(),
+            guessed_rate: None,
             logs,
         };
         drive.date(None);

@@ -52,15 +52,13 @@ pub(super) fn parts_of(mut table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
     if let Some(place) = columns.place_of() {
         let reference = all(&columns.found.attitude).filter(|_| parts.is_empty());
         parts.push(match reference {
-            Some(attitude) => Part::new("truth", columns.truth(place, attitude)),
-            None => Part::new("gnss", columns.gnss(place)),
+            Some(attitude) if place[0] != place[2] => {
+                Part::new("truth", columns.truth(place, attitude))
+            }
+            _ => Part::new("gnss", columns.gnss(place)),
         });
     }
     let names = &columns.table.names;
-    let [lat, lon, height] = columns.found.place;
-    if lat.and(lon).is_some() && height.is_none() && columns.place_of().is_none() {
-        notes.push(Note::NoHeight);
-    }
     if parts.is_empty() {
         notes.push(match names.len() {
             0 => Note::UnknownColumns,
@@ -188,7 +186,12 @@ impl Columns {
 
     /// The columns of the position: as angles, else Earth-fixed.
     fn place_of(&self) -> Option<[usize; 3]> {
-        all(&self.found.place).or_else(|| all(&self.found.ecef))
+        let flat = || match self.found.place {
+            [Some(lat), Some(lon), None] => Some([lat, lon, lat]),
+            _ => None,
+        };
+        let place = all(&self.found.place).or_else(|| all(&self.found.ecef));
+        place.or_else(flat)
     }
 
     pub(super) fn three(&self, key: &'static str, places: [usize; 3]) -> Line {

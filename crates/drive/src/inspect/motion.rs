@@ -90,11 +90,15 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         }
     };
     let resolved = resolve_mounting(&drive);
-    let by_force = match &resolved {
-        Ok(_) => None,
-        Err(_) => records(&drive).and_then(|(imu, fixes)| by_force(&imu, &fixes)),
+    let (by_force, turns) = match &resolved {
+        Ok(_) => (None, None),
+        Err(_) => records(&drive).map_or((None, None), |(imu, fixes)| {
+            (by_force(&imu, &fixes), turn_ratio(&imu, &fixes))
+        }),
     };
-    let fits = by_force.is_some() || resolved.as_ref().is_ok_and(|of| is_fitting(of.clone()));
+    // Of gyros whose axes are exchanged the forces know nothing.
+    let by_both = by_force.is_some() && turns.is_some_and(|ratio| ALIKE.contains(&ratio));
+    let fits = by_both || resolved.as_ref().is_ok_and(|of| is_fitting(of.clone()));
     let reversed = match fits {
         true => None,
         false => {
@@ -144,6 +148,9 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         }
     }
 }
+
+/// Times as fast as the course that gyros turn which are right.
+const ALIKE: std::ops::Range<f64> = 0.7..1.4;
 
 /// Usual rates of inertial logs \[Hz\], and how near to one, as a share, a rate is that one.
 const RATES: [f64; 24] = [
@@ -256,9 +263,14 @@ fn records(drive: &Drive) -> Option<(Vec<ImuSample>, Vec<GnssFix>)> {
 /// time in common. `None` where nothing is changed.
 fn other_clock(gnss: &mut Part, drive: &Drive) -> Option<Option<Note>> {
     let (samples, fixes) = records(drive)?;
+    let (first, last) = (samples.first()?.time, samples.last()?.time);
+    let (begin, end) = (fixes.first()?.time, fixes.last()?.time);
+    if let Some(offset) = clocks::gps_epoch((first, last), (begin, end)) {
+        let line = Line::new("time_offset", format!("{offset:.0} s"), Known::GpsSeconds);
+        gnss.lines.push(line);
+        return Some(None);
+    }
     let Some((offset, known)) = clocks::offset(&samples, &fixes) else {
-        let (first, last) = (samples.first()?.time, samples.last()?.time);
-        let (begin, end) = (fixes.first()?.time, fixes.last()?.time);
         let offset_s = first - begin;
         return (begin > last || end < first).then_some(Some(Note::Apart { offset_s }));
     };

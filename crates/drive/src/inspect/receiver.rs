@@ -20,16 +20,31 @@ use undrift_results::inspect::{Known, Line};
 const INTEGERS: &str = "LSB/1e7 deg";
 /// Whole numbers from here on, as standard deviations of fixes, are mm or mm/s.
 const LARGE_STD: f64 = 50.0;
+/// Standard deviations of positions without a height, which is taken as that of the ellipsoid and does not follow the
+/// ground.
+const FLAT_STD: &str = "3, 3, 50 m";
+
+/// Whether a place has no height: it is then latitude, longitude, latitude.
+fn is_flat(place: [usize; 3]) -> bool {
+    place[0] == place[2]
+}
+
 /// Most that a speed in the right unit differs from that of the positions.
 const ALIKE: std::ops::Range<f64> = 0.7..1.4;
 
 impl Columns {
     /// The lines of a place: columns and their units.
     pub(super) fn place(&self, place: [usize; 3]) -> Vec<Line> {
-        if all(&self.found.place).is_none() {
+        let flat = is_flat(place);
+        if all(&self.found.place).is_none() && !flat {
             return vec![self.three("ecef", place)];
         }
         let mut lines = vec![self.three("position", place)];
+        if flat {
+            let columns = [place[0], place[1]].map(|place| self.name(place));
+            lines[0].value = Vec::from(columns).into();
+            lines.push(Line::new("height", "0 m", Known::NoHeights));
+        }
         let angles = three_of(&self.table.rows, place);
         let small = angles.iter().all(|[lat, lon, _]| {
             lat.abs() <= std::f64::consts::FRAC_PI_2 && lon.abs() <= std::f64::consts::PI
@@ -121,6 +136,7 @@ impl Columns {
         let accuracy = across.map(|across| [across, across, up.unwrap_or(across)]);
         let std = all(&self.found.position_std).or(accuracy);
         lines.extend(match std {
+            _ if is_flat(place) => vec![Line::new("position_std", FLAT_STD, Known::NoHeights)],
             Some(std) => self.stds(
                 "position_std",
                 std,

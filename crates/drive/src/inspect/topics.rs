@@ -20,7 +20,7 @@ struct Beginning {
 
 /// The stream, of several: the first that measures gravity and turns; else the gyroscopes of one with the accelerometers
 /// of another, where a log has them apart. `None` where neither is there.
-pub(super) fn choose(path: &Path, logs: &Logs, format: Format, names: &[String]) -> Option<Line> {
+pub(crate) fn choose(path: &Path, logs: &Logs, format: Format, names: &[String]) -> Option<Line> {
     let beginning = |name: &String| {
         let of_stream = ImuFormat::log(format, Some(name.clone()));
         let reader = logs.read(path, &of_stream).ok()?;

@@ -16,6 +16,7 @@ impl Report {
         found.extend(s.diverged.map(|time| Finding::Diverged { time }));
         found.extend(self.not_compared());
         found.extend(self.covers_part());
+        found.extend(self.guessed_rate.map(|rate| Finding::GuessedRate { rate }));
         if let Some(study) = &self.study {
             found.extend(findings::of_fixes(study, &self.fix_errors));
         }
@@ -205,6 +206,7 @@ mod tests {
             rejected: Default::default(),
             first_sample: None,
             model: None,
+            guessed_rate: None,
         }
     }
 

@@ -37,7 +37,12 @@ impl Run {
             return Ok(false);
         };
         match self.summary.restarts.last_mut() {
-            Some(restart) => restart.resumed = Some(fix.time),
+            Some(restart) => {
+                restart.resumed = Some(fix.time);
+                if restart.why == RestartCause::LargeInnovations && !self.streak.was_sound() {
+                    self.summary.forget_failed_start();
+                }
+            }
             None => {
                 self.summary.started = Some(fix.time);
                 self.summary.alignment = Some(aligned.how);
@@ -174,7 +179,7 @@ impl Run {
         if diverged {
             self.give_up(fix.time);
         } else if self.settings.gating && self.settings.restart {
-            if self.streak.is_sick(fix.time) {
+            if self.streak.is_sick(fix.time, self.summary.restarts.len()) {
                 self.align_again(fix.time, RestartCause::LargeInnovations);
             } else if self.receiver.is_hopeless(fix.time) {
                 self.align_again(fix.time, RestartCause::RejectedThenAccepted);

@@ -2,14 +2,18 @@
 
 use super::{DEG, Epoch, Scenario, imu, receiver};
 use crate::{
-    Navigator,
+    Navigator, RestartCause,
     align::{AttitudeSource, Heading},
     estimator::STAMP_ROUNDING,
 };
 use alloc::vec::Vec;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
-use undrift_nav::parameters::{Parameter, Parameters, Prior};
+use undrift_nav::{
+    Vector3,
+    parameters::{Parameter, Parameters, Prior},
+    sample::Position,
+};
 use undrift_simulate::{GnssNoise, Profile, Trajectory};
 
 /// A slow robot that winds its way from the first sample on: 1.2 m/s, 35 deg/s to either side.
@@ -152,5 +156,51 @@ fn a_level_that_is_hardly_known_is_found_with_what_is_known_of_it() {
         let mean = late.iter().map(nees).sum::<f64>() / late.len() as f64;
         // About 1 of small errors; without the products it is 4 to 2700.
         assert!(mean < 10.0, "seed {seed}: {mean}");
+    }
+}
+
+/// A minute of positions that are up to 230 m off as the vehicle sets off: the solution that began with them is replaced by
+/// one from the fixes after them, by which the run is judged.
+#[test]
+fn a_bad_minute_at_the_start_does_not_spoil_the_rest() {
+    let noise = GnssNoise {
+        rate_hz: 1.0,
+        ..receiver()
+    };
+    let sensors = imu([5e-3 * DEG, 0.3 * DEG], [1e-3, 0.3]);
+    for (seed, velocities) in [(1, true), (2, true), (3, true), (4, false), (5, false)] {
+        let mut scenario = Scenario::of(sensors, &Trajectory::car(300.0, 1), &noise, seed);
+        scenario.settings.align.attitude = None;
+        scenario.settings.parameters = Parameters::none()
+            .with(Parameter::TimeOffset, Prior::constant(0.1))
+            .with(Parameter::GyroScale, Prior::constant(0.02))
+            .with(Parameter::LeverArm, Prior::constant(0.5));
+        for (k, fix) in scenario.log.gnss.iter_mut().enumerate() {
+            if !velocities {
+                fix.velocity = None;
+            }
+            let away = 200.0 * (k as f64 * 2.4).sin();
+            if (65.0..125.0).contains(&fix.time)
+                && let Some((Position::Geodetic(place), _)) = &mut fix.position
+            {
+                *place = place.displaced(&Vector3::new(away, -0.6 * away, 0.0));
+            }
+        }
+        let seen = scenario.navigate();
+        let summary = &seen.summary;
+        let restart = summary.restarts.last().unwrap();
+        assert_eq!(restart.why, RestartCause::LargeInnovations, "seed {seed}");
+        assert!(
+            restart.resumed.is_some_and(|time| time < 200.0),
+            "{restart:?}"
+        );
+        let away = seen.most(220.0, 300.0, Epoch::distance);
+        assert!(away < 3.0, "seed {seed}: {away} m");
+        let (heading, std) = seen.last().heading();
+        assert!(
+            heading < 4.0 * std && std < 2.0 * DEG,
+            "seed {seed}: {heading} ± {std}"
+        );
+        assert_eq!(summary.suspect, None, "seed {seed}");
     }
 }

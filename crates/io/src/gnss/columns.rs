@@ -56,6 +56,8 @@ pub enum PositionColumns {
         degrees_minutes: bool,
         /// Factor from the column of heights to metres.
         height_scale: f64,
+        /// Height of all fixes \[m\] in place of the column's, of logs without one.
+        height: Option<f64>,
     },
     /// Earth-centred, Earth-fixed x, y, z \[m\].
     Ecef([Column; 3]),
@@ -198,6 +200,7 @@ impl FixColumns {
                     PositionColumns::Geodetic {
                         angle_scale,
                         height_scale,
+                        height,
                         degrees_minutes,
                         ..
                     } => {
@@ -208,7 +211,7 @@ impl FixColumns {
                         Geodetic {
                             lat: lat * angle_scale,
                             lon: lon * angle_scale,
-                            height: values.z * height_scale,
+                            height: height.unwrap_or(values.z * height_scale),
                         }
                     }
                     _ => Geodetic::from_ecef(&values),

@@ -24,6 +24,7 @@ fn format() -> GnssFormat {
             angle_scale: 1f64.to_radians(),
             degrees_minutes: false,
             height_scale: 1.0,
+            height: None,
         }),
         position_std: Some(group(8)),
         velocity: Some(group(5)),

@@ -49,6 +49,7 @@ fn gnss_format(height: &str) -> GnssFormat {
             angle_scale: degrees(),
             degrees_minutes: false,
             height_scale: 1.0,
+            height: None,
         }),
         position_std: None,
         velocity: Some(names(["vn_mps", "ve_mps", "vd_mps"])),

@@ -9,14 +9,28 @@ pub fn is_usable(result: &Identify) -> bool {
     result.verdict() == Usability::Usable
 }
 
+/// Reason why the noise of an axis is not known.
+const COARSE: &str = "the values' steps exceed the noise, and N may be several times too large: log more digits, or set a smaller range";
+
 /// Whether the record serves, and why not: the first line of what is printed of it.
 pub fn verdict(result: &Identify) -> String {
     let axes: Vec<(&str, &Axis)> = result.in_order().collect();
     let known = axes.iter().filter(|(_, axis)| axis.error.is_none());
     let known: Vec<_> = known.collect();
-    let of_axes = axes.iter().filter_map(|(name, axis)| doubt(name, axis));
-    let of_parts = used::doubts(result).into_iter();
-    let doubts = Vec::from_iter(of_axes.chain(of_parts)).join("; ");
+    let mut of_axes: Vec<String> = Vec::new();
+    let mut coarse: Vec<String> = Vec::new();
+    for (name, axis) in &axes {
+        match axis.doubt() {
+            Some(AxisDoubt::Coarse) => coarse.push(spoken(name)),
+            _ => of_axes.extend(doubt(name, axis)),
+        }
+    }
+    if !coarse.is_empty() {
+        let names = coarse.join(", ");
+        of_axes.push(format!("{names}: {COARSE}"));
+    }
+    of_axes.extend(used::doubts(result));
+    let doubts = of_axes.join("; ");
     let Some((_, first)) = known.first() else {
         return format!("Not usable: {doubts}.");
     };
@@ -65,6 +79,7 @@ fn doubt(name: &str, axis: &Axis) -> Option<String> {
         AxisDoubt::Saturated => "the axis is saturated".into(),
         AxisDoubt::Frozen => "the sensor is frozen".into(),
         AxisDoubt::Rounded => "rounding hides most of the noise".into(),
+        AxisDoubt::Coarse => COARSE.into(),
     };
     Some(format!("{name}: {why}"))
 }
@@ -82,11 +97,16 @@ mod tests {
 
     #[test]
     fn an_axis_is_doubted_for_the_first_reason_that_holds() {
-        let sound = Axis {
+        assert_eq!(doubt("gyro_x", &Axis::default()), None);
+        let coarse = Axis {
             noise_shown: Some(Number(MOSTLY_SHOWN)),
             ..Axis::default()
         };
-        assert_eq!(doubt("gyro_x", &sound), None);
+        let said = doubt("gyro_x", &coarse).unwrap();
+        assert!(
+            said.starts_with("gyro x: the values' steps exceed the noise"),
+            "{said}"
+        );
         let hidden = Axis {
             noise_shown: Some(Number(0.99 * MOSTLY_SHOWN)),
             ..Axis::default()
@@ -100,7 +120,7 @@ mod tests {
         assert!(why(&moving).ends_with(": the recording is not static"));
         let still = Axis {
             moving: Some(false),
-            ..sound
+            ..Axis::default()
         };
         assert_eq!(doubt("gyro_x", &still), None);
         let failed = Axis {

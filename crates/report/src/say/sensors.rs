@@ -162,6 +162,13 @@ pub(super) fn late(delay: f64) -> String {
     )
 }
 
+pub(super) fn guessed_rate(rate: f64) -> String {
+    format!(
+        "the IMU log has no times, and {} Hz is a guess: set imu.rate, or log a time with each sample",
+        short(rate)
+    )
+}
+
 pub(super) fn slow_samples(rate: f64, factor: Option<f64>) -> String {
     let large = factor.map_or(String::new(), |factor| {
         format!("innovations are {factor:.1} times as large as predicted: ")

@@ -91,6 +91,7 @@ impl Finding {
             | Self::NoTurns
             | Self::Late { .. }
             | Self::SlowSamples { .. }
+            | Self::GuessedRate { .. }
             | Self::WrongVelocity { .. }
             | Self::Restart { .. }
             | Self::WrongSign { .. }
@@ -161,7 +162,7 @@ impl Finding {
             Self::Rejected(fixes) if is_jump(fixes) => 2,
             Self::OptimisticModel { .. } | Self::FarParameter { .. } => 3,
             Self::CorrelatedInnovations { .. } | Self::OptimisticDrift { .. } => 4,
-            Self::CoversPart { .. } | Self::OfModel { .. } => 5,
+            Self::CoversPart { .. } | Self::OfModel { .. } | Self::GuessedRate { .. } => 5,
             Self::Restart { .. } | Self::HeadingOff { .. } => 5,
             Self::LargeInnovations { .. } | Self::Disagreement { .. } => 5,
             Self::OneSided(_) | Self::Rejected(_) | Self::MoreRejected { .. } => 6,

@@ -19,6 +19,8 @@ pub enum AxisDoubt {
     Frozen,
     /// Steps of the samples hide most of the noise.
     Rounded,
+    /// They are larger than the noise, and nothing but them shows how large it is.
+    Coarse,
 }
 
 impl Axis {
@@ -33,6 +35,7 @@ impl Axis {
             None if self.noise_shown.is_some_and(|share| share.0 < MOSTLY_SHOWN) => {
                 AxisDoubt::Rounded
             }
+            None if self.noise_shown.is_some() => AxisDoubt::Coarse,
             None => return None,
         })
     }

@@ -66,6 +66,10 @@ pub enum Known {
     SmallAngles,
     /// Guessed, as no column says it: to be set as fits the receiver.
     NoColumns,
+    /// One log counts GPS seconds since 1980, the other Unix time.
+    GpsSeconds,
+    /// Assumed: the log has no heights.
+    NoHeights,
     /// Guessed, as the log does not say it: to be set as fits the receiver.
     NotInLog,
     /// Guessed, as NMEA does not say it and has no vertical speed.
@@ -150,8 +154,6 @@ pub enum Note {
         /// Their names.
         streams: Vec<String>,
     },
-    /// Latitudes and longitudes without a column of heights.
-    NoHeight,
     /// Neither inertial samples nor positions.
     Nothing,
     /// The IMU moves along no one direction of its own: it is on no wheeled vehicle, or not fixed to it.

@@ -84,6 +84,28 @@ impl<'a> Section<'a> {
         columns.try_into().map(Some).map_err(|_| wrong())
     }
 
+    /// Two columns, with the first as a third that nothing is taken from.
+    ///
+    /// # Errors
+    /// If it is no list of two columns.
+    pub fn two_columns(&self, key: &'a str) -> Result<Option<[Column; 3]>, ConfigError> {
+        let two = match self.get(key) {
+            None => return Ok(None),
+            Some(Value::List(items)) => items
+                .iter()
+                .map(|item| self.column_of(key, item))
+                .collect::<Result<Vec<_>, _>>()?,
+            Some(_) => Vec::new(),
+        };
+        match <[Column; 2]>::try_from(two) {
+            Ok([first, second]) => Ok(Some([first.clone(), second, first])),
+            Err(_) => Err(self.error(
+                key,
+                "with height it has two columns, latitude and longitude: remove the third, or height",
+            )),
+        }
+    }
+
     /// A number with its unit, `"10 cm/s"`, in the SI unit of `quantity`.
     ///
     /// # Errors

@@ -469,3 +469,49 @@ fn ticks_of_unknown_length_are_no_times() {
         (None, Some("100 Hz"))
     );
 }
+
+#[test]
+fn places_without_a_height_have_that_of_the_ellipsoid_and_say_so() {
+    let row = |k: u32| vec![f64::from(k), 48.1 + 1e-5 * f64::from(k), 11.5];
+    let rows: Vec<_> = (0..50).map(row).collect();
+    let (table, found) = lines(&["time", "latitude", "longitude"], rows.clone());
+    let of = |key| value(&found, key);
+    assert_eq!(
+        (table, of("position").as_deref()),
+        ("gnss", Some("[latitude, longitude]"))
+    );
+    assert_eq!(of("height").as_deref(), Some("0 m"));
+    assert_eq!(of("position_std").as_deref(), Some("3, 3, 50 m"));
+    let text = |key: &str, position: &str| {
+        let mut csv = String::from("time,latitude,longitude,other\n");
+        for row in &rows {
+            csv += &format!("{},{},{},1\n", row[0], row[1], row[2]);
+        }
+        let memory = undrift_io::Memory::Bytes(csv.into_bytes().into());
+        let name = std::path::PathBuf::from("gnss.csv");
+        let mut logs = crate::drive::Logs::default();
+        logs.memory.insert(name.clone(), memory.clone());
+        logs.memory.insert(
+            "imu.csv".into(),
+            undrift_io::Memory::Bytes(
+                b"t,gx,gy,gz,ax,ay,az\n0,0,0,0,0,0,-9.8\n0.1,0,0,0,0,0,-9.8\n"
+                    .to_vec()
+                    .into(),
+            ),
+        );
+        let text = format!(
+            "model = \"mpu6050\"\n[imu]\nfile = \"imu.csv\"\ntime = \"t\"\ngyro = [\"gx\", \"gy\", \"gz\"]\ngyro_unit = \"rad/s\"\naccel = [\"ax\", \"ay\", \"az\"]\naccel_unit = \"m/s^2\"\n[gnss]\nfile = \"gnss.csv\"\ntime = \"time\"\n{key}position = {position}\nposition_std = \"3, 3, 50 m\"\n"
+        );
+        crate::drive::Drive::with_logs(&text, "drive.toml", std::path::Path::new(""), logs)
+    };
+    let drive = text("height = \"120 m\"\n", "[\"latitude\", \"longitude\"]").unwrap();
+    let fix = drive.open_gnss().unwrap().next().unwrap().unwrap();
+    let Some((undrift_nav::sample::Position::Geodetic(place), _)) = fix.position else {
+        panic!("{fix:?}");
+    };
+    assert_eq!(place.height, 120.0);
+    let three = "[\"latitude\", \"longitude\", \"other\"]";
+    let error = text("height = \"120 m\"\n", three).unwrap_err().to_string();
+    assert!(error.contains("remove the third, or height"), "{error}");
+    assert!(text("", "[\"latitude\", \"longitude\"]").is_err());
+}

@@ -184,6 +184,7 @@ fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
         (drift(0, 20), Warning, 4),
         (drift(20, 20), Unusable, 4),
         (Finding::LargeInnovations { start: 0.0 }, Warning, 5),
+        (Finding::GuessedRate { rate: 50.0 }, Warning, 5),
         (disagreement(0.8), Warning, 5),
         (disagreement(0.79), Unusable, 5),
         (Finding::FixJitter { std: 0.02 }, Note, 2),
