@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 /// Fall of −2 ln likelihood that a warm-up or a cycle takes, and a step, which has as many places as there are averages. Of
-/// honest random walks, flicker and Gauss-Markov noise about one record in three hundred reaches either.
-const ENOUGH: f64 = 21.0;
-const ENOUGH_OF_STEP: f64 = 26.0;
+/// honest random walks, flicker and Gauss-Markov noise fewer than one record in three hundred reaches either.
+const ENOUGH: f64 = 23.0;
+const ENOUGH_OF_STEP: f64 = 29.0;
 /// Shape of a disturbance, its times in values of the series.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
