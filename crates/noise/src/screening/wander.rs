@@ -5,10 +5,12 @@
 //! likelihood ratio is what such noise does not explain. Steps at all places take one backward recursion (de Jong & Penzer 1998,
 //! "Diagnosing shocks in time series", JASA 93).
 
-mod shape;
+use std::f64::consts::TAU;
 
-pub use shape::{Disturbance, Shape};
-
+/// Fall of −2 ln likelihood that a warm-up or a cycle takes, and a step, which has as many places as there are averages. Of
+/// honest random walks, flicker and Gauss-Markov noise fewer than one record in a hundred reaches either.
+const ENOUGH: f64 = 25.0;
+const ENOUGH_OF_STEP: f64 = 32.0;
 /// Averages of a record, at most, and the fewest that are looked at.
 const MOST: usize = 360;
 const FEWEST: usize = 60;
@@ -32,8 +34,108 @@ const DRIVES: std::ops::Range<i32> = -24..9;
 const NEARBY: [f64; 2] = [1.0 / 6.0, 1.0 / 36.0];
 /// More than this is noise.
 const MOST_FOUND: usize = 16;
-/// Disturbances that are tried together over white noise.
-const MOST_TOGETHER: usize = 8;
+
+/// Shape of a disturbance, its times in values of the series.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// The level is another one: before `from` surely the old, from `to` on surely the new.
+    Step {
+        /// First value that may have the new level.
+        from: usize,
+        /// First value that has the new level.
+        to: usize,
+    },
+    /// exp(−t/τ) from the first value on, τ in values.
+    WarmUp(f64),
+    /// A sine of a period in values.
+    Cycle(f64),
+}
+
+/// A disturbance of a level: a step, a warm-up or a slow cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disturbance {
+    /// Shape, with its times.
+    pub shape: Shape,
+    /// Coefficients of the shape \[unit\]: of a step its height, of a warm-up its value at the start, of a cycle the parts of sine and cosine.
+    pub coefficients: [f64; 2],
+    /// Fall of −2 ln likelihood by it: its evidence.
+    pub fall: f64,
+}
+
+impl Disturbance {
+    /// Height of a step, value of a warm-up at the start, amplitude of a cycle \[unit\].
+    pub fn size(&self) -> f64 {
+        match self.shape {
+            Shape::Cycle(_) => self.coefficients[0].hypot(self.coefficients[1]),
+            Shape::Step { .. } | Shape::WarmUp(_) => self.coefficients[0],
+        }
+    }
+
+    /// Its value \[unit\] at a time in values: 0.5 is amid the first.
+    pub fn value(&self, time: f64) -> f64 {
+        let parts = self.shape.parts(time);
+        parts[0] * self.coefficients[0] + parts[1] * self.coefficients[1]
+    }
+}
+
+impl Shape {
+    /// Values of its two parts at a time, for coefficients of 1.
+    fn parts(self, time: f64) -> [f64; 2] {
+        match self {
+            Self::Step { to, .. } => [f64::from(time > to as f64), 0.0],
+            Self::WarmUp(tau) => [(-time / tau).exp(), 0.0],
+            Self::Cycle(period) => {
+                let (sine, cosine) = (TAU * time / period).sin_cos();
+                [sine, cosine]
+            }
+        }
+    }
+
+    /// The shape as regressors of `count` values: two of a cycle, one of others.
+    fn columns(self, count: usize) -> Vec<Vec<f64>> {
+        let parts = match self {
+            Self::Cycle(_) => 2,
+            Self::Step { .. } | Self::WarmUp(_) => 1,
+        };
+        let column = |part: usize| {
+            let values = (0..count).map(|k| self.parts(k as f64 + 0.5)[part]);
+            values.collect()
+        };
+        (0..parts).map(column).collect()
+    }
+
+    /// Fall of −2 ln likelihood that it takes to be found.
+    fn enough(self) -> f64 {
+        match self {
+            Self::Step { .. } => ENOUGH_OF_STEP,
+            Self::WarmUp(_) | Self::Cycle(_) => ENOUGH,
+        }
+    }
+
+    /// The shape in a series whose values are `width` averages each.
+    fn in_values(self, width: usize) -> Self {
+        match self {
+            Self::Step { to, .. } => Self::Step {
+                from: (to - 1) * width,
+                to: (to + 1) * width,
+            },
+            Self::WarmUp(tau) => Self::WarmUp(tau * width as f64),
+            Self::Cycle(period) => Self::Cycle(period * width as f64),
+        }
+    }
+
+    /// Shapes of nearby times, that grow by a factor of 2 to this power; of a cycle by a quarter of it.
+    fn nearby(self, power: f64) -> Vec<Self> {
+        let times = (-5..=5).map(|k| f64::from(k) * power);
+        match self {
+            Self::Step { .. } => vec![self],
+            Self::WarmUp(tau) => times.map(|k| Self::WarmUp(tau * k.exp2())).collect(),
+            Self::Cycle(period) => times
+                .map(|k| Self::Cycle(period * (0.25 * k).exp2()))
+                .collect(),
+        }
+    }
+}
 
 /// The noise under which averages are looked at: white noise of variance 1 and a slow part.
 struct Noise {
@@ -229,25 +331,6 @@ impl Search<'_> {
         enough.max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The likeliest shape beside what is known, its times varied about the likeliest tried; `None` where none is enough.
-    fn likeliest(&self, known: &[Vec<f64>], tried: &[Shape]) -> Option<(Shape, f64)> {
-        let mut likeliest = self.best(known, tried, true)?;
-        for power in NEARBY {
-            let nearby = likeliest.0.nearby(power);
-            likeliest = self.best(known, &nearby, false).unwrap_or(likeliest);
-        }
-        Some(likeliest)
-    }
-
-    /// −2 ln likelihood beside columns under their likeliest noise, less a constant.
-    fn least(&self, columns: &[Vec<f64>]) -> f64 {
-        let costs = self.noises.iter().map(|noise| {
-            let squares = self.whitened(noise, columns).squares;
-            self.cost(noise, squares, 0.0)
-        });
-        costs.fold(f64::INFINITY, f64::min)
-    }
-
     /// The coefficients of columns beside each other under their likeliest noise.
     fn coefficients(&self, columns: &[Vec<f64>]) -> Vec<f64> {
         let cost = |noise: &&Noise| {
@@ -354,34 +437,16 @@ pub fn disturbances(means: &[f64], known: &[Vec<f64>]) -> Vec<Disturbance> {
         known.iter().cloned().chain(of_found).collect::<Vec<_>>()
     };
     let mut found: Vec<(Shape, f64)> = Vec::new();
-    while let Some(likeliest) = search.likeliest(&with(&found), &tried) {
+    while let Some((shape, fall)) = search.best(&with(&found), &tried, true) {
+        let known = with(&found);
+        let mut likeliest = (shape, fall);
+        for power in NEARBY {
+            let nearby = likeliest.0.nearby(power);
+            likeliest = search.best(&known, &nearby, false).unwrap_or(likeliest);
+        }
         found.push(likeliest);
         if found.len() > MOST_FOUND {
             return Vec::new();
-        }
-    }
-    // A walk explains the first of several, or another shape, nearly as well; together, over white noise, the right ones may be likelier
-    // than any such.
-    let quiet = Search {
-        noises: vec![Noise::new(0.0, f64::INFINITY, &present)],
-        ..search
-    };
-    let mut together: Vec<(Shape, f64)> = Vec::new();
-    let without = search.least(&with(&[]));
-    let surplus = |shapes: &[(Shape, f64)]| {
-        let enough: f64 = shapes.iter().map(|(shape, _)| shape.enough()).sum();
-        without - search.least(&with(shapes)) - enough
-    };
-    let mut most = surplus(&found);
-    for _ in 0..MOST_TOGETHER {
-        let Some(likeliest) = quiet.likeliest(&with(&together), &tried) else {
-            break;
-        };
-        together.push(likeliest);
-        let surplus = surplus(&together);
-        if surplus > most {
-            most = surplus;
-            found.clone_from(&together);
         }
     }
     if found.is_empty() {
