@@ -18,6 +18,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
             angle_scale: 1f64.to_radians(),
             degrees_minutes: false,
             height_scale: 1.0,
+            height: None,
         }),
         quality: Some(name("q")),
         fixes: FixOptions {
