@@ -90,15 +90,15 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         }
     };
     let resolved = resolve_mounting(&drive);
-    let (by_force, turns) = match &resolved {
-        Ok(_) => (None, None),
-        Err(_) => records(&drive).map_or((None, None), |(imu, fixes)| {
-            (by_force(&imu, &fixes), turn_ratio(&imu, &fixes))
+    let by_force = match &resolved {
+        Ok(_) => None,
+        Err(_) => records(&drive).and_then(|(imu, fixes)| {
+            // Of gyros whose axes are exchanged it knows nothing.
+            let turns = turn_ratio(&imu, &fixes)?;
+            by_force(&imu, &fixes).filter(|_| ALIKE.contains(&turns))
         }),
     };
-    // Of gyros whose axes are exchanged the forces know nothing.
-    let by_both = by_force.is_some() && turns.is_some_and(|ratio| ALIKE.contains(&ratio));
-    let fits = by_both || resolved.as_ref().is_ok_and(|of| is_fitting(of.clone()));
+    let fits = by_force.is_some() || resolved.as_ref().is_ok_and(|of| is_fitting(of.clone()));
     let reversed = match fits {
         true => None,
         false => {
