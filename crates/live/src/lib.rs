@@ -19,6 +19,7 @@ pub mod source;
 pub mod state;
 
 mod clocks;
+mod keys;
 mod stream;
 
 pub use session::{Notice, Session, SessionError, Sink};

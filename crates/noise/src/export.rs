@@ -100,7 +100,7 @@ impl ImuModel {
         self.export_for(format, rate_hz, HORIZON)
     }
 
-    /// Does [`Self::export`] for outages of another length \[s\]: where a program has a random walk alone for a bias that is none, it
+    /// Does [`Self::export`] for outages of another length \[s\]: where a program knows a random walk alone and the bias is another, it
     /// is the one whose filter drifts little over such an outage, and as it expects.
     ///
     /// # Errors

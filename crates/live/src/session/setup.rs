@@ -1,7 +1,7 @@
 //! What the logs are, from their first bytes: they are read as a file with these bytes would be.
 
 use super::{DriveFile, Options, SessionError, log};
-use crate::{Arrival, seconds, state::State};
+use crate::{Arrival, keys::without, seconds, state::State};
 use std::{collections::BTreeMap, path::PathBuf};
 use undrift_drive::drive::{ConfigError, Drive, DriveError, Logs, files_named, parse};
 use undrift_io::Memory;
@@ -20,7 +20,7 @@ const MOST: usize = 64 << 20;
 pub(super) fn without_reference(text: &str, name: &str) -> Result<String, SessionError> {
     // Its mistakes are said as those of any drive file.
     parse(text, name).map_err(DriveError::from)?;
-    Ok(crate::plan::without(text, &["truth", "span"]))
+    Ok(without(text, &["truth", "span"]))
 }
 
 /// Whether each log has a source.

@@ -69,7 +69,7 @@ const FAST_S: f64 = 1.0;
 fn walk_beside(flicker: f64, walk: f64) -> f64 {
     let own = undrift_noise::composite::flicker(flicker).1;
     let square = walk * walk - own * own;
-    // What rounding leaves is none.
+    // What rounding leaves does not count.
     if square > 1e-6 * walk * walk {
         square.sqrt()
     } else {
