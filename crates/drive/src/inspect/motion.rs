@@ -92,11 +92,7 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
     let resolved = resolve_mounting(&drive);
     let by_force = match &resolved {
         Ok(_) => None,
-        Err(_) => records(&drive).and_then(|(imu, fixes)| {
-            // Of gyros whose axes are exchanged it knows nothing.
-            let turns = turn_ratio(&imu, &fixes)?;
-            by_force(&imu, &fixes).filter(|_| ALIKE.contains(&turns))
-        }),
+        Err(_) => records(&drive).and_then(|(imu, fixes)| by_force(&imu, &fixes)),
     };
     let fits = by_force.is_some() || resolved.as_ref().is_ok_and(|of| is_fitting(of.clone()));
     let reversed = match fits {
@@ -148,9 +144,6 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         }
     }
 }
-
-/// Times as fast as the course that gyros turn which are right.
-const ALIKE: std::ops::Range<f64> = 0.7..1.4;
 
 /// Usual rates of inertial logs \[Hz\], and how near to one, as a share, a rate is that one.
 const RATES: [f64; 24] = [

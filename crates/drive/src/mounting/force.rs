@@ -101,15 +101,10 @@ pub fn turn_ratio(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<f64> {
     (correlation > ALIKE).then_some(ratio)
 }
 
-/// Share of the course's turns that gyros about the vertical show at least, whatever their unit.
-const LEAST_TURN: f64 = 0.3;
-
 /// Whether the specific force has the opposite sign: with gravity where it points, the gyros turn against the course, and
 /// reversed the forces are those of the motion.
 pub fn is_force_reversed(imu: &[ImuSample], fixes: &[GnssFix]) -> bool {
-    // A gyro that is level sees little of the turns.
-    let against = |(correlation, ratio): (f64, f64)| correlation < -ALIKE && ratio > LEAST_TURN;
-    let against = turns(imu, fixes).is_some_and(against);
+    let against = turns(imu, fixes).is_some_and(|(correlation, _)| correlation < -ALIKE);
     let reversed = |sample: &ImuSample| ImuSample {
         dvel: -sample.dvel,
         ..*sample

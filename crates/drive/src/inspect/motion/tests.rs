@@ -122,26 +122,3 @@ fn a_drive_fits_whose_velocities_differ_by_no_more_than_is_stated() {
     assert!(of(0.1));
     assert!(!of(0.3));
 }
-
-/// Columns of one sensor in another order, with z among them: gravity and the turns of the course are then about different axes.
-#[test]
-fn axes_exchanged_with_the_vertical_one_are_found() {
-    for (sensor, [a, b]) in [
-        ("gyro", [0, 2]),
-        ("gyro", [1, 2]),
-        ("accel", [0, 2]),
-        ("accel", [1, 2]),
-    ] {
-        let (lines, found) = inspected(|gyro, accel| match sensor {
-            "gyro" => gyro.swap_rows(a, b),
-            _ => accel.swap_rows(a, b),
-        });
-        let line = |key: &str| lines.iter().find(|(other, _)| *other == key);
-        let mut order = ["x", "y", "z"].map(|axis| format!("\"{}{axis}\"", &sensor[..1]));
-        order.swap(a, b);
-        let expected = format!("[{}]", order.join(", "));
-        assert_eq!(line(sensor).unwrap().1, expected, "{lines:?} {found:?}");
-        assert_eq!(line("accel_unit").unwrap().1, "\"g\"", "{sensor} {a} {b}");
-        assert!(lines.iter().any(|(key, _)| SITS.contains(key)), "{found:?}");
-    }
-}
