@@ -27,6 +27,8 @@ use undrift_noise::BiasModel;
 const LATENCY: f64 = 0.1;
 /// From one look for events to the next \[s\].
 const EVENTS: f64 = 1.0;
+/// Bytes that the logs of one source are given by turns: some records.
+const PIECE: usize = 256;
 /// Longest gap between two processes that a solution goes on over \[s\]: beyond, the navigator aligns again anyway.
 const MOST_GAP: f64 = 60.0;
 
@@ -320,13 +322,29 @@ impl Running {
 
     fn take(&mut self, arrival: &Arrival, sink: &mut dyn Sink) -> Result<(), SessionError> {
         self.at = arrival.at;
-        let at = seconds(arrival.at);
+        let of_source = self.logs.iter().filter(|log| log.source == arrival.source);
+        // Of a line that was held up, the samples of seconds would otherwise come before their fixes.
+        let most = match of_source.count() {
+            0 | 1 => arrival.bytes.len().max(1),
+            _ => PIECE,
+        };
+        let mut pieces = arrival.bytes.chunks(most);
+        pieces.try_for_each(|bytes| self.take_piece(arrival.source, bytes, sink))
+    }
+
+    fn take_piece(
+        &mut self,
+        source: usize,
+        bytes: &[u8],
+        sink: &mut dyn Sink,
+    ) -> Result<(), SessionError> {
+        let at = seconds(self.at);
         // While what they gave is pushed, the logs are apart.
         let mut logs = std::mem::take(&mut self.logs);
-        let of_source = logs.iter_mut().filter(|log| log.source == arrival.source);
+        let of_source = logs.iter_mut().filter(|log| log.source == source);
         let mut taken = Ok(());
         for log in of_source {
-            let records = self.read(log, arrival, sink);
+            let records = self.read(log, bytes, sink);
             let now = self.now(log, at);
             let now = match log.ends_with_the_next {
                 true => std::mem::replace(&mut log.before, now).or(now),
@@ -361,10 +379,10 @@ impl Running {
         taken
     }
 
-    /// The records that an arrival completes.
-    fn read(&mut self, log: &mut LogStream, arrival: &Arrival, sink: &mut dyn Sink) -> Vec<Record> {
+    /// The records that bytes complete.
+    fn read(&mut self, log: &mut LogStream, bytes: &[u8], sink: &mut dyn Sink) -> Vec<Record> {
         let mut records = Vec::new();
-        let ended = log.feed(&arrival.bytes, &self.drive, &mut |record| {
+        let ended = log.feed(bytes, &self.drive, &mut |record| {
             records.push(record);
         });
         if let Some(why) = ended {

@@ -156,6 +156,49 @@ fn assert_near(a: &undrift_nav::mechanisation::NavState, b: &undrift_nav::mechan
     assert!((a.height - b.height).abs() < 1e-9);
 }
 
+/// A line that carries both and was held up gives ten seconds at once, more than the horizon: the solution is the replay's.
+#[test]
+fn samples_and_fixes_of_one_line_are_taken_in_their_order() {
+    let folder = folder(3);
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let (imu, gnss) = (read("imu.csv"), read("gnss.csv"));
+    let mut fixes = gnss.lines().peekable();
+    let mut table = String::new();
+    let stamp = |row: &str| row.split(',').next().unwrap().parse::<f64>().ok();
+    for row in imu.lines() {
+        let fix = fixes.next_if(|fix| match (stamp(fix), stamp(row)) {
+            (Some(fix), Some(row)) => fix < row + 0.01,
+            _ => true,
+        });
+        let place = fix.map_or(",,", |fix| fix.split_once(',').unwrap().1);
+        writeln!(table, "{row},{place}").unwrap();
+    }
+    assert_eq!(fixes.next(), None);
+    let text = DRIVE
+        .replace("imu.csv", "log.csv")
+        .replace("gnss.csv", "log.csv");
+    std::fs::write(folder.path().join("log.csv"), &table).unwrap();
+    std::fs::write(folder.path().join("drive.toml"), &text).unwrap();
+    let drive = Drive::load(&folder.path().join("drive.toml"), None).unwrap();
+    let expected = replayed(&drive);
+
+    let logs = vec![("imu".to_owned(), 0), ("gnss".to_owned(), 0)];
+    let mut live =
+        Session::new(&text, "drive.toml", folder.path(), logs, Options::default()).unwrap();
+    let held_up = table.len() / 15;
+    let arrivals = (0_u64..).zip(table.as_bytes().chunks(held_up));
+    let arrivals: Vec<Arrival> = arrivals
+        .map(|(k, bytes)| Arrival {
+            source: 0,
+            at: 10_000_000_000 * (k + 1),
+            bytes: bytes.to_vec(),
+        })
+        .collect();
+    run(&mut live, &arrivals);
+    assert_near(&end(&live), &expected);
+    assert_eq!(live.navigator().unwrap().too_late(), 0);
+}
+
 /// Pieces of any size, arrivals that jitter and fixes that come up to 1.5 s late: the solution is the replay's.
 #[test]
 fn late_and_in_pieces_the_solution_is_that_of_the_replay() {

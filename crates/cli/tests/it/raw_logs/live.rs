@@ -117,31 +117,22 @@ fn live_is_navigate(name: &str, write: fn(&Log, &Path) -> Vec<PathBuf>) {
     fs::remove_dir_all(&work).unwrap();
 }
 
-/// At forty times the pace a machine that is busy for 50 ms makes fixes later than the horizon: not beside other tests.
-mod weekly {
-    use super::*;
+#[test]
+fn sbf_on_one_line() {
+    live_is_navigate("sbf", sbf);
+}
 
-    #[test]
-    #[ignore = "slow"]
-    fn sbf_on_one_line() {
-        live_is_navigate("sbf", sbf);
-    }
+#[test]
+fn novatel_on_one_line() {
+    live_is_navigate("novatel", novatel);
+}
 
-    #[test]
-    #[ignore = "slow"]
-    fn novatel_on_one_line() {
-        live_is_navigate("novatel", novatel);
-    }
+#[test]
+fn ubx_on_one_line() {
+    live_is_navigate("ubx", ubx);
+}
 
-    #[test]
-    #[ignore = "slow"]
-    fn ubx_on_one_line() {
-        live_is_navigate("ubx", ubx);
-    }
-
-    #[test]
-    #[ignore = "slow"]
-    fn mavlink_on_one_line() {
-        live_is_navigate("mavlink", mavlink);
-    }
+#[test]
+fn mavlink_on_one_line() {
+    live_is_navigate("mavlink", mavlink);
 }
