@@ -656,11 +656,11 @@ typedef struct {
      */
     void *context;
     /**
-     * Gives `size` bytes at a multiple of `align`, a power of two up to 16, or null if there are none: the program then ends.
+     * Allocates `size` bytes with the alignment `align`, a power of two of at most 16. Null where memory is exhausted: the program aborts.
      */
     void *(*allocate)(void *context, size_t size, size_t align);
     /**
-     * Takes back what `allocate` gave for this size.
+     * Frees what `allocate` returned for this size.
      */
     void (*release)(void *context, void *memory, size_t size);
 } undrift_allocator;

@@ -14,11 +14,11 @@ use core::{
 pub struct Allocator {
     /// Passed to both functions.
     pub context: *mut c_void,
-    /// Gives `size` bytes at a multiple of `align`, a power of two up to 16, or null if there are none: the program then ends.
+    /// Allocates `size` bytes with the alignment `align`, a power of two of at most 16. Null where memory is exhausted: the program aborts.
     pub allocate: Option<
         unsafe extern "C" fn(context: *mut c_void, size: usize, align: usize) -> *mut c_void,
     >,
-    /// Takes back what `allocate` gave for this size.
+    /// Frees what `allocate` returned for this size.
     pub release:
         Option<unsafe extern "C" fn(context: *mut c_void, memory: *mut c_void, size: usize)>,
 }
@@ -36,6 +36,12 @@ pub(crate) fn count(change: usize) {
 /// Whether there is an allocator.
 pub(crate) fn is_set() -> bool {
     !ALLOCATOR.load(Ordering::Acquire).is_null()
+}
+
+/// The caller's allocator, if it is set.
+fn callers() -> Option<Allocator> {
+    // SAFETY: null, or it points to an allocator as long as there are navigators.
+    unsafe { ALLOCATOR.load(Ordering::Acquire).as_ref() }.copied()
 }
 
 /// Sets where the memory of navigators comes from, before the first of them: all of it is asked for there, none elsewhere.
@@ -75,32 +81,26 @@ static GLOBAL: Callers = Callers;
 // SAFETY: what is given out comes from the caller's allocator, which gives what it is asked for or null.
 unsafe impl GlobalAlloc for Callers {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let allocator = ALLOCATOR.load(Ordering::Acquire);
-        if allocator.is_null() {
+        let Some(Allocator {
+            context,
+            allocate: Some(allocate),
+            ..
+        }) = callers()
+        else {
             return null_mut();
-        }
-        // SAFETY: it points to an allocator as long as there are navigators.
-        let Allocator {
-            context, allocate, ..
-        } = unsafe { allocator.read() };
-        match allocate {
-            // SAFETY: the caller's own function, with its context.
-            Some(allocate) => unsafe { allocate(context, layout.size(), layout.align()) }.cast(),
-            None => null_mut(),
-        }
+        };
+        // SAFETY: the caller's own function, with its context.
+        unsafe { allocate(context, layout.size(), layout.align()) }.cast()
     }
 
     unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
-        let allocator = ALLOCATOR.load(Ordering::Acquire);
-        if allocator.is_null() {
-            return;
-        }
-        // SAFETY: as above.
-        let Allocator {
-            context, release, ..
-        } = unsafe { allocator.read() };
-        if let Some(release) = release {
-            // SAFETY: memory that it gave for this size.
+        if let Some(Allocator {
+            context,
+            release: Some(release),
+            ..
+        }) = callers()
+        {
+            // SAFETY: memory that it returned for this size.
             unsafe { release(context, memory.cast(), layout.size()) };
         }
     }

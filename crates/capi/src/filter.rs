@@ -2,7 +2,7 @@
 
 use crate::{
     capacity::{Inner, STATES},
-    memory::{finite, not_negative, numbers, read, write},
+    memory::{check_tag, finite, not_negative, numbers, read, write},
     status::{Status, call},
     types::{Prior, Sample, Sensor, Start, UNDRIFT_AXES, UNDRIFT_PARAMETERS},
 };
@@ -40,17 +40,8 @@ pub struct Filter {
 /// # Safety
 /// `at` is null or points to memory of a filter's size.
 unsafe fn check(at: *const Filter) -> Result<(), Status> {
-    if at.is_null() {
-        return Err(Status::NullPointer);
-    }
-    if !at.is_aligned() {
-        return Err(Status::Misaligned);
-    }
-    // SAFETY: aligned memory of a filter's size; only the tag is looked at, and any bits make one.
-    if unsafe { (&raw const (*at).tag).read() } != TAG {
-        return Err(Status::NotInitialised);
-    }
-    Ok(())
+    // SAFETY: passed on; the tag is within the filter.
+    unsafe { check_tag(at, |at| &raw const (*at).tag, TAG) }
 }
 
 /// The filter at `at`, to read.

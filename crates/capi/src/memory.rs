@@ -15,6 +15,28 @@ pub(crate) unsafe fn read<T: Copy>(from: *const T) -> Result<T, Status> {
     Ok(unsafe { from.read_unaligned() })
 }
 
+/// Checks that `at` points to something whose tag is this one, `tag` being where it has it.
+///
+/// # Safety
+/// `at` is null or points to memory of a `T`'s size, within which `tag` leads to a number.
+pub(crate) unsafe fn check_tag<T>(
+    at: *const T,
+    tag: impl FnOnce(*const T) -> *const u64,
+    expected: u64,
+) -> Result<(), Status> {
+    if at.is_null() {
+        return Err(Status::NullPointer);
+    }
+    if !at.is_aligned() {
+        return Err(Status::Misaligned);
+    }
+    // SAFETY: aligned memory of a T's size; only the tag is looked at, and any bits make one.
+    if unsafe { tag(at).read() } != expected {
+        return Err(Status::NotInitialised);
+    }
+    Ok(())
+}
+
 /// A copy of what `from` points to, or `instead` if it is null.
 ///
 /// # Safety

@@ -2,7 +2,7 @@
 
 use crate::{
     allocator,
-    memory::{finite, not_negative, read, write},
+    memory::{check_tag, finite, not_negative, read, write},
     status::{Status, call},
     types::{Position, Prior, Sample, Sensor, State, UNDRIFT_AXES, Velocity},
 };
@@ -118,16 +118,8 @@ const MOST_EVENTS: usize = 256;
 /// # Safety
 /// `at` is null or points to memory of a navigator's size that nobody else uses for `'a`.
 unsafe fn navigator_mut<'a>(at: *mut Navigator) -> Result<&'a mut Navigator, Status> {
-    if at.is_null() {
-        return Err(Status::NullPointer);
-    }
-    if !at.is_aligned() {
-        return Err(Status::Misaligned);
-    }
-    // SAFETY: aligned memory of a navigator's size; only the tag is looked at, and any bits make one.
-    if unsafe { (&raw const (*at).tag).read() } != TAG {
-        return Err(Status::NotInitialised);
-    }
+    // SAFETY: passed on; the tag is within the navigator.
+    unsafe { check_tag(at, |at| &raw const (*at).tag, TAG) }?;
     // SAFETY: a navigator, by its tag.
     Ok(unsafe { &mut *at })
 }

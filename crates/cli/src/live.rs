@@ -297,14 +297,7 @@ impl Run {
         if let Some(page) = &self.page {
             page.notice(time, sentence);
         }
-        let text = match time {
-            Some(time) => format!("{time:.1} s: {sentence}"),
-            None => sentence.to_owned(),
-        };
-        match is_warning {
-            true => warn(text),
-            false => note(text),
-        }
+        say::print(time, sentence, is_warning);
     }
 
     fn finish(self, session: &Session) -> Result<()> {

@@ -1,7 +1,6 @@
 //! `undrift navigate run.mcap`: the solution of a recorded run again.
 
 use super::say;
-use crate::terminal::{note, warn};
 use anyhow::{Result, bail};
 use std::path::Path;
 use undrift::{SolutionRow, drive::Drive, io::write::SolutionFile};
@@ -95,14 +94,8 @@ impl Sink for Again<'_> {
     }
 
     fn notice(&mut self, time: Option<f64>, notice: Notice) {
-        if !say::is_worth_a_word(&notice) {
-            return;
-        }
-        let sentence = say::notice(&notice);
-        let text = time.map_or(sentence.clone(), |time| format!("{time:.1} s: {sentence}"));
-        match say::is_warning(&notice) {
-            true => warn(text),
-            false => note(text),
+        if say::is_worth_a_word(&notice) {
+            say::print(time, &say::notice(&notice), say::is_warning(&notice));
         }
     }
 }

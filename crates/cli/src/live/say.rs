@@ -1,5 +1,6 @@
 //! Sentences of a session.
 
+use crate::terminal::{note, warn};
 use undrift::engine::Event;
 use undrift_live::{Notice, Session};
 use undrift_report::say;
@@ -22,6 +23,18 @@ pub fn notice(notice: &Notice) -> String {
         }
         Notice::Navigation(event) => say::event(event),
         Notice::Begins => "navigation begins again".into(),
+    }
+}
+
+/// Prints a sentence, of a time of the logs \[s\].
+pub fn print(time: Option<f64>, sentence: &str, is_warning: bool) {
+    let text = match time {
+        Some(time) => format!("{time:.1} s: {sentence}"),
+        None => sentence.to_owned(),
+    };
+    match is_warning {
+        true => warn(text),
+        false => note(text),
     }
 }
 

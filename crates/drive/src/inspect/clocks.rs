@@ -1,5 +1,6 @@
 //! By how much the clocks of two logs differ: where the turns that the gyros see are those of the course.
 
+use undrift_io::epoch::{ClockSource, Epoch};
 use undrift_nav::{
     Vector3,
     sample::{GnssFix, ImuSample},
@@ -83,23 +84,14 @@ pub(super) fn offset(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<(f64, Known
     Some(((offset * 100.0).round() / 100.0, known))
 }
 
-/// GPS time zero in Unix time \[s\].
-const GPS_EPOCH: f64 = 315_964_800.0;
-/// GPS seconds from which on GPS time was so many seconds ahead of UTC.
-const LEAPS: [(f64, f64); 3] = [
-    (1_167_264_018.0, 18.0),
-    (1_119_744_017.0, 17.0),
-    (1_025_136_016.0, 16.0),
-];
-
 /// What is to be added to the times of the fixes, of which the first and last are `fixes` \[s\], where one log counts GPS seconds since
 /// 1980 and the other, from the first to the last of `imu` \[s\], Unix time of the same hours.
 pub(super) fn gps_epoch(imu: (f64, f64), fixes: (f64, f64)) -> Option<f64> {
     let gps = imu.0.min(fixes.0);
-    let (_, leap) = LEAPS.into_iter().find(|(from, _)| gps >= *from)?;
-    let offset = (GPS_EPOCH - leap) * (imu.0 - fixes.0).signum();
+    let apart = (Epoch::of_week(0, ClockSource::Gnss).unix(gps) - gps).round();
+    let offset = apart * (imu.0 - fixes.0).signum();
     let overlap = imu.1.min(fixes.1 + offset) - imu.0.max(fixes.0 + offset);
-    (overlap > 0.0 && (imu.0 - fixes.0).abs() > GPS_EPOCH / 2.0).then_some(offset)
+    (overlap > 0.0 && (imu.0 - fixes.0).abs() > apart / 2.0).then_some(offset)
 }
 
 /// The whole hours and leap seconds that an offset is.
@@ -226,10 +218,10 @@ mod tests {
     #[test]
     fn gps_seconds_and_unix_time_differ_by_their_size() {
         for (unix, leap) in [(1_700_000_000.0, 18.0), (1_470_000_000.0, 17.0)] {
-            let gps = unix - GPS_EPOCH + leap;
+            let gps = unix - 315_964_800.0 + leap;
             let (imu, fixes) = ((unix, unix + 400.0), (gps + 1.0, gps + 390.0));
-            assert_eq!(gps_epoch(imu, fixes), Some(GPS_EPOCH - leap));
-            assert_eq!(gps_epoch(fixes, imu), Some(leap - GPS_EPOCH));
+            assert_eq!(gps_epoch(imu, fixes), Some(315_964_800.0 - leap));
+            assert_eq!(gps_epoch(fixes, imu), Some(leap - 315_964_800.0));
             assert_eq!(gps_epoch(imu, imu), None);
             assert_eq!(gps_epoch(imu, (gps + 500.0, gps + 600.0)), None);
             assert_eq!(gps_epoch(imu, (0.0, 400.0)), None);

@@ -52,9 +52,7 @@ pub(super) fn parts_of(mut table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
     if let Some(place) = columns.place_of() {
         let reference = all(&columns.found.attitude).filter(|_| parts.is_empty());
         parts.push(match reference {
-            Some(attitude) if place[0] != place[2] => {
-                Part::new("truth", columns.truth(place, attitude))
-            }
+            Some(attitude) if !is_flat(place) => Part::new("truth", columns.truth(place, attitude)),
             _ => Part::new("gnss", columns.gnss(place)),
         });
     }
@@ -171,6 +169,11 @@ pub(super) struct Columns {
     /// Of the columns, by their names.
     meanings: Vec<Option<(Meaning, Option<String>)>>,
     pub(super) found: Found,
+}
+
+/// Whether a place has no height: it is then latitude, longitude, latitude.
+pub(super) fn is_flat(place: [usize; 3]) -> bool {
+    place[0] == place[2]
 }
 
 impl Columns {

@@ -2,7 +2,7 @@
 
 use super::{
     LEVEL_VELOCITY_STD, POSITION_STD, VELOCITY_STD,
-    columns::{Columns, NAMES, all},
+    columns::{Columns, NAMES, all, is_flat},
     numbers::three_of,
 };
 use crate::columns::{FIX_STEP, ordinary_step};
@@ -23,11 +23,6 @@ const LARGE_STD: f64 = 50.0;
 /// Standard deviations of positions without a height, which is taken as that of the ellipsoid and does not follow the
 /// ground.
 const FLAT_STD: &str = "3, 3, 50 m";
-
-/// Whether a place has no height: it is then latitude, longitude, latitude.
-fn is_flat(place: [usize; 3]) -> bool {
-    place[0] == place[2]
-}
 
 /// Most that a speed in the right unit differs from that of the positions.
 const ALIKE: std::ops::Range<f64> = 0.7..1.4;

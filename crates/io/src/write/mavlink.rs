@@ -140,7 +140,7 @@ impl<W: Write> MavlinkWriter<W> {
     }
 
     fn send(&mut self, (number, extra): (u32, u8), Body(mut body): Body) -> io::Result<()> {
-        // Zeros at the end are left out, but for the first byte.
+        // Payload truncation: trailing zero bytes are not sent, but the first byte is.
         while body.len() > 1 && body.last() == Some(&0) {
             body.pop();
         }

@@ -143,19 +143,11 @@ pub fn recommend(candidates: &[Scored]) -> Option<Recommendation> {
         .last()
         .map_or(0.0, |c| c.horizons[horizons - 1].horizon_s);
     let decides = |h: &usize| best[*h].horizons[*h].horizon_s >= SHORTEST_S.min(longest);
-    let worst = |c: &Scored| {
-        (0..horizons)
-            .filter(decides)
-            .map(|h| ratio(c, h))
-            .fold(0.0, f64::max)
-    };
-    let deciding_s = (0..horizons)
-        .filter(decides)
-        .map(|h| best[h].horizons[h].horizon_s);
-    let deciding_s: Vec<f64> = deciding_s.collect();
+    let deciding: Vec<usize> = (0..horizons).filter(decides).collect();
+    let worst = |c: &Scored| deciding.iter().map(|h| ratio(c, *h)).fold(0.0, f64::max);
     let good = |c: &Scored| {
-        let mut deciding = (0..horizons).filter(decides);
-        deciding.all(|h| is_as_good(&c.horizons[h], &best[h].horizons[h]))
+        let mut deciding = deciding.iter();
+        deciding.all(|&h| is_as_good(&c.horizons[h], &best[h].horizons[h]))
     };
     // The likelihood sees more of a record than the few windows of a long horizon do.
     let least_aic = usable.iter().filter(|(_, c)| good(c)).map(|(_, c)| c.aic);
@@ -171,14 +163,16 @@ pub fn recommend(candidates: &[Scored]) -> Option<Recommendation> {
             name: chosen.name.clone(),
             states: chosen.states,
             parameters: chosen.parameters,
-            horizons_s: deciding_s.clone(),
+            horizons_s: deciding
+                .iter()
+                .map(|&h| best[h].horizons[h].horizon_s)
+                .collect(),
             choice,
         },
     };
     let excess = |c: &Scored| 100.0 * (worst(c) - 1.0);
     if let Some(&(index, chosen)) = simplest {
-        let is_best = |h: usize| std::ptr::eq(best[h], chosen);
-        let choice = if (0..horizons).filter(decides).all(is_best) {
+        let choice = if deciding.iter().all(|&h| std::ptr::eq(best[h], chosen)) {
             Choice::LeastDrift
         } else {
             let excess_percent = excess(chosen);

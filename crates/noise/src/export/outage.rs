@@ -155,7 +155,7 @@ mod tests {
         // The driving noise is right for times far below 10 s, and expects too much after 30.
         let driving = filter.drift(slow.drive(), 30.0);
         assert!(driving.expected > 1.1 * driving.real, "{driving:?}");
-        // A process that is over within the outage is expected as it is, not left out.
+        // σ also contains a process whose correlation time is shorter than the outage.
         let fast = Slow {
             processes: vec![GaussMarkov {
                 sigma: 200.0,

@@ -65,23 +65,8 @@ impl<'a> Section<'a> {
     pub fn columns(&self, key: &'a str) -> Result<Option<[Column; 3]>, ConfigError> {
         #[cfg(test)]
         self.note(key, Takes::ThreeColumns);
-        let Some(value) = self.get(key) else {
-            return Ok(None);
-        };
-        let wrong = || {
-            self.error(
-                key,
-                "must be a list of three columns such as [\"x\", \"y\", \"z\"] or [2, 3, 4]",
-            )
-        };
-        let Value::List(items) = value else {
-            return Err(wrong());
-        };
-        let columns = items
-            .iter()
-            .map(|item| self.column_of(key, item))
-            .collect::<Result<Vec<_>, _>>()?;
-        columns.try_into().map(Some).map_err(|_| wrong())
+        let wrong = "must be a list of three columns such as [\"x\", \"y\", \"z\"] or [2, 3, 4]";
+        self.some_columns(key, wrong)
     }
 
     /// Two columns, with the first as a third that nothing is taken from.
@@ -89,21 +74,27 @@ impl<'a> Section<'a> {
     /// # Errors
     /// If it is no list of two columns.
     pub fn two_columns(&self, key: &'a str) -> Result<Option<[Column; 3]>, ConfigError> {
-        let two = match self.get(key) {
+        let wrong =
+            "with height it has two columns, latitude and longitude: remove the third, or height";
+        let two = self.some_columns(key, wrong)?;
+        Ok(two.map(|[first, second]| [first.clone(), second, first]))
+    }
+
+    /// So many columns; a value that is no list of them is `wrong`.
+    fn some_columns<const N: usize>(
+        &self,
+        key: &'a str,
+        wrong: &str,
+    ) -> Result<Option<[Column; N]>, ConfigError> {
+        let items = match self.get(key) {
             None => return Ok(None),
-            Some(Value::List(items)) => items
-                .iter()
-                .map(|item| self.column_of(key, item))
-                .collect::<Result<Vec<_>, _>>()?,
-            Some(_) => Vec::new(),
+            Some(Value::List(items)) => items,
+            Some(_) => return Err(self.error(key, wrong)),
         };
-        match <[Column; 2]>::try_from(two) {
-            Ok([first, second]) => Ok(Some([first.clone(), second, first])),
-            Err(_) => Err(self.error(
-                key,
-                "with height it has two columns, latitude and longitude: remove the third, or height",
-            )),
-        }
+        let columns = items.iter().map(|item| self.column_of(key, item));
+        let columns = columns.collect::<Result<Vec<_>, _>>()?;
+        let columns = columns.try_into().map(Some);
+        columns.map_err(|_| self.error(key, wrong))
     }
 
     /// A number with its unit, `"10 cm/s"`, in the SI unit of `quantity`.
