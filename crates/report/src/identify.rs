@@ -20,7 +20,7 @@ use super::{
 use axis::{allan_panel, of_axis, psd_panel};
 pub(crate) use axis::{correlation, drift_table, of_others, record};
 pub(crate) use bounds::bounds;
-pub(crate) use floor::floor;
+pub(crate) use floor::{FLAT, floor};
 pub(crate) use lines::lines;
 pub(crate) use orders::{adequacy, adequacy_line, pandit_wu};
 pub(crate) use temperatures::temperatures;

@@ -142,7 +142,7 @@ fn table_1(demo: &Demo) -> Table {
     let white = |axis: &Axis| axis.allan_terms.white.value * 60.0;
     let floor = |axis: &Axis| {
         let least = axis.allan.adev.iter().map(|d| d.0);
-        least.fold(f64::INFINITY, f64::min) / 0.664
+        least.fold(f64::INFINITY, f64::min) / crate::identify::FLAT
     };
     let rows: [Row; 6] = [
         (

@@ -75,7 +75,7 @@ pub(super) struct EquivalentAxis {
     pub turn_on: f64,
     /// Gauss-Markov processes and random walk.
     pub slow: Slow,
-    /// Random walk [unit/√s] that is best for a filter which knows no other bias.
+    /// Random walk [unit/√s] that is best for a filter which knows no other bias; 0 for formats that know others.
     pub walk: f64,
 }
 
@@ -110,11 +110,14 @@ impl Equivalent {
                 remarks.push((sensor, Remark::Undetected { length }));
             }
         }
-        let named = AXES.into_iter().zip(gyro.iter_mut().chain(&mut accel));
-        for (name, axis) in named {
-            let filter = WalkFilter::new(axis.white, &axis.slow);
-            axis.walk = filter.best(outage_s);
-            if !axis.slow.processes.is_empty() && has_only_a_walk(format) {
+        if has_only_a_walk(format) {
+            let named = AXES.into_iter().zip(gyro.iter_mut().chain(&mut accel));
+            for (name, axis) in named {
+                let filter = WalkFilter::new(axis.white, &axis.slow);
+                axis.walk = filter.best(outage_s);
+                if axis.slow.processes.is_empty() {
+                    continue;
+                }
                 let factor = |length: f64| {
                     let drift = filter.drift(axis.walk, length);
                     drift.expected / drift.real

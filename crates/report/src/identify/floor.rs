@@ -4,7 +4,7 @@ use crate::numbers::short;
 use undrift_results::Axis;
 
 /// Flat of the Allan deviation of flicker noise of B = 1: √(2 ln 2/π).
-const FLAT: f64 = 0.664;
+pub(crate) const FLAT: f64 = 0.664;
 /// Upper end of the 68 % interval of a deviation over it, beyond which it says nothing of a floor.
 const KNOWN: f64 = 1.5;
 
