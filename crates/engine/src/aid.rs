@@ -5,11 +5,12 @@
 //! vehicle's motion is used when [`crate::constraints`] says so. How to add one: `docs/lab/add-a-measurement.md`.
 
 mod gnss;
+pub(crate) mod pose;
 
 use alloc::{string::String, vec::Vec};
 use core::ops::{Index, IndexMut};
 use undrift_nav::{
-    Vector3,
+    Quaternion, Vector3,
     aiding::Observation,
     filter::Filter,
     sample::{GnssFix, Position, Scalar},
@@ -33,17 +34,20 @@ pub enum Aid {
     Odometer,
     /// Barometric heights.
     Barometer,
+    /// Attitudes of a marker.
+    Attitude,
 }
 
 impl Aid {
     /// Every kind, in the order in which they are reported.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Position,
         Self::Velocity,
         Self::NonHolonomic,
         Self::ZeroVelocity,
         Self::Odometer,
         Self::Barometer,
+        Self::Attitude,
     ];
     /// Number of kinds.
     pub const COUNT: usize = Self::ALL.len();
@@ -57,6 +61,7 @@ impl Aid {
             Self::ZeroVelocity => "zero velocity",
             Self::Odometer => "odometer",
             Self::Barometer => "barometer",
+            Self::Attitude => "attitude",
         }
     }
 
@@ -74,6 +79,7 @@ impl Aid {
             Self::ZeroVelocity => "Zero-velocity updates.",
             Self::Odometer => "Odometer updates.",
             Self::Barometer => "Barometer updates.",
+            Self::Attitude => "Attitude updates.",
         }
     }
 }
@@ -365,6 +371,15 @@ pub enum Aiding {
     },
     /// Height by a barometer, up positive \[m\].
     Barometer(f64),
+    /// Attitude of a marker.
+    Attitude {
+        /// Attitude against the frame of the poses, `q_rm`, as measured.
+        q_rm: Quaternion,
+        /// The marker's axes in the body, as configured.
+        q_bm: Quaternion,
+        /// Time at which it holds \[s\]; the filter is there or after it.
+        due: f64,
+    },
 }
 
 /// Group of measurements that noise is fitted for by itself, from the updates that [`LogTo`](crate::estimator::LogTo) receives.
@@ -376,6 +391,8 @@ pub enum Channel {
     Velocity,
     /// Non-holonomic constraint.
     NonHolonomic,
+    /// Attitude of a marker.
+    Attitude,
     /// Any other kind.
     Other,
 }
@@ -400,6 +417,7 @@ impl Aiding {
             Self::Position { .. } => Channel::Position,
             Self::Velocity { .. } => Channel::Velocity,
             Self::NonHolonomic(_) => Channel::NonHolonomic,
+            Self::Attitude { .. } => Channel::Attitude,
             _ => Channel::Other,
         }
     }
@@ -440,6 +458,9 @@ pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Op
             Observed::One(filter.observe_odometer(*speed, lever_arm))
         }
         Aiding::Barometer(height) => Observed::One(filter.observe_barometer(*height)),
+        Aiding::Attitude { q_rm, q_bm, due } => {
+            Observed::Three(pose::observe_attitude(filter, q_rm, q_bm, *due))
+        }
     })
 }
 

@@ -65,6 +65,7 @@ use undrift_nav::{
     earth::{Geodetic, LocalEarth},
     filter::{FilterError, Gate, InitialStd},
     mechanisation::NavState,
+    parameters::Parameter,
     sample::{GnssFix, ImuSample},
 };
 
@@ -191,13 +192,13 @@ impl Aligner {
             return Ok(None);
         };
         self.note_speed(&seen);
-        if let Some((rpy, std)) = self.settings.attitude {
+        if let Some((q_nb, std, source)) = self.known_attitude(fix, settings) {
             let std = InitialStd {
                 position: Vector3::repeat(1.0),
                 velocity: Vector3::repeat(1.0),
                 attitude: std,
             };
-            let start = self.start(&seen, from_rpy(&rpy), settings);
+            let start = self.start(&seen, q_nb, settings);
             let parameters = settings.worthwhile(&seen.position.1);
             let mut filter = estimator::build(start, &std, &settings.sensors, parameters)?;
             let correlated = settings
@@ -208,7 +209,7 @@ impl Aligner {
                 &seen.velocity.1,
                 &correlated,
             );
-            return Ok(Some(aligned(filter, AttitudeSource::Given, None)));
+            return Ok(Some(aligned(filter, source, None)));
         }
         let bias_variance =
             noise_of_mean(&settings.sensors[..3], self.rest.bias_span()) + RATE_FLOOR * RATE_FLOOR;
@@ -228,6 +229,33 @@ impl Aligner {
             };
             aligned(found.filter, source, None)
         }))
+    }
+
+    /// The attitude `q_nb` that is given, or that the fix has as a pose, and its standard deviations about north, east, down \[rad\]. Marker
+    /// and frame are as certain as their priors.
+    fn known_attitude(
+        &self,
+        fix: &GnssFix,
+        settings: &Settings,
+    ) -> Option<(Quaternion, Vector3, AttitudeSource)> {
+        if let Some((rpy, std)) = self.settings.attitude {
+            return Some((from_rpy(&rpy), std, AttitudeSource::Given));
+        }
+        let (q_rm, covariance) = fix.attitude?;
+        let prior = |kind| {
+            settings
+                .parameters
+                .prior(kind)
+                .map_or(0.0, |prior| prior.std)
+        };
+        let (turned, tilted) = (
+            prior(Parameter::MarkerRotation),
+            prior(Parameter::FrameTilt),
+        );
+        let variance = covariance.diagonal().add_scalar(turned * turned);
+        let tilt = Vector3::new(tilted, tilted, 0.0);
+        let std = (variance + tilt.component_mul(&tilt)).map(|variance| variance.sqrt());
+        Some((q_rm * settings.marker.inverse(), std, AttitudeSource::Pose))
     }
 
     /// Position and velocity by a fix: the velocity given, measured, or from two positions.

@@ -194,6 +194,7 @@ mod tests {
             let side = if k % 2 == 0 { wobble } else { -wobble };
             let place = start.displaced(&Vector3::new(3.0 * time, -4.0 * time + side, 0.0));
             GnssFix {
+                attitude: None,
                 time,
                 position: Some((Position::Geodetic(place), Matrix3::identity())),
                 velocity: None,

@@ -332,6 +332,10 @@ pub trait Estimator: Send + Sync {
         correlated: &[Vector3; 2],
     );
 
+    /// Takes the navigation frame for one that does not turn with the Earth, as
+    /// [`Filter::without_earth_rate`](undrift_nav::filter::Filter::without_earth_rate).
+    fn without_earth_rate(&mut self);
+
     /// Gives each update to `log` from now on, until [`Estimator::record`] is called.
     fn log_to(&mut self, log: LogTo);
     /// Starts the recording for [`Estimator::adjoint`] afresh.

@@ -238,6 +238,7 @@ mod tests {
     fn fixes_are_given_out_at_their_stamps_and_the_offset() {
         let fix = |time| {
             Measurement::Gnss(GnssFix {
+                attitude: None,
                 time,
                 position: None,
                 velocity: None,
@@ -278,6 +279,7 @@ mod tests {
     fn parts_of_a_fix_hold_at_their_own_times() {
         let fix = |time| {
             Measurement::Gnss(GnssFix {
+                attitude: None,
                 time,
                 position: Some((
                     undrift_nav::sample::Position::Geodetic(Default::default()),

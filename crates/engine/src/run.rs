@@ -262,7 +262,10 @@ impl Run {
                     if begins(&fix, part) {
                         self.log.stamps = Some(Stamps::and(self.log.stamps, fix.time));
                         self.log.fixes += 1;
-                        self.plausible.fix(&fix);
+                        // A marker's course says nothing of its axes.
+                        if fix.attitude.is_none() {
+                            self.plausible.fix(&fix);
+                        }
                     }
                     self.fix(&fix, part, &sample, observer)?;
                 }

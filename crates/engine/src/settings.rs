@@ -17,7 +17,7 @@ use alloc::vec::Vec;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{
-    Matrix3, Vector3,
+    Matrix3, Quaternion, Vector3,
     covariance::AXES,
     parameters::{Parameter, Parameters},
     shaping::ShapingFilter,
@@ -106,6 +106,11 @@ pub struct Settings {
     /// IMU → antenna, body axes \[m\]: forward, right and down positive, so an antenna on the roof has a negative third component. It is
     /// estimated beside this value where [`Parameter::LeverArm`] is among the parameters.
     pub lever_arm: Vector3,
+    /// Axes of the marker in the body, `q_bm`, which turns vectors of the marker's axes into the body's: of poses, whose attitude is the
+    /// marker's. It is estimated beside this value where [`Parameter::MarkerRotation`] is among the parameters.
+    pub marker: Quaternion,
+    /// Whether the navigation frame turns with the Earth; not in a room whose heading against north is unknown. `true` by default.
+    pub earth_rate: bool,
     /// Parts of a fix that update the solution. Alignment takes the position in any case.
     pub gnss_use: GnssUse,
     /// How the first position, velocity and attitude are found.
@@ -169,6 +174,8 @@ impl Settings {
             rotation: Matrix3::identity(),
             find_mounting: false,
             lever_arm: Vector3::zeros(),
+            marker: Quaternion::identity(),
+            earth_rate: true,
             gnss_use: GnssUse::Both,
             align: AlignSettings::default(),
             outages: Vec::new(),

@@ -55,6 +55,7 @@ mod tests {
     fn fix(time: f64, v_n: Vector3) -> GnssFix {
         let r = Matrix3::new(0.04, 0.01, 0.02, 0.01, 0.04, 0.02, 0.02, 0.02, 0.09);
         GnssFix {
+            attitude: None,
             time,
             position: None,
             velocity: Some((v_n, r)),

@@ -9,6 +9,7 @@
 //! | wheel speed; no side slip, no lift | [`Filter::observe_odometer`], [`Filter::observe_non_holonomic`] |
 //! | course of a vehicle that drives where it points | [`Filter::observe_course`] |
 //! | barometric height | [`Filter::observe_barometer`] |
+//! | attitude of a marker, by motion capture or a camera | [`Filter::observe_attitude`] |
 //! | rest: no velocity, gravity up, the Earth's rate | [`Filter::observe_zero_velocity`], [`Filter::observe_level`], [`Filter::observe_earth_rate`] |
 //!
 //! Each returns an [`Observation`] for [`Filter::update`], with the covariance of the measurement given there. Rows are stated for
@@ -48,6 +49,7 @@ mod earth_rate;
 mod level;
 mod non_holonomic;
 mod odometer;
+mod pose;
 mod position;
 mod velocity;
 mod zero_velocity;

@@ -61,6 +61,21 @@ pub fn skew(v: &Vector3) -> Matrix3 {
     Matrix3::new(0.0, -v.z, v.y, v.z, 0.0, -v.x, -v.y, v.x, 0.0)
 }
 
+/// Right Jacobian J_r of a rotation vector: `exp(φ + δ) ≈ exp(φ) exp(J_r δ)`; the left one is that of −φ. Chirikjian 2012, section 10.6.
+pub fn right_jacobian(phi: &Vector3) -> Matrix3 {
+    let (theta_sq, cross) = (phi.norm_squared(), skew(phi));
+    let (first, second) = if theta_sq < 1e-6 {
+        (0.5 - theta_sq / 24.0, 1.0 / 6.0 - theta_sq / 120.0)
+    } else {
+        let theta = sqrt(theta_sq);
+        (
+            (1.0 - cos(theta)) / theta_sq,
+            (theta - sin(theta)) / (theta_sq * theta),
+        )
+    };
+    Matrix3::identity() - cross * first + cross * cross * second
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -83,6 +98,19 @@ mod tests {
             let exact = Quaternion::from_scaled_axis(phi);
             let ours = from_rotation_vector(&phi);
             assert!((exact.coords - ours.coords).norm() < 4e-16, "{scale}");
+        }
+    }
+
+    #[test]
+    fn right_jacobian_takes_a_small_change_to_the_right() {
+        let delta = Vector3::new(1e-6, -2e-6, 1.5e-6);
+        for scale in [0.0, 1e-4, 0.9e-3, 1.1e-3, 0.5, 2.5] {
+            let phi = Vector3::new(0.6, -0.64, 0.48) * scale;
+            let change =
+                from_rotation_vector(&phi).inverse() * from_rotation_vector(&(phi + delta));
+            let miss = change.scaled_axis() - right_jacobian(&phi) * delta;
+            // Of second order in δ.
+            assert!(miss.norm() < 1e-11, "{scale}: {miss}");
         }
     }
 

@@ -121,6 +121,8 @@ pub struct LocalEarth {
     pub sin_lat: f64,
     /// Cosine of the latitude.
     pub cos_lat: f64,
+    /// Rate of the Earth's rotation [rad/s]: [`EARTH_RATE`], or 0 in a local frame whose heading is not known.
+    pub rate: f64,
 }
 
 impl LocalEarth {
@@ -135,13 +137,14 @@ impl LocalEarth {
             gravity: gravity_of_sin(sin_lat, position.height),
             sin_lat,
             cos_lat,
+            rate: EARTH_RATE,
         }
     }
 
     /// Earth rotation rate ω_ie^n [rad/s].
     #[inline]
     pub fn earth_rate(&self) -> Vector3 {
-        Vector3::new(EARTH_RATE * self.cos_lat, 0.0, -EARTH_RATE * self.sin_lat)
+        Vector3::new(self.rate * self.cos_lat, 0.0, -self.rate * self.sin_lat)
     }
 
     /// Transport rate ω_en^n [rad/s] at velocity `v_n` [m/s]. Groves eq. 5.44.

@@ -21,6 +21,7 @@ pub use update::{Gate, Outcome, Update};
 use crate::{
     Matrix3, Vector3,
     covariance::{AXES, NAV, Part, Sensors, Transition},
+    earth::LocalEarth,
     mechanisation::{Increments, NavState, RawIncrements},
     parameters::{Coupling, Parameter, Parameters, jerk},
     sample::ImuSample,
@@ -139,6 +140,8 @@ pub struct Filter<const N: usize> {
     coupling: Coupling,
     /// From when on [`Parameter::ClockRate`] lets the time offsets grow \[s\].
     start: f64,
+    /// Whether the navigation frame turns with the Earth.
+    turns: bool,
 }
 
 impl<const N: usize> Filter<N> {
@@ -206,6 +209,7 @@ impl<const N: usize> Filter<N> {
             slow_force: Vector3::zeros(),
             coupling: Coupling::NONE,
             start: nav.time,
+            turns: true,
         })
     }
 
@@ -287,7 +291,7 @@ impl<const N: usize> Filter<N> {
 
     /// Angular rate of the body against the navigation frame ω_nb^b [rad/s], from the last sample.
     pub fn omega_nb_b(&self) -> Vector3 {
-        let earth = crate::earth::LocalEarth::at(&self.nav.position);
+        let earth = self.earth();
         let omega_in = earth.earth_rate() + earth.transport_rate(&self.nav.v_n);
         self.omega_ib_b - self.c_nb.tr_mul(&omega_in)
     }
@@ -297,6 +301,22 @@ impl<const N: usize> Filter<N> {
     pub fn acceleration(&self) -> Vector3 {
         let gravity = crate::earth::LocalEarth::at(&self.nav.position).gravity;
         self.c_nb * self.force_b + Vector3::new(0.0, 0.0, gravity)
+    }
+
+    /// Takes the navigation frame for one that does not turn with the Earth, from now on: a room whose heading is unknown. The gyros' biases
+    /// then have up to 15 °/h of it, [`EARTH_RATE`](crate::earth::EARTH_RATE).
+    pub fn without_earth_rate(&mut self) {
+        self.turns = false;
+    }
+
+    /// Radii, gravity and the Earth's rate at the present place.
+    #[inline]
+    pub(crate) fn earth(&self) -> LocalEarth {
+        let mut earth = LocalEarth::at(&self.nav.position);
+        if !self.turns {
+            earth.rate = 0.0;
+        }
+        earth
     }
 
     /// How the parameters act on the present sample's errors.
@@ -380,7 +400,8 @@ impl<const N: usize> Filter<N> {
         if to > done {
             let part = increments.part(to - done);
             let c_start = self.c_nb;
-            let step = self.nav.step(&part);
+            let earth = self.earth();
+            let step = self.nav.step_over(&part, earth);
             self.c_nb = self.nav.q_nb.to_rotation_matrix().into_inner();
             let transition = Transition::new(&step, &((c_start + self.c_nb) * 0.5));
             let part = if last { Part::Last } else { Part::Inner };

@@ -133,8 +133,13 @@ impl NavState {
     /// Nothing is checked: a state near a pole, or increments that are not finite, leave a state that [`NavState::is_valid`] refuses.
     #[inline]
     pub fn step(&mut self, increments: &Increments) -> Step {
+        self.step_over(increments, LocalEarth::at(&self.position))
+    }
+
+    /// Does [`NavState::step`] over `earth`, which is that of the state's position, or one that does not turn.
+    #[inline]
+    pub fn step_over(&mut self, increments: &Increments, earth: LocalEarth) -> Step {
         let Increments { dt, rotation, dvel } = *increments;
-        let earth = LocalEarth::at(&self.position);
         let gravity = Vector3::new(0.0, 0.0, earth.gravity);
 
         // Specific force, turned from the body at the start of the step to the navigation frame.

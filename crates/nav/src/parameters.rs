@@ -45,6 +45,10 @@ pub enum Parameter {
     ClockRate,
     /// Time by which the accelerometers are later than the gyros \[s\]: two chips, two topics, or a filter on one of them.
     AccelDelay,
+    /// Turn of a marker's axes against the configured ones, about the marker's axes \[rad\]: true less configured.
+    MarkerRotation,
+    /// Tilt of the frame of poses against the horizon, about north and east \[rad\]: the rotation that takes north, east, down to its axes.
+    FrameTilt,
     /// Time-correlated part of the position's error (multipath, atmosphere, the receiver's own filter), in the axes of
     /// the fix, in units of its standard deviation [–]: 1 is what the receiver states of that part.
     PositionError,
@@ -55,7 +59,7 @@ pub enum Parameter {
 
 impl Parameter {
     /// Every kind, in the order of their states in the filter.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 17] = [
         Self::GyroScale,
         Self::AccelScale,
         Self::GyroMisalignment,
@@ -69,6 +73,8 @@ impl Parameter {
         Self::VelocityTimeOffset,
         Self::ClockRate,
         Self::AccelDelay,
+        Self::MarkerRotation,
+        Self::FrameTilt,
         Self::PositionError,
         Self::VelocityError,
     ];
@@ -91,6 +97,8 @@ impl Parameter {
             Self::AccelDelay => "accel_delay",
             Self::PositionError => "position_error",
             Self::VelocityError => "velocity_error",
+            Self::MarkerRotation => "marker_rotation",
+            Self::FrameTilt => "frame_tilt",
         }
     }
 
@@ -101,9 +109,10 @@ impl Parameter {
             | Self::AccelScale
             | Self::LeverArm
             | Self::PositionError
-            | Self::VelocityError => 3,
+            | Self::VelocityError
+            | Self::MarkerRotation => 3,
             Self::GyroMisalignment | Self::AccelMisalignment => 6,
-            Self::Mounting => 2,
+            Self::Mounting | Self::FrameTilt => 2,
             Self::TimeOffset
             | Self::Axle
             | Self::OdometerScale

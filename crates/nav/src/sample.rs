@@ -3,7 +3,7 @@
 //! All times are seconds of one time base, the log's own; whoever reads a log brings its clocks together first. Frames and
 //! letters: docs/conventions.md.
 
-use crate::{Matrix3, Vector3, earth::Geodetic};
+use crate::{Matrix3, Quaternion, Vector3, earth::Geodetic};
 
 /// Sensor axes of an inertial unit: gyro x, y, z, then accelerometer x, y, z. Every array of this length in the workspace has
 /// that order.
@@ -71,7 +71,7 @@ pub enum Position {
     },
 }
 
-/// One GNSS epoch of the antenna: position, velocity, or both.
+/// One GNSS epoch of the antenna: position, velocity, or both; or one pose of a marker, which has an attitude, too.
 ///
 /// Covariances are what the filter weighs a fix by: symmetric and positive definite, with variances that are not zero. Made
 /// with [`GnssFix::at`] and [`GnssFix::with_velocity`] from standard deviations, or field by field with full matrices.
@@ -87,6 +87,10 @@ pub struct GnssFix {
     /// Velocity over ground north-east-down [m/s] with its covariance [(m/s)²].
     /// It is the antenna's velocity: in a turn the lever arm moves it against the IMU's.
     pub velocity: Option<(Vector3, Matrix3)>,
+    /// Attitude of the marker, `q_nm`, which turns vectors of the marker's axes into north, east, down, and the covariance of its
+    /// error as a small rotation about north, east, down \[rad²\]. Motion capture, visual and laser odometry have one; how the marker's
+    /// axes lie in the body is the filter's [`Marker`](crate::aiding::Marker).
+    pub attitude: Option<(Quaternion, Matrix3)>,
     /// Kind of solution as the receiver states it. The filter weighs a fix by its covariances alone; a navigator may be set to
     /// replace them by what is usual of the kind.
     pub quality: FixQuality,
@@ -108,7 +112,17 @@ impl GnssFix {
             time,
             position: Some((Position::Geodetic(place), variances(std.into()))),
             velocity: None,
+            attitude: None,
             quality: FixQuality::Unknown,
+        }
+    }
+
+    /// This fix with an attitude `q_nm` of the marker and its standard deviations about north, east, down \[rad\]. An attitude it had is
+    /// replaced.
+    pub fn with_attitude(self, q_nm: Quaternion, std: impl Into<Vector3>) -> Self {
+        Self {
+            attitude: Some((q_nm, variances(std.into()))),
+            ..self
         }
     }
 
@@ -136,9 +150,14 @@ impl GnssFix {
         };
         let of_velocity =
             |(v, r): &(Vector3, Matrix3)| v.iter().chain(r.iter()).all(|v| v.is_finite());
+        let of_attitude = |(q, r): &(Quaternion, Matrix3)| {
+            let mut numbers = q.coords.iter().chain(r.iter());
+            numbers.all(|v| v.is_finite())
+        };
         self.time.is_finite()
             && self.position.as_ref().is_none_or(of_position)
             && self.velocity.as_ref().is_none_or(of_velocity)
+            && self.attitude.as_ref().is_none_or(of_attitude)
     }
 }
 

@@ -34,12 +34,17 @@ use undrift::{
 };
 use undrift_report::say;
 
-/// The parameters that can be estimated; what fixes are wrong by is asked for in another way.
+/// The parameters that can be estimated; what fixes are wrong by is asked for in another way, and poses are a drive's.
 pub(crate) fn estimable() -> impl Iterator<Item = Parameter> {
-    let of_fixes = [Parameter::PositionError, Parameter::VelocityError];
+    let others = [
+        Parameter::MarkerRotation,
+        Parameter::FrameTilt,
+        Parameter::PositionError,
+        Parameter::VelocityError,
+    ];
     Parameter::ALL
         .into_iter()
-        .filter(move |kind| !of_fixes.contains(kind))
+        .filter(move |kind| !others.contains(kind))
 }
 
 /// The filter; `undrift.Filter` wraps it.

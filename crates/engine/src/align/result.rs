@@ -28,6 +28,8 @@ pub struct Alignment {
 pub enum AttitudeSource {
     /// The settings state it ([`AlignSettings::attitude`](crate::align::AlignSettings::attitude)).
     Given,
+    /// The first pose, by the marker's rotation.
+    Pose,
     /// Level and gyro bias from the mean over a rest.
     Rest {
         /// Length of the rest \[s\].

@@ -28,6 +28,7 @@ fn started(
         let place = start.displaced(&Vector3::new(12.0 * (time - 1.0), 0.0, 0.0));
         let variance = Matrix3::identity() * (POSITION * POSITION);
         let fix = GnssFix {
+            attitude: None,
             time,
             position: Some((Position::Geodetic(place), variance)),
             velocity: measured.map(|std| (Vector3::new(12.0, 0.0, 0.0), diagonal(&std))),
@@ -95,6 +96,7 @@ fn the_imu_starts_where_the_antenna_is_without_its_arm() {
         Vector3::new(12.0, 3.0, -1.0),
     );
     let fix = GnssFix {
+        attitude: None,
         time: 1.0,
         position: Some((Position::Geodetic(place), Matrix3::identity())),
         velocity: Some((v, Matrix3::identity())),

@@ -38,6 +38,7 @@ impl Drive {
         self.time += span;
         let (sin, cos) = (course * DEG).sin_cos();
         let fix = GnssFix {
+            attitude: None,
             time: self.time,
             position: None,
             velocity: Some((

@@ -328,6 +328,10 @@ impl<const N: usize> Estimator for Erased<N> {
             .correlate_with_fix_errors(&correlated[0], &correlated[1]);
     }
 
+    fn without_earth_rate(&mut self) {
+        self.filter.without_earth_rate();
+    }
+
     fn log_to(&mut self, log: LogTo) {
         let n = self.filter.states();
         let covariance = self.covariance().view((0, 0), (n, n)).into_owned();

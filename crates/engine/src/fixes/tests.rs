@@ -243,6 +243,7 @@ fn a_track_is_of_sound_fixes_in_metres() {
     let fix = |k: usize, variance: f64, velocity_variance: f64| {
         let place = start.displaced(&(Vector3::new(10.0, 20.0, -30.0) * k as f64));
         GnssFix {
+            attitude: None,
             time: k as f64,
             position: Some((Position::Geodetic(place), Matrix3::identity() * variance)),
             velocity: Some((Vector3::x(), Matrix3::identity() * velocity_variance)),
@@ -281,6 +282,7 @@ fn positions(wobble: f64) -> FixStudy {
         let side = if k % 2 == 0 { wobble } else { -wobble };
         let place = Vector3::new(4.0 * time + side, side, side);
         GnssFix {
+            attitude: None,
             time,
             position: Some((
                 Position::Geodetic(start.displaced(&place)),

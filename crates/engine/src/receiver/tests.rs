@@ -372,6 +372,7 @@ fn a_solution_that_follows_contradicting_fixes_three_times_is_begun_afresh_and_o
 fn fix(time: f64, north: f64, speed: f64, std: f64) -> GnssFix {
     let place = Geodetic::from_degrees(45.0, 7.0, 300.0).displaced(&Vector3::new(north, 0.0, 0.0));
     GnssFix {
+        attitude: None,
         time,
         position: Some((Position::Geodetic(place), Matrix3::identity() * (std * std))),
         velocity: Some((

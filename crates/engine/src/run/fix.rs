@@ -2,6 +2,7 @@
 
 use super::{Run, begins, carries_velocity, part};
 use crate::{
+    aid::pose,
     course::CourseWatch,
     estimator::STAMP_ROUNDING,
     events::{Part, RestartCause},
@@ -50,6 +51,9 @@ impl Run {
                     aligned.filter.apply_correction(start);
                 }
             }
+        }
+        if !self.settings.earth_rate {
+            aligned.filter.without_earth_rate();
         }
         self.alignment.again = false;
         self.log.shown(fix.time, true);
@@ -161,6 +165,12 @@ impl Run {
         let updates =
             self.receiver
                 .update(filter, fix, part, due, &self.settings, &mut self.summary);
+        if begins {
+            // One that the filter refuses is a bad fix as well.
+            let attitude = pose::update(filter, fix, due, &settings, &mut self.summary);
+            let failed = attitude.is_some_and(|update| update.is_err());
+            self.summary.bad_fixes += u64::from(failed);
+        }
         if carries_velocity(fix, part) {
             self.vehicle.fix(filter, fix, &self.settings);
             if self.settings.gating && !self.receiver.repeats() {

@@ -70,6 +70,7 @@ mod tests {
         let place = Position::Geodetic(Geodetic::from_degrees(40.0, -105.0, 1600.0));
         let std = |rule: QualityStd, quality, stated: f64| {
             let fix = GnssFix {
+                attitude: None,
                 time: 0.0,
                 position: Some((place, Matrix3::identity() * (stated * stated))),
                 velocity: None,

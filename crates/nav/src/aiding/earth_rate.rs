@@ -1,9 +1,7 @@
 //! Zero angular rate: a body that does not turn against the Earth turns with it.
 
 use super::Observation;
-use crate::{
-    Matrix3, Vector3, attitude::skew, earth::earth_rate_n, filter::Filter, parameters::Coupling,
-};
+use crate::{Matrix3, Vector3, attitude::skew, filter::Filter, parameters::Coupling};
 use nalgebra::SMatrix;
 
 impl<const N: usize> Filter<N> {
@@ -18,7 +16,7 @@ impl<const N: usize> Filter<N> {
         );
         let error = self.sensors().predicted_error(self.estimates(), &coupling);
         let c = self.c_nb();
-        let earth_n = earth_rate_n(self.nav().position.lat);
+        let earth_n = self.earth().earth_rate();
         let mut h = SMatrix::<f64, 3, N>::zeros();
         h.fixed_view_mut::<3, 3>(0, 6)
             .copy_from(&(c.transpose() * skew(&earth_n)));

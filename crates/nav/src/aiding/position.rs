@@ -2,7 +2,11 @@
 
 use super::Observation;
 use crate::{
-    Matrix3, Vector3, attitude::skew, earth::Geodetic, filter::Filter, parameters::Parameter,
+    Matrix3, Vector3,
+    attitude::{from_rotation_vector, right_jacobian, skew},
+    earth::Geodetic,
+    filter::Filter,
+    parameters::Parameter,
     sample::Position,
 };
 use nalgebra::SMatrix;
@@ -19,7 +23,7 @@ impl<const N: usize> Filter<N> {
     /// predicted less measured in the frame m of the fix \[m\]: north-east-down at the antenna, or of the base station for a baseline.
     ///
     /// Rows `[C_n^m, 0, C_n^m [l^n×], 0]`; `−C_n^m C_b^n` for the lever arm, `−C_n^m v^n` of the antenna for the time offset, times the
-    /// filter's age for the clock's rate. Groves section 14.3.1, the source paper's eq. 10.
+    /// filter's age for the clock's rate; `[p×]` for the tilt of a frame of poses, p the baseline. Groves section 14.3.1, the source paper's eq. 10.
     pub fn observe_position(&self, fix: &Position, lever_b: &Vector3) -> Observation<3, N> {
         let lever_n = self.c_nb() * self.lever_arm(lever_b);
         let antenna = self.antenna_position(lever_b);
@@ -27,7 +31,10 @@ impl<const N: usize> Filter<N> {
             Position::Geodetic(measured) => (measured.offset_to(&antenna), Matrix3::identity()),
             Position::Baseline { base, ned } => {
                 let c_mn = base.ned_from_ecef() * antenna.ned_from_ecef().transpose();
-                (base.ned_to(&antenna) - ned, c_mn)
+                let from_base = base.ned_to(&antenna);
+                let tilt = from_rotation_vector(&self.frame_tilt());
+                let c_mr = tilt.to_rotation_matrix().into_inner();
+                (c_mr * from_base - ned, c_mr * c_mn)
             }
         };
         let mut h = SMatrix::<f64, 3, N>::zeros();
@@ -37,6 +44,14 @@ impl<const N: usize> Filter<N> {
         if let Some(at) = self.parameter_start(Parameter::LeverArm) {
             h.fixed_view_mut::<3, 3>(0, at)
                 .copy_from(&(-c_mn * self.c_nb()));
+        }
+        if let (Some(at), Position::Baseline { ned, .. }) =
+            (self.parameter_start(Parameter::FrameTilt), fix)
+        {
+            // Of the predicted baseline, in the frame's axes.
+            let turned = skew(&(innovation + ned)) * right_jacobian(&-self.frame_tilt());
+            h.fixed_view_mut::<3, 2>(0, at)
+                .copy_from(&turned.fixed_columns::<2>(0));
         }
         if let Some(at) = self.parameter_start(Parameter::TimeOffset) {
             self.time_columns(&mut h, at, &(-c_mn * self.antenna_velocity(lever_b)));

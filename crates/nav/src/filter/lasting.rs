@@ -42,6 +42,7 @@ pub struct Carried {
     slow_force: Vector3,
     coupling: Coupling,
     start: f64,
+    turns: bool,
 }
 
 const KINDS: [Parameter; 2] = [Parameter::PositionError, Parameter::VelocityError];
@@ -77,6 +78,7 @@ impl<const N: usize> Filter<N> {
             slow_force: self.slow_force,
             coupling: self.coupling,
             start: self.start,
+            turns: self.turns,
         }
     }
 
@@ -140,6 +142,7 @@ impl<const N: usize> Filter<N> {
             slow_force: carried.slow_force,
             coupling: carried.coupling,
             start: carried.start,
+            turns: carried.turns,
         };
         for (k, (kind, lasting)) in KINDS.into_iter().zip(lasting).enumerate() {
             let (Some(at), Some(lasting)) = (filter.parameter_start(kind), lasting) else {

@@ -82,6 +82,7 @@ impl<const N: usize> Filter<N> {
         }
         self.coupling.factors(each);
         each(&mut self.start);
+        self.turns = flag(self.turns, each);
     }
 }
 

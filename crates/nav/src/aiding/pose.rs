@@ -1,0 +1,61 @@
+//! Attitude of a marker, as motion capture, a camera or a laser scanner sees it.
+
+use super::Observation;
+use crate::{Matrix3, Quaternion, Vector3, attitude, filter::Filter, parameters::Parameter};
+use nalgebra::SMatrix;
+
+impl<const N: usize> Filter<N> {
+    /// Predicted attitude `q_rm` of the marker against the frame r of the poses: the body's, the marker's axes in the body `q_bm` as
+    /// configured with their estimated correction ([`Parameter::MarkerRotation`]), and the tilt of that frame ([`Parameter::FrameTilt`]).
+    pub fn marker_attitude(&self, q_bm: &Quaternion) -> Quaternion {
+        let turn = attitude::from_rotation_vector(&self.marker_turn());
+        let q_nm = self.nav().q_nb * q_bm * turn;
+        attitude::from_rotation_vector(&self.frame_tilt()) * q_nm
+    }
+
+    /// Observation of the attitude `q_rm` of a marker whose axes lie in the body as `q_bm` says. The innovation is the rotation vector of
+    /// `q_rm q̂_rm⁻¹` in the axes of r \[rad\], which for a small error is ψ.
+    ///
+    /// Rows `[0, 0, C_n^r, 0]` with C_n^r by the tilt, nearly `I`; `C_m^r J_r` for the marker's rotation, the first two columns of `J_l` for the
+    /// tilt (Jacobians of the estimated turns), `C_b^r ω_nb^b` for the time offset. Solà 2017 (quaternion kinematics for the error-state
+    /// filter), sections 4 and 6.
+    pub fn observe_attitude(&self, q_rm: &Quaternion, q_bm: &Quaternion) -> Observation<3, N> {
+        let predicted = self.marker_attitude(q_bm);
+        let miss = (q_rm * predicted.inverse()).scaled_axis();
+        let mut h = SMatrix::<f64, 3, N>::zeros();
+        let tilt = self.frame_tilt();
+        let c_nr = attitude::from_rotation_vector(&tilt).to_rotation_matrix();
+        h.fixed_view_mut::<3, 3>(0, 6).copy_from(c_nr.matrix());
+        if let Some(at) = self.parameter_start(Parameter::MarkerRotation) {
+            let jacobian = attitude::right_jacobian(&self.marker_turn());
+            h.fixed_view_mut::<3, 3>(0, at)
+                .copy_from(&(predicted.to_rotation_matrix().matrix() * jacobian));
+        }
+        if let Some(at) = self.parameter_start(Parameter::FrameTilt) {
+            let jacobian = attitude::right_jacobian(&-tilt);
+            h.fixed_view_mut::<3, 2>(0, at)
+                .copy_from(&jacobian.fixed_columns::<2>(0));
+        }
+        if let Some(at) = self.parameter_start(Parameter::TimeOffset) {
+            let turn = c_nr * (self.c_nb() * self.omega_nb_b());
+            self.time_columns(&mut h, at, &turn);
+        }
+        Observation {
+            innovation: miss,
+            h,
+            extra: Matrix3::zeros(),
+        }
+    }
+
+    /// Estimated turn of the marker against its configured axes \[rad\], as a rotation vector.
+    fn marker_turn(&self) -> Vector3 {
+        self.parameter(Parameter::MarkerRotation)
+            .map_or_else(Vector3::zeros, |(x, _)| Vector3::new(x[0], x[1], x[2]))
+    }
+
+    /// Estimated tilt of the poses' frame about north, east \[rad\], as a rotation vector.
+    pub(super) fn frame_tilt(&self) -> Vector3 {
+        self.parameter(Parameter::FrameTilt)
+            .map_or_else(Vector3::zeros, |(x, _)| Vector3::new(x[0], x[1], 0.0))
+    }
+}
