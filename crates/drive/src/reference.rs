@@ -455,6 +455,7 @@ mod tests {
         // A fix adds its own covariance to position and velocity, not to the attitude.
         let place = Position::Geodetic(Geodetic::from_degrees(45.0, 7.0, 0.0));
         let fix = GnssFix {
+            attitude: None,
             time: 0.0,
             position: Some((place, diagonal([12.0, 16.0, 9.0]))),
             velocity: Some((Vector3::zeros(), diagonal([0.75, 0.64, 0.51]))),

@@ -135,6 +135,7 @@ mod tests {
         rejected.note(2.0, [update(Outcome::Weakened(4.0)), None]);
         rejected.note(3.0, [None, update(Outcome::Rejected)]);
         let fix = |time: f64| GnssFix {
+            attitude: None,
             time,
             position: Some((
                 Position::Geodetic(Geodetic::from_degrees(45.0, 7.0, 0.0)),

@@ -119,6 +119,7 @@ impl Navigator {
     /// Pushes a fix: whether it came within the horizon.
     fn fix(&self, py: Python<'_>, time: f64, position: Part, velocity: Part) -> PyResult<bool> {
         let fix = GnssFix {
+            attitude: None,
             time,
             position: position.map(|([lat, lon, height], covariance)| {
                 let place = Position::Geodetic(Geodetic { lat, lon, height });

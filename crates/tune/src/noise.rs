@@ -76,7 +76,9 @@ pub(super) fn covariance<const N: usize>(
     let factor = step.weakened
         * match step.channel {
             Channel::Position => noise.factors.white[0] * noise.factors.white[0],
-            Channel::Velocity => noise.factors.white[1] * noise.factors.white[1],
+            Channel::Velocity | Channel::Attitude => {
+                noise.factors.white[1] * noise.factors.white[1]
+            }
             Channel::NonHolonomic => {
                 let right = noise.rule[0] + noise.rule[2] * lateral(step, was);
                 (r[0][0], r[1][1]) = (right * right, noise.rule[1] * noise.rule[1]);
@@ -116,7 +118,7 @@ pub(super) fn add_covariance_gradient<const N: usize>(
 ) {
     let channel = match step.channel {
         Channel::Position => 0,
-        Channel::Velocity => 1,
+        Channel::Velocity | Channel::Attitude => 1,
         Channel::NonHolonomic => {
             let lateral = lateral(step, was);
             let right = noise.rule[0] + noise.rule[2] * lateral;
@@ -207,6 +209,7 @@ mod tests {
         for (channel, moved) in [
             (Channel::Position, FIX..FIX + 1),
             (Channel::Velocity, FIX + 1..LASTING),
+            (Channel::Attitude, FIX + 1..LASTING),
             (Channel::NonHolonomic, RULE..COUNT),
             (Channel::Other, 0..0),
         ] {

@@ -141,9 +141,13 @@ impl<const N: usize> Objective<N> {
                 for (from, step) in segment.steps.iter().enumerate() {
                     let until = step.time + length;
                     if step.channel == Channel::Position && step.time >= next && until <= end {
+                        let attitude = segment.steps.get(from + 1).is_some_and(|other| {
+                            other.channel == Channel::Attitude && other.time - step.time < ROUNDING
+                        });
                         windows.push(Window {
                             segment: index,
-                            from,
+                            // The whole pose is known where the cut begins.
+                            from: from + usize::from(attitude),
                             until,
                             weight: every / plan.every,
                         });
@@ -276,7 +280,7 @@ impl<const N: usize> Objective<N> {
     ) -> (Score, Seed<N>) {
         let mut score = Score::ZERO;
         let mut done: Vec<(WindowStep, Option<Scored<N>>)> = Vec::new();
-        let mut scored = [false; 2];
+        let mut scored = [false; 3];
         let mut next = window.from + 1;
         while next < segment.steps.len() {
             let mut k = next;
@@ -294,7 +298,11 @@ impl<const N: usize> Objective<N> {
             };
             next = k + 1;
             state.predict(step, noise, &self.fixed);
-            let which = usize::from(step.channel == Channel::Velocity);
+            let which = match step.channel {
+                Channel::Velocity => 1,
+                Channel::Attitude => 2,
+                _ => 0,
+            };
             let ends = is_fix(step.channel) && step.time >= window.until - ROUNDING;
             // The other part of the same fix, or of the next; not for ever.
             let over = ends && scored[which];
@@ -320,7 +328,7 @@ impl<const N: usize> Objective<N> {
                 scored[which] = true;
             }
             done.push((place, Some((update, own))));
-            if scored == [true; 2] {
+            if scored[..2] == [true; 2] {
                 break;
             }
         }

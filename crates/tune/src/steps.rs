@@ -129,7 +129,10 @@ pub fn condense<const N: usize>(
 
 /// Whether a step ends with a fix.
 pub fn is_fix(channel: Channel) -> bool {
-    matches!(channel, Channel::Position | Channel::Velocity)
+    matches!(
+        channel,
+        Channel::Position | Channel::Velocity | Channel::Attitude
+    )
 }
 
 /// Longest step that several are made into \[s\].

@@ -32,6 +32,7 @@ fn alternating(size: f64) -> Vec<ImuSample> {
 /// Fixes every second at a speed \[m/s\].
 fn at_speed(speed: f64) -> Vec<Measurement> {
     let fix = |k: i32| GnssFix {
+        attitude: None,
         time: f64::from(k),
         position: None,
         velocity: Some((Vector3::new(speed, 0.0, 0.0), Default::default())),

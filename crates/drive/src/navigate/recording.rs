@@ -313,6 +313,7 @@ mod tests {
         let place = Geodetic::from_degrees(45.0, 7.0, 300.0);
         let covariance = Matrix3::from_diagonal(&Vector3::new(4.0, 9.0, 16.0));
         GnssFix {
+            attitude: None,
             time,
             position: Some((Position::Geodetic(place), covariance)),
             velocity: None,

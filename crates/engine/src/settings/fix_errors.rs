@@ -200,6 +200,10 @@ impl FixErrors {
                 .component_mul(&(self.velocity_factor * self.velocity_factor.transpose()));
             *covariance += self.velocity_bias * self.velocity_bias.transpose();
         }
+        if let Some((_, covariance)) = &mut fix.attitude {
+            let factor = self.velocity_factor.x;
+            *covariance *= factor * factor;
+        }
         if let Some((_, covariance)) = &mut fix.position {
             *covariance *= self.position_factor * self.position_factor;
             // Of a value rounded to steps the error is uniform.

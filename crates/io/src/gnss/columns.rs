@@ -179,6 +179,7 @@ impl FixColumns {
         let place = self.place(row, skipped)?;
         let position = place.and_then(|place| self.position(place, row, skipped));
         Some(GnssFix {
+            attitude: None,
             time: stamp * self.format.time_scale + self.format.fixes.time_offset,
             position,
             velocity: self.velocity(place, row, skipped),

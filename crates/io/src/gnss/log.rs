@@ -108,6 +108,7 @@ impl LogFixes {
         let position = position.filter(|(_, p)| sound(p, at, skipped));
         self.positions += u64::from(position.is_some());
         GnssFix {
+            attitude: None,
             time: fix.time + options.time_offset,
             position,
             velocity: velocity.filter(|(_, p)| sound(p, at, skipped)),

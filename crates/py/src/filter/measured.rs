@@ -34,6 +34,7 @@ pub(super) fn stated(mut measurements: Vec<Measured>, errors: &FixErrors) -> Vec
         Some((found.value, columns::matrix(found.covariance?)))
     };
     let fix = errors.apply(&GnssFix {
+        attitude: None,
         time: 0.0,
         position: of("position").map(|(at, r)| (Position::Geodetic(geodetic(at)), r)),
         velocity: of("velocity").map(|(v, r)| (Vector3::from(v), r)),

@@ -13,6 +13,7 @@ use undrift_results::findings::Finding;
 pub fn alignment(alignment: &Alignment) -> String {
     let how = match alignment.source {
         AttitudeSource::Given => return "attitude as specified".into(),
+        AttitudeSource::Pose => "attitude from the first pose".to_owned(),
         AttitudeSource::Rest { duration, heading } => {
             let heading = match heading {
                 HeadingSource::Given => "heading as specified",

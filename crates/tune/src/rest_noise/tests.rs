@@ -17,6 +17,7 @@ fn samples(count: usize, rate: impl Fn(usize, usize) -> f64) -> Vec<ImuSample> {
 fn fixes(speeds: &[(f64, f64)]) -> Vec<Measurement> {
     let fix = |(time, speed): &(f64, f64)| {
         Measurement::Gnss(GnssFix {
+            attitude: None,
             time: *time,
             position: None,
             velocity: Some((

@@ -69,6 +69,7 @@ fn fixes(errors: &Errors, seed: u64) -> Vec<GnssFix> {
         }
         let noise = Vector3::from_fn(|_, _| normal()) * 0.03;
         let fix = GnssFix {
+            attitude: None,
             time,
             position: Some((
                 Position::Baseline { base: origin, ned },

@@ -55,6 +55,7 @@ fn samples(count: u32, horizon: f64, late: u32) -> Result<(), Box<dyn std::error
 fn fix(time: f64) -> GnssFix {
     let place = Geodetic::from_degrees(45.0, 7.0, 300.0);
     GnssFix {
+        attitude: None,
         time,
         position: Some((Position::Geodetic(place), Matrix3::identity())),
         velocity: Some((Vector3::zeros(), Matrix3::identity() * 0.01)),
