@@ -2,7 +2,7 @@
 
 use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position, TruthSample};
-use undrift_nav::{Matrix3, Vector3};
+use undrift_nav::{Matrix3, Quaternion, Vector3};
 
 use crate::epoch::Epoch;
 use crate::fix::{shown, three};
@@ -27,6 +27,8 @@ pub enum What {
     Fix(Fix),
     /// A reference solution.
     Pose(TruthSample),
+    /// A pose in a local frame.
+    LocalPose(LocalPose),
     /// Something that cannot be used, and why: it is counted.
     Skipped(SkipKind, String),
 }
@@ -57,6 +59,7 @@ impl What {
                     && pose.v_n.is_none_or(|v| three(&v))
                     && pose.rpy.is_none_or(|rpy| three(&rpy))
             }
+            Self::LocalPose(pose) => pose.is_finite(),
             Self::Skipped(..) => true,
         }
     }
@@ -84,6 +87,7 @@ impl What {
                 let parts = parts.chain(velocity).chain(attitude);
                 Vec::from_iter(parts).join("; ")
             }
+            Self::LocalPose(pose) => pose.shown(),
             Self::Skipped(_, detail) => detail.clone(),
         }
     }
@@ -128,6 +132,45 @@ pub struct Fix {
     pub quality: FixQuality,
 }
 
+/// A pose as the log has it, in the axes of its local frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocalPose {
+    /// Time of validity \[s\].
+    pub time: f64,
+    /// Position of the marker, local axes \[m\].
+    pub position: Option<Vector3>,
+    /// `q_wm`: turns vectors of the marker's axes into the local axes.
+    pub attitude: Option<Quaternion>,
+    /// Covariance of the position, local axes \[m²\], where the log states it.
+    pub position_covariance: Option<Matrix3>,
+    /// Covariance of the rotation error about the local axes \[rad²\], where the log states it.
+    pub attitude_covariance: Option<Matrix3>,
+}
+
+impl LocalPose {
+    /// Whether all its numbers are.
+    pub(crate) fn is_finite(&self) -> bool {
+        let position = self.position.iter().flatten();
+        let attitude = self.attitude.iter().flat_map(|q| q.coords.iter());
+        let covariances = [self.position_covariance, self.attitude_covariance];
+        let covariances = covariances.iter().flatten().flatten();
+        let mut numbers = position.chain(attitude).chain(covariances);
+        self.time.is_finite() && numbers.all(|number| number.is_finite())
+    }
+
+    /// Its numbers as messages show them.
+    fn shown(&self) -> String {
+        let position = self.position.iter().map(|p| three(p) + " m");
+        let attitude = self.attitude.iter().map(|q| {
+            let [x, y, z, w] = [q.i, q.j, q.k, q.w];
+            format!("quaternion x, y, z, w {x}, {y}, {z}, {w}")
+        });
+        let parts = [format!("{} s", self.time)].into_iter();
+        let parts = parts.chain(position).chain(attitude);
+        Vec::from_iter(parts).join("; ")
+    }
+}
+
 /// What is wanted from a log. A stream is named as `log::streams` does; without a name, the only one of
 /// its kind is meant, and more than one is an error that lists them.
 #[derive(Clone, Debug, PartialEq)]
@@ -145,6 +188,8 @@ pub enum Wanted {
     },
     /// Reference solutions of a stream.
     Poses(Option<String>),
+    /// Poses in a local frame, of a stream.
+    LocalPoses(Option<String>),
 }
 
 impl Wanted {
@@ -157,6 +202,7 @@ impl Wanted {
         match self {
             Self::Imu(name) => Ok((name, StreamKind::Imu, Key::Topic("imu"))),
             Self::Poses(name) => Ok((name, StreamKind::Poses, Key::Topic("truth"))),
+            Self::LocalPoses(name) => Ok((name, StreamKind::LocalPoses, Key::Topic("poses"))),
             Self::Fixes {
                 position, velocity, ..
             } => {
@@ -190,6 +236,8 @@ pub enum StreamKind {
     Velocity,
     /// A reference solution.
     Poses,
+    /// Poses in a local frame.
+    LocalPoses,
     /// Nothing that is read here.
     Other,
 }

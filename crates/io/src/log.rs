@@ -31,7 +31,7 @@ mod ulog;
 
 use crate::ReadError;
 use crate::entry::Entries;
-pub use crate::entry::{Entry, Fix, ImuReading, Stream, StreamKind, Wanted, What};
+pub use crate::entry::{Entry, Fix, ImuReading, LocalPose, Stream, StreamKind, Wanted, What};
 use crate::epoch::Epoch;
 use crate::format::Format;
 use crate::skipped::{SkipKind, Skipped};
@@ -125,6 +125,11 @@ pub(crate) fn reads_twice(format: Format) -> bool {
     matches!(known(format), Ok((_, _, Twice(_), _)))
 }
 
+/// Whether logs of the format can have poses in a local frame.
+fn has_local_poses(format: Format) -> bool {
+    matches!(format, Format::RosBag | Format::Mcap | Format::RosBag2)
+}
+
 /// A log being read for one purpose.
 pub(crate) struct Log {
     entries: Entries,
@@ -151,6 +156,11 @@ impl Log {
         format: Format,
         wanted: &Wanted,
     ) -> Result<Self, ReadError> {
+        if matches!(wanted, Wanted::LocalPoses(_)) && !has_local_poses(format) {
+            let what = format.describe();
+            let error = ReadError::nameless(format!("{what} has no poses in a local frame"));
+            return Err(error.key("poses.file"));
+        }
         let (entries, skipped) = match known(format)?.2 {
             Messages(read) => (read(source, wanted)?, Skipped::of_messages()),
             Lines(read) => (read(source, wanted)?, Skipped::default()),

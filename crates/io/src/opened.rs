@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::ReadError;
 use crate::detect;
-use crate::entry::{Stream, Wanted};
+use crate::entry::{LocalPose, Stream, Wanted};
 use crate::foreign;
 use crate::format::Format;
 use crate::log::rosbag2::{self, BagFile};
@@ -54,6 +54,8 @@ pub enum Memory {
     Scalars(Arc<[Scalar]>),
     /// A reference solution, read as [`TruthSource::Samples`](crate::truth::TruthSource::Samples).
     Truth(Arc<[TruthSample]>),
+    /// Poses in a local frame, read as [`PoseSource::Poses`](crate::poses::PoseSource::Poses).
+    Poses(Arc<[LocalPose]>),
 }
 
 /// Where a log comes from.

@@ -111,7 +111,7 @@ fn purpose(wanted: &Wanted, of_type: Option<&'static Type>) -> Purpose {
             },
             None,
         ),
-        Wanted::Poses(name) => Purpose::Fixes(Box::new(Receiver {
+        Wanted::Poses(name) | Wanted::LocalPoses(name) => Purpose::Fixes(Box::new(Receiver {
             position: pick(messages::names(&[Content::Position]), name),
             velocity: pick(messages::names(&[Content::Velocity]), &None),
             solution: None,

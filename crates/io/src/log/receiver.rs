@@ -210,7 +210,9 @@ pub(super) fn check(
             one(asked, position, "stream of positions")?;
             one(apart, velocity, "stream of velocities")
         }
-        Wanted::Poses(name) => one(name, position, "stream of positions"),
+        Wanted::Poses(name) | Wanted::LocalPoses(name) => {
+            one(name, position, "stream of positions")
+        }
     }
 }
 

@@ -92,6 +92,12 @@ pub(super) fn entries(
             accel: None,
             frame: None,
         },
+        Wanted::LocalPoses(topic) => Choices {
+            main: Choice::new(Key::Topic("poses"), StreamKind::LocalPoses, topic),
+            velocity: None,
+            accel: None,
+            frame: None,
+        },
         Wanted::Poses(_) => {
             return Err(
                 ReadError::nameless("recordings of ROS have no reference solution")

@@ -82,7 +82,7 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         Wanted::Fixes {
             position, velocity, ..
         } => Purpose::Fixes([position, velocity]),
-        Wanted::Poses(name) => Purpose::Fixes([name, None]),
+        Wanted::Poses(name) | Wanted::LocalPoses(name) => Purpose::Fixes([name, None]),
     };
     let reader = Reader {
         weeks: Weeks::default(),

@@ -269,6 +269,7 @@ fn random_mixtures() {
                         What::Imu(imu) => imu.time + imu.gyro.sum() + imu.accel.sum(),
                         What::Fix(fix) => fix.time + fix.velocity.map_or(0.0, |(v_n, _)| v_n.sum()),
                         What::Pose(pose) => pose.time + pose.position.to_ecef().sum(),
+                        What::LocalPose(pose) => pose.time,
                         What::Skipped(..) => 0.0,
                     };
                     assert!(finite.is_finite());

@@ -254,7 +254,7 @@ fn read_all(bytes: &[u8]) {
                 What::Imu(s) => assert!((s.gyro + s.accel).norm().is_finite()),
                 What::Fix(fix) => assert!(fix.time.is_finite()),
                 What::Pose(pose) => assert!(pose.position.is_valid()),
-                What::Skipped(..) => {}
+                What::LocalPose(_) | What::Skipped(..) => {}
             }
         }
     }
