@@ -27,6 +27,7 @@ pub(crate) mod gnss;
 pub(crate) mod imu;
 mod logs;
 mod memory;
+mod poses;
 mod result;
 mod scalars;
 mod section;
@@ -41,6 +42,7 @@ pub(crate) use epoch::OTHER_CLOCK;
 pub use error::{ConfigError, DriveError};
 pub use imu::{ImuLog, load_imu};
 pub use logs::Logs;
+pub use poses::Poses;
 pub use scalars::{ScalarLog, Scalars};
 pub(crate) use section::DEGREES_MINUTES;
 pub use section::{Section, Table, Value};
@@ -49,7 +51,7 @@ pub use tables::{read_initial, read_switch};
 pub use text::{parse, read_text};
 
 use crate::{
-    align::AlignSettings,
+    align::{AlignSettings, Heading},
     columns::{IMU_STEP, time_unit},
     replay::{GnssUse, QualityStd},
     settings::fix_errors::{Correlation, StdFactors},
@@ -106,6 +108,8 @@ pub struct Drive {
     pub vibration: Option<[f64; AXES]>,
     /// GNSS log: its file, and how its fixes are read.
     pub gnss: (PathBuf, GnssSource),
+    /// Marker and frame, where the fixes are poses in a local frame.
+    pub poses: Option<Poses>,
     /// Logs of sensors that measure one number (a wheel speed, a height), where there are such.
     pub scalars: Scalars,
     /// Parts of a fix that update the solution.
@@ -214,11 +218,16 @@ impl Drive {
         home: &Path,
         mut logs: Logs,
     ) -> Result<Self, DriveError> {
-        let tables = ["model", "epoch", "initial", "span", "vehicle", "states"];
+        let tables = [
+            "model", "epoch", "initial", "span", "vehicle", "states", "local",
+        ];
         top.only(&Vec::from_iter(tables.into_iter().chain(log_tables())))?;
         logs.span = tables::read_span(&top.section("span")?)?;
-        let gnss = top.section("gnss")?;
-        let gnss_use = gnss::read_use(&gnss)?;
+        let (gnss, posed) = fixes(top)?;
+        let gnss_use = match posed {
+            true => GnssUse::default(),
+            false => gnss::read_use(&gnss)?,
+        };
         let antenna = gnss.vector("lever_arm", Quantity::Length)?;
         let lever_arm = antenna.unwrap_or_else(Vector3::zeros);
         if lever_arm.norm() > MOST_LEVER_ARM {
@@ -230,11 +239,39 @@ impl Drive {
         }
         let (constraints, parameters) = tables::read_vehicle(&top.section("vehicle")?)?;
         let (imu, options) = imu::read_imu(&top.section("imu")?, &mut logs)?;
-        let parameters =
-            tables::read_states(&top.section("states")?, parameters, antenna.is_some())?;
+        let states = top.section("states")?;
+        let of_poses = match posed {
+            true => poses::read_states(&states, gnss.get("marker").is_some())?,
+            false => Parameters::none(),
+        };
+        let mut parameters = tables::read_states(&states, parameters, antenna.is_some())?;
+        if posed {
+            parameters = poses::beside_poses(parameters);
+            for (kind, _, prior) in of_poses.blocks() {
+                parameters = parameters.with(kind, prior);
+            }
+        }
         let (scalars, parameters) = scalars::read(top, &mut logs, parameters)?;
+        let quality = match posed {
+            true => QualityStd::AsStated,
+            false => gnss::read_quality(&gnss)?,
+        };
+        let correlation = gnss::read_correlation(&gnss)?;
+        let std_factors = gnss::read_std_factors(&gnss, posed)?;
+        let local = top.section("local")?;
+        let (log, poses) = match posed {
+            true => {
+                let (log, poses) = poses::read(&gnss, &local, &mut logs)?;
+                (log, Some(poses))
+            }
+            false => {
+                local.only_known()?;
+                (gnss::read_gnss(&gnss, &mut logs)?, None)
+            }
+        };
         let mut drive = Self {
             parameters,
+            poses,
             scalars,
             constraints,
             gating: tables::read_switch(&gnss, "gate")?.unwrap_or(true),
@@ -243,10 +280,10 @@ impl Drive {
             estimate_mounting: options.estimate_mounting,
             vibration: options.vibration,
             adapt: tables::read_switch(&gnss, "adapt")?.unwrap_or(false),
-            quality: gnss::read_quality(&gnss)?,
-            correlation: gnss::read_correlation(&gnss)?,
-            std_factors: gnss::read_std_factors(&gnss)?,
-            gnss: gnss::read_gnss(&gnss, &mut logs)?,
+            quality,
+            correlation,
+            std_factors,
+            gnss: log,
             truth: tables::read_truth(&top.section("truth")?, &mut logs)?,
             gnss_use,
             lever_arm,
@@ -257,6 +294,10 @@ impl Drive {
             guessed_rate: None,
             logs,
         };
+        if posed && drive.align.heading == Heading::Course {
+            // A marker's course says nothing of the heading.
+            drive.align.heading = Heading::Auto;
+        }
         drive.date(epoch::read_epoch(top)?);
         Ok(drive)
     }
@@ -420,6 +461,15 @@ impl Drive {
     }
 }
 
+/// The table of what corrects the solution, `[gnss]` or `[poses]`, and whether it is the latter.
+fn fixes<'a>(top: &Section<'a>) -> Result<(Section<'a>, bool), ConfigError> {
+    let (gnss, poses) = (top.section("gnss")?, top.section("poses")?);
+    match (gnss.exists(), poses.exists()) {
+        (true, true) => Err(top.error("poses", "set [gnss] or [poses], not both")),
+        (_, posed) => Ok((if posed { poses } else { gnss }, posed)),
+    }
+}
+
 /// The files that a drive file's text names, by their tables: "imu", "gnss" and so on, and "model", which
 /// may be a preset as well. Of a text that is not a valid drive file, those that can be found.
 ///
@@ -445,7 +495,8 @@ pub fn files_named(text: &str) -> Vec<(&'static str, String)> {
 /// Names of the tables of a drive file that name a log.
 pub fn log_tables() -> impl Iterator<Item = &'static str> {
     let scalars = ScalarLog::ALL.map(ScalarLog::name);
-    ["imu", "gnss"].into_iter().chain(scalars).chain(["truth"])
+    let logs = ["imu", "gnss", "poses"].into_iter();
+    logs.chain(scalars).chain(["truth"])
 }
 
 /// Longest lever arm \[m\]: the largest ships are 400 m long.

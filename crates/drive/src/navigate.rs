@@ -37,7 +37,7 @@ use undrift_io::{
     skipped::Skipped,
     write::solution::SolutionRow,
 };
-use undrift_nav::{Matrix3, Vector3, parameters::Parameters, sample::GnssFix};
+use undrift_nav::{Matrix3, Quaternion, Vector3, parameters::Parameters, sample::GnssFix};
 use undrift_noise::{BiasModel, ImuModel};
 
 /// A navigated drive: the run's summary, what reading the logs showed, and what was asked for in [`Wanted`]. Its findings are values
@@ -155,7 +155,12 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
     let fix_errors = FixErrors::default().under(&stated);
     Ok(Settings {
         fix_errors,
-        from_fixes: Some(stated),
+        // A tracker's noise is stated, and its positions lie on no road.
+        from_fixes: drive.poses.is_none().then_some(stated),
+        marker: drive
+            .poses
+            .map_or_else(Quaternion::identity, |poses| poses.marker),
+        earth_rate: drive.poses.is_none_or(|poses| poses.earth_rate),
         rotation: drive.imu.1.rotation,
         find_mounting: drive.estimate_mounting,
         lever_arm: drive.lever_arm,
@@ -180,6 +185,9 @@ pub fn study<E>(
     drive: &Drive,
     fixes: impl IntoIterator<Item = Result<GnssFix, E>>,
 ) -> Result<Option<FixStudy>, E> {
+    if drive.poses.is_some() {
+        return Ok(None);
+    }
     let mut failed = None;
     let fixes = fixes.into_iter().map_while(|fix| match fix {
         Ok(fix) => Some(drive.quality.apply(&fix)),
@@ -233,7 +241,9 @@ fn errors(study: Option<&FixStudy>, stated: &FromFixes, parameters: &Parameters)
 
 /// Puts what all of the fixes show of their errors into `settings`, so that the filter uses it from the first fix on.
 pub fn look_ahead(settings: &mut Settings, study: Option<&FixStudy>) {
-    let stated = settings.from_fixes.take().unwrap_or_default();
+    let Some(stated) = settings.from_fixes.take() else {
+        return;
+    };
     let errors = errors(study, &stated, &settings.parameters);
     settings.parameters = errors.with_states(settings.parameters);
     settings.fix_errors = errors;

@@ -7,6 +7,7 @@
 mod columns;
 mod log;
 mod options;
+mod poses;
 
 use std::sync::Arc;
 
@@ -18,6 +19,7 @@ use crate::entry::{Entry, Wanted, What};
 use crate::fix::on_earth;
 pub use crate::fix::{VelocityAxes, quality_of_rtklib};
 use crate::opened::Memory;
+use crate::poses::Poses;
 use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
 use crate::skipped::{SkipEntry, SkipKind, Skipped};
 
@@ -26,6 +28,8 @@ pub use columns::{GnssFormat, PositionColumns};
 pub use log::GnssLog;
 use log::LogFixes;
 pub use options::FixOptions;
+use poses::Placed;
+pub use poses::PoseFixes;
 
 /// Layout of a GNSS log.
 #[derive(Clone, Debug)]
@@ -34,6 +38,8 @@ pub enum GnssSource {
     Table(Box<GnssFormat>),
     /// Log that says itself what it holds.
     Log(GnssLog),
+    /// Poses in a local frame.
+    Poses(Box<PoseFixes>),
     /// Fixes in memory, [`Memory::Fixes`].
     Fixes {
         /// Added to their times \[s\].
@@ -49,6 +55,7 @@ impl GnssSource {
         match self {
             Self::Table(format) => &mut format.fixes.time_offset,
             Self::Log(log) => &mut log.fixes.time_offset,
+            Self::Poses(poses) => poses.source.time_offset(),
             Self::Fixes { time_offset, .. } => time_offset,
         }
     }
@@ -76,6 +83,7 @@ pub struct Fixes(Of);
 enum Of {
     Columns(Box<FixColumns>),
     Log(Box<LogFixes>),
+    Poses(Box<Placed>),
     /// In memory, with what is added to their times \[s\].
     Records(f64),
 }
@@ -84,7 +92,7 @@ impl Reader<Fixes> {
     /// Velocities skipped so far because neither the log nor its options tell how certain they are.
     pub fn untold_velocities(&self) -> u64 {
         match &self.kind().0 {
-            Of::Columns(_) | Of::Records(_) => 0,
+            Of::Columns(_) | Of::Poses(_) | Of::Records(_) => 0,
             Of::Log(log) => log.untold_velocities,
         }
     }
@@ -119,6 +127,11 @@ impl Kind for Fixes {
                     span: log.fixes.span,
                 }
             }
+            GnssSource::Poses(fixes) => {
+                let Plan { kind, source, span } = Poses::plan(&fixes.source)?;
+                let kind = Self(Of::Poses(Box::new(Placed::new(kind, fixes))));
+                Plan { kind, source, span }
+            }
             GnssSource::Fixes { time_offset, span } => Plan {
                 kind: Self(Of::Records(*time_offset)),
                 source: Want::Records,
@@ -128,17 +141,25 @@ impl Kind for Fixes {
     }
 
     fn of_row(&mut self, row: TableRow, skipped: &mut Skipped) -> Option<(f64, GnssFix)> {
-        let Of::Columns(columns) = &self.0 else {
-            return None;
-        };
-        usable(columns.fix(row, skipped)?)
+        match &mut self.0 {
+            Of::Columns(columns) => usable(columns.fix(row, skipped)?),
+            Of::Poses(placed) => {
+                let pose = placed.poses.of_row(row, skipped)?;
+                placed.fix(pose)
+            }
+            Of::Log(_) | Of::Records(_) => None,
+        }
     }
 
     fn of_entry(&mut self, entry: Entry, skipped: &mut Skipped) -> Option<(f64, GnssFix)> {
-        let (What::Fix(fix), Of::Log(log)) = (entry.what, &mut self.0) else {
-            return None;
-        };
-        usable(log.fix(entry.at, &fix, skipped))
+        match (&mut self.0, &entry.what) {
+            (Of::Log(log), What::Fix(fix)) => usable(log.fix(entry.at, fix, skipped)),
+            (Of::Poses(placed), _) => {
+                let pose = placed.poses.of_entry(entry, skipped)?;
+                placed.fix(pose)
+            }
+            _ => None,
+        }
     }
 
     fn held(memory: &Memory) -> Option<Arc<[GnssFix]>> {
@@ -182,14 +203,24 @@ impl Kind for Fixes {
         Ok(Some(row.values))
     }
 
+    fn epoch(&self) -> Option<crate::epoch::Epoch> {
+        match &self.0 {
+            Of::Poses(placed) => placed.poses.epoch(),
+            _ => None,
+        }
+    }
+
     fn end(&self) -> Result<(), ReadError> {
         match &self.0 {
-            Of::Columns(_) | Of::Records(_) => Ok(()),
+            Of::Columns(_) | Of::Poses(_) | Of::Records(_) => Ok(()),
             Of::Log(log) => log.end(),
         }
     }
 
     fn nothing(&self, skipped: &Skipped) -> ReadError {
+        if let Of::Poses(placed) = &self.0 {
+            return placed.poses.nothing(skipped);
+        }
         let of_columns = matches!(self.0, Of::Columns(_));
         let mut entries = skipped.iter();
         let first = entries.find(|(kind, _)| *kind == SkipKind::OutOfRange && of_columns);

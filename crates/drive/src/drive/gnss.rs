@@ -155,8 +155,9 @@ pub(super) fn read_correlation(section: &Section) -> Result<Correlation, ConfigE
     }
 }
 
-/// `std_factors = { position = 0.8, position_correlated = 1.2 }`, what `undrift tune` writes.
-pub(super) fn read_std_factors(section: &Section) -> Result<StdFactors, ConfigError> {
+/// `std_factors = { position = 0.8, position_correlated = 1.2 }`, what `undrift tune` writes; of poses the attitude is in the place of the
+/// velocity.
+pub(super) fn read_std_factors(section: &Section, poses: bool) -> Result<StdFactors, ConfigError> {
     let factors = section.section("std_factors")?;
     let factor = |key| {
         let factor = factors.factor(key)?;
@@ -166,7 +167,10 @@ pub(super) fn read_std_factors(section: &Section) -> Result<StdFactors, ConfigEr
         }
     };
     let read = StdFactors {
-        white: [factor("position")?, factor("velocity")?],
+        white: [
+            factor("position")?,
+            factor(if poses { "attitude" } else { "velocity" })?,
+        ],
         correlated: [
             factor("position_correlated")?,
             factor("velocity_correlated")?,
@@ -302,7 +306,7 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
 }
 
 /// Three standard deviations above zero for every fix.
-fn constant_std<'a>(
+pub(super) fn constant_std<'a>(
     section: &Section<'a>,
     key: &'a str,
     quantity: Quantity,

@@ -50,6 +50,7 @@ impl Drive {
                     span: None,
                 },
             ),
+            poses: None,
             scalars: Default::default(),
             gnss_use: GnssUse::default(),
             truth: None,

@@ -69,6 +69,15 @@ impl<'a> Section<'a> {
         self.some_columns(key, wrong)
     }
 
+    /// Four columns, each by name or number.
+    ///
+    /// # Errors
+    /// If the value is no list of four, or as [`Section::column`] of one of them.
+    pub fn four_columns(&self, key: &'a str) -> Result<Option<[Column; 4]>, ConfigError> {
+        let wrong = "must be a list of four columns such as [\"qx\", \"qy\", \"qz\", \"qw\"]";
+        self.some_columns(key, wrong)
+    }
+
     /// Two columns, with the first as a third that nothing is taken from.
     ///
     /// # Errors

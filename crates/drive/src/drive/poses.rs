@@ -1,0 +1,239 @@
+//! The table `[poses]` of `DRIVE.toml`: poses in a local frame in the place of GNSS fixes.
+
+use super::{
+    error::{ConfigError, DriveError},
+    gnss,
+    imu::rotation_of_axes,
+    logs::Logs,
+    section::Section,
+    tables::{read_delimiter, read_std, read_switch},
+};
+use std::{f64::consts::FRAC_PI_2, path::PathBuf};
+use undrift_io::{
+    gnss::{GnssSource, PoseFixes},
+    poses::{AttitudeColumns, PoseFormat, PoseLog, PoseSource, QuaternionOrder},
+};
+use undrift_nav::{
+    Matrix3, Quaternion,
+    attitude::from_rpy,
+    earth::{Geodetic, gravity},
+    parameters::{Parameter, Parameters, Prior},
+    units::Quantity,
+};
+
+/// What a drive by poses has beside its log of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Poses {
+    /// Axes of the marker in the body, `q_bm`.
+    pub marker: Quaternion,
+    /// Whether the frame's heading is north, so that the Earth's rotation is taken into account.
+    pub earth_rate: bool,
+}
+
+/// Latitude where nothing is said of gravity \[rad\].
+const LATITUDE: f64 = 45.0 * FRAC_PI_2 / 90.0;
+/// How well the marker's axes are known that are stated, and those that are not, each way \[rad\].
+const MARKER_STD: [f64; 2] = [0.05, 0.5];
+/// How level the frame of poses is, each way \[rad\]: what a calibration with a level or gravity leaves.
+const TILT_STD: f64 = 0.01;
+
+/// Reads the table: the log, and how its poses are used.
+pub(super) fn read(
+    section: &Section,
+    local: &Section,
+    logs: &mut Logs,
+) -> Result<((PathBuf, GnssSource), Poses), DriveError> {
+    let path = logs.named(section)?;
+    let (format, _) = logs.format(section, &path, "time")?;
+    let time_offset = section
+        .quantity("time_offset", Quantity::Time)?
+        .unwrap_or(0.0);
+    let position_std = gnss::constant_std(section, "position_std", Quantity::Length)?;
+    let attitude_std = gnss::constant_std(section, "attitude_std", Quantity::Angle)?;
+    let source = if format.is_log() {
+        PoseSource::Log(PoseLog {
+            format,
+            stream: section.text("topic")?.map(str::to_owned),
+            time_offset,
+            span: logs.span,
+        })
+    } else {
+        let mut columns = read_columns(section)?;
+        (columns.time_offset, columns.span) = (time_offset, logs.span);
+        for (key, missing) in [
+            (
+                "position_std",
+                position_std.is_none() && columns.position_std.is_none(),
+            ),
+            (
+                "attitude_std",
+                columns.attitude.is_some()
+                    && attitude_std.is_none()
+                    && columns.attitude_std.is_none(),
+            ),
+        ] {
+            if missing {
+                let what = "how good the poses are, three numbers with their unit, such as \"1, 1, 1 mm\" or \"0.1, 0.1, 0.1 deg\"";
+                return Err(section.missing(key, what).into());
+            }
+        }
+        PoseSource::Table(Box::new(columns))
+    };
+    let interval = section.quantity("interval", Quantity::Time)?.unwrap_or(0.0);
+    let (latitude, earth_rate) = read_local(local)?;
+    let fixes = PoseFixes {
+        source,
+        base: Geodetic {
+            lat: latitude,
+            lon: 0.0,
+            height: 0.0,
+        },
+        rotation: read_frame(section)?,
+        position_std,
+        attitude_std,
+        interval,
+    };
+    let marker = section.vector("marker", Quantity::Angle)?;
+    let marker = marker.map_or_else(Quaternion::identity, |rpy| from_rpy(&rpy));
+    // Read elsewhere.
+    let _ = [
+        "lever_arm",
+        "gate",
+        "adapt",
+        "correlation_time",
+        "correlated_share",
+        "std_factors",
+    ]
+    .map(|key| section.get(key));
+    section.only_known()?;
+    Ok((
+        (path, GnssSource::Poses(Box::new(fixes))),
+        Poses { marker, earth_rate },
+    ))
+}
+
+/// From the frame's axes to north, east, down: `axes = "x,-y,-z"`, which is what a frame with z up needs, or `frame` as angles.
+fn read_frame(section: &Section) -> Result<Quaternion, ConfigError> {
+    let frame = section.vector("frame", Quantity::Angle)?;
+    match (section.text("axes")?, frame) {
+        (Some(_), Some(_)) => Err(section.error("frame", "set axes or frame, not both")),
+        (None, Some(rpy)) => Ok(from_rpy(&rpy)),
+        (axes, None) => {
+            let axes = axes.unwrap_or("x,-y,-z");
+            let matrix: Matrix3 =
+                rotation_of_axes(axes).map_err(|message| section.error("axes", message))?;
+            Ok(Quaternion::from_matrix(&matrix))
+        }
+    }
+}
+
+/// `[local]`: latitude by `latitude` or `gravity`, and whether the Earth's rotation counts.
+fn read_local(local: &Section) -> Result<(f64, bool), ConfigError> {
+    let latitude = local.quantity("latitude", Quantity::Angle)?;
+    let stated = local.quantity("gravity", Quantity::Acceleration)?;
+    let earth_rate = read_switch(local, "earth_rate")?.unwrap_or(false);
+    local.only_known()?;
+    let latitude = match (latitude, stated) {
+        (Some(_), Some(_)) => {
+            return Err(local.error("gravity", "set latitude or gravity, not both"));
+        }
+        (Some(latitude), None) if latitude.abs() < FRAC_PI_2 - 0.01 => latitude,
+        (Some(_), None) => return Err(local.error("latitude", "must lie between -89 and 89 deg")),
+        (None, None) => LATITUDE,
+        (None, Some(value)) => latitude_of(value).ok_or_else(|| {
+            local.error(
+                "gravity",
+                "must lie between 9.781 and 9.832 m/s^2, as on the ground",
+            )
+        })?,
+    };
+    Ok((latitude, earth_rate))
+}
+
+/// Latitude at sea level where gravity is `value` [m/s²], by bisection.
+fn latitude_of(value: f64) -> Option<f64> {
+    let (mut low, mut high) = (0.0, FRAC_PI_2 - 0.01);
+    if !(gravity(low, 0.0)..=gravity(high, 0.0)).contains(&value) {
+        return None;
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        match gravity(middle, 0.0) < value {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    Some(low)
+}
+
+/// The poses in named columns of a table.
+fn read_columns(section: &Section) -> Result<PoseFormat, DriveError> {
+    let time = section
+        .column("time")?
+        .ok_or_else(|| section.missing("time", "the time column"))?;
+    let position = section.columns("position")?;
+    if position.is_none() {
+        let what = "set position, the three columns x, y, z: attitudes alone do not show what accelerometers err by";
+        return Err(section.missing("position", what).into());
+    }
+    let attitude = section.four_columns("attitude")?;
+    let w_first = section.word("attitude_order", &[("x,y,z,w", false), ("w,x,y,z", true)])?;
+    let attitude = match (attitude, w_first) {
+        (Some(columns), Some(w_first)) => Some(AttitudeColumns::Quaternion { columns, w_first }),
+        (Some(_), None) => {
+            let what = "\"x,y,z,w\" or \"w,x,y,z\": which of the four columns is the scalar part";
+            return Err(section.missing("attitude_order", what).into());
+        }
+        (None, Some(_)) => {
+            return Err(section
+                .error("attitude_order", "needs attitude, the four columns")
+                .into());
+        }
+        (None, None) => section
+            .columns("euler")?
+            .map(|columns| {
+                section
+                    .unit("euler_unit", Quantity::Angle, 1f64.to_radians())
+                    .map(|scale| AttitudeColumns::Euler { columns, scale })
+            })
+            .transpose()?,
+    };
+    Ok(PoseFormat {
+        date: section.column("date")?,
+        time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
+        position_scale: section.unit("position_unit", Quantity::Length, 1.0)?,
+        position_std: section.columns("position_std_columns")?,
+        attitude_std: section.columns("attitude_std_columns")?,
+        attitude_std_scale: section.unit("attitude_std_unit", Quantity::Angle, 1.0)?,
+        quaternion_order: QuaternionOrder::Stated,
+        delimiter: read_delimiter(section)?,
+        ..PoseFormat::new(time, position, attitude)
+    })
+}
+
+/// The parameters that poses ask for, beside those of [`states`](super::tables::read_states); `given` where the marker's axes are stated.
+pub(super) fn read_states(section: &Section, given: bool) -> Result<Parameters, ConfigError> {
+    let std = |key, otherwise| read_std(section, key, Quantity::Angle, Some(otherwise));
+    let marker = std("marker", MARKER_STD[usize::from(!given)])?;
+    let tilt = std("frame_tilt", TILT_STD)?;
+    let mut parameters = Parameters::none();
+    for (kind, std) in [
+        (Parameter::MarkerRotation, marker),
+        (Parameter::FrameTilt, tilt),
+    ] {
+        if let Some(std) = std {
+            parameters = parameters.with(kind, Prior::constant(std));
+        }
+    }
+    Ok(parameters)
+}
+
+/// `parameters` as they are beside poses: nothing of a velocity, and clocks that differ by an offset and a rate, without a walk, since
+/// poses show the offset in every movement.
+pub(super) fn beside_poses(parameters: Parameters) -> Parameters {
+    let parameters = parameters.without(Parameter::VelocityTimeOffset);
+    match parameters.prior(Parameter::TimeOffset) {
+        Some(prior) => parameters.with(Parameter::TimeOffset, Prior::constant(prior.std)),
+        None => parameters,
+    }
+}
