@@ -27,7 +27,7 @@ pub(crate) mod gnss;
 pub(crate) mod imu;
 mod logs;
 mod memory;
-mod poses;
+pub(crate) mod poses;
 mod result;
 mod scalars;
 mod section;

@@ -8,6 +8,7 @@ mod measure;
 mod motion;
 mod numbers;
 mod places;
+mod poses;
 mod receiver;
 mod sensor;
 mod topics;
@@ -196,6 +197,7 @@ fn of_streams(streams: &[Stream], notes: &mut Vec<Note>) -> Vec<Part> {
         ("imu", StreamKind::Imu),
         ("gnss", StreamKind::Fixes),
         ("truth", StreamKind::Poses),
+        ("poses", StreamKind::LocalPoses),
     ] {
         let names = of(kind);
         if names.is_empty() {

@@ -8,6 +8,7 @@ pub mod columns;
 pub mod consistency;
 pub mod drive;
 pub mod findings;
+mod hand_eye;
 pub mod identify;
 pub mod inspect;
 pub mod mounting;

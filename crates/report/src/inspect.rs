@@ -5,8 +5,8 @@ use serde::Serialize;
 use std::path::Path;
 use undrift_io::visible;
 use undrift_results::inspect::{
-    Comment, Content, CounterRestarts, Inspection, Known, Measured, Model, Note, Part, Start,
-    about_gravity,
+    Comment, Content, CounterRestarts, Inspection, Known, Measured, Model, Note, Part, PoseFault,
+    Start, about_gravity,
 };
 
 /// An inspection with its sentences, for JSON.
@@ -190,6 +190,22 @@ fn known(known: &Known) -> String {
                 "estimated from forces, speeds and turns of this drive, yaw to ±{std_deg:.1} deg; \"auto\" is more accurate on a longer drive"
             );
         }
+        Known::HandEye {
+            correlation,
+            std_deg,
+        } => {
+            return format!(
+                "from the turns of gyros and poses, whose correlation is {correlation:.3}; ±{std_deg:.2} deg"
+            );
+        }
+        Known::Accelerations => "from the accelerations of IMU and poses",
+        Known::LeverArm { std_m } => {
+            return format!(
+                "IMU to marker: forward, right, down; from the accelerations, ±{std_m:.3} m"
+            );
+        }
+        Known::Scatter => "from what the turns of the poses differ by from those of the gyros",
+        Known::Thinned => "poses that follow at once err alike: one in this time is used",
         Known::SensorName => "from the sensor's name in the log, or in its file or folder name",
         Known::Steps => "from the quantisation steps of its values",
         Known::NoSensor => "guessed: nothing in the log shows the kind of sensor",
@@ -224,11 +240,13 @@ fn note(note: &Note) -> String {
         Note::NoGravity { ratio } => format!(
             "the mean specific force is {ratio:.2} times gravity: gravity seems to be removed, as from a \"linear acceleration\"; log the accelerometers with gravity"
         ),
+        Note::Poses(fault) => pose_fault(fault),
         Note::NoMounting(why) => format!("axes guessed from gravity alone: {why}"),
         Note::Empty { table, streams } => {
             let what = match table.as_str() {
                 "imu" => "inertial samples",
                 "gnss" => "fixes",
+                "poses" => "poses",
                 _ => "reference solutions",
             };
             let verb = if streams.len() == 1 { "was" } else { "were" };
@@ -237,6 +255,40 @@ fn note(note: &Note) -> String {
         Note::Nothing => {
             "nothing usable: neither positions nor angular rates with specific forces".into()
         }
+    }
+}
+
+/// What is wrong with poses, or why nothing was found.
+fn pose_fault(fault: &PoseFault) -> String {
+    match fault {
+        PoseFault::ScalarFirst => {
+            "the quaternions have w first: only so do the turns of poses and gyros agree; attitude_order is set".into()
+        }
+        PoseFault::Inverse => {
+            "the quaternions are inverse: they turn the axes of the frame into the marker's, and are to turn the marker's into the frame's; change the sign of qx, qy and qz".into()
+        }
+        PoseFault::Unit(unit) => format!(
+            "the positions are in {unit}, by the accelerations; position_unit is set"
+        ),
+        PoseFault::Mirrored => {
+            "poses and IMU are mirror images: one of them has left-handed axes; reverse one axis of the poses, or of the IMU".into()
+        }
+        PoseFault::NoFit { correlation } => format!(
+            "poses and gyros have no turns in common (correlation {correlation:.2}): other recordings, a clock that runs otherwise, a marker that is not fixed to the IMU, or the gyros' unit or axes"
+        ),
+        PoseFault::Still { rate_deg } => format!(
+            "the marker hardly turns ({rate_deg:.1} deg/s): its axes against the IMU's do not show; turn it about all axes at some 30 deg/s"
+        ),
+        PoseFault::OneAxis => {
+            "the marker turns about one axis only, so its axes against the IMU's do not show; turn it about two or more".into()
+        }
+        PoseFault::TooShort { duration_s } => format!(
+            "only {duration_s:.0} s of poses with an attitude: record a minute or more"
+        ),
+        PoseFault::NoPositions => "too few positions beside attitudes for a drive".into(),
+        PoseFault::NoGravity { found } => format!(
+            "what the accelerometers measure beyond the motion of the poses is {found:.2} m/s^2, and should be gravity: check imu.accel_unit and the unit and axes of the positions"
+        ),
     }
 }
 

@@ -3,5 +3,5 @@
 mod known;
 mod parts;
 
-pub use known::{Content, Known, Note, about_gravity};
+pub use known::{Content, Known, Note, PoseFault, about_gravity};
 pub use parts::{Comment, CounterRestarts, Inspection, Line, Measured, Model, Motion, Part, Start};

@@ -38,7 +38,7 @@ const MARKER_STD: [f64; 2] = [0.05, 0.5];
 const TILT_STD: f64 = 0.01;
 
 /// Reads the table: the log, and how its poses are used.
-pub(super) fn read(
+pub(crate) fn read(
     section: &Section,
     local: &Section,
     logs: &mut Logs,

@@ -23,7 +23,9 @@ pub fn drive_file(
     let above = |of| commented(&say(of));
     let mut text = above(Comment::Top) + "\n" + &above(Comment::Model);
     text += &format!("model = {model} # {}\n", say(Comment::Known(&model.known)));
-    for (table, needed) in [("imu", true), ("gnss", true), ("truth", false)] {
+    let posed = first(inspections, "gnss").is_none() && first(inspections, "poses").is_some();
+    let fixes = if posed { "poses" } else { "gnss" };
+    for (table, needed) in [("imu", true), (fixes, true), ("truth", false)] {
         match first(inspections, table) {
             Some((file, part)) => write_part(&mut text, file, part, home, say),
             None if needed => {

@@ -8,8 +8,9 @@ use undrift_io::{
     epoch::Epoch,
     format::Format,
     gaps::{Gap, GapWatch},
-    gnss::GnssReader,
+    gnss::{GnssReader, GnssSource},
     imu::ImuReader,
+    poses::Poses,
     skipped::Skipped,
     truth::TruthReader,
 };
@@ -106,6 +107,11 @@ fn read(path: &Path, logs: &mut Logs, part: &Part) -> Result<(Measured, Option<L
             let (path, source) = gnss::read_gnss(&section, logs)?;
             Ok((fixes(logs.read(&path, &source)?)?, None))
         }
+        "poses" => {
+            let local = top.section("local")?;
+            let ((path, source), _) = crate::drive::poses::read(&section, &local, logs)?;
+            Ok((local_poses(logs, &path, &source)?, None))
+        }
         _ => match tables::read_truth(&section, logs)? {
             Some((path, source)) => Ok((poses(logs.read(&path, &source)?)?, None)),
             None => Err(section.error("file", "missing").into()),
@@ -192,6 +198,25 @@ fn poses(mut reader: TruthReader) -> Result<Measured, ReadError> {
     let mut measured = span.measured(reader.skipped(), reader.epoch());
     measured.content = Some(Content::Poses {
         velocities,
+        attitudes,
+    });
+    Ok(measured)
+}
+
+fn local_poses(logs: &Logs, path: &Path, source: &GnssSource) -> Result<Measured, ReadError> {
+    let GnssSource::Poses(fixes) = source else {
+        return Ok(Measured::default());
+    };
+    let mut reader = logs.read::<Poses>(path, &fixes.source)?;
+    let (mut span, mut attitudes) = (Span::default(), 0u64);
+    for pose in reader.by_ref() {
+        let pose = pose?;
+        span.add(pose.time);
+        attitudes += u64::from(pose.attitude.is_some());
+    }
+    let mut measured = span.measured(reader.skipped(), reader.epoch());
+    measured.content = Some(Content::Poses {
+        velocities: 0,
         attitudes,
     });
     Ok(measured)

@@ -38,6 +38,9 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         })
     };
     let (Some(imu), Some(gnss)) = (readable("imu"), readable("gnss")) else {
+        if let Some((imu, poses)) = readable("imu").zip(readable("poses")) {
+            super::poses::motion(inspections, imu, poses);
+        }
         return Motion::default();
     };
     let fixes = inspections[gnss.0].parts[gnss.1].measured.clone();

@@ -118,6 +118,24 @@ pub enum Known {
     Steps,
     /// Guessed, as nothing in the log shows the kind of sensor.
     NoSensor,
+    /// By the turns that samples and poses have in common.
+    HandEye {
+        /// Their correlation.
+        correlation: f64,
+        /// Standard deviation of the marker's axes \[deg\].
+        std_deg: f64,
+    },
+    /// By the accelerations that samples and poses have in common.
+    Accelerations,
+    /// The same of the lever arm.
+    LeverArm {
+        /// Its standard deviation \[m\].
+        std_m: f64,
+    },
+    /// By what the turns of poses differ by from those of the gyros.
+    Scatter,
+    /// Poses are thinned, since those that follow at once err alike.
+    Thinned,
     /// Estimated from forces, speeds and turns.
     Forces {
         /// Standard deviation of the yaw \[deg\].
@@ -168,8 +186,49 @@ pub enum Note {
         /// Times gravity that they measure on average.
         ratio: f64,
     },
+    /// What is wrong with poses, or why they could not be compared with the samples.
+    Poses(PoseFault),
     /// How the IMU sits could not be estimated from the motion, and why.
     NoMounting(String),
+}
+
+/// What is wrong with poses, or why they and the samples show too little of each other.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum PoseFault {
+    /// The scalar part of the quaternions is the first of the four numbers.
+    ScalarFirst,
+    /// The quaternions turn local axes into the marker's.
+    Inverse,
+    /// The positions are in this unit.
+    Unit(&'static str),
+    /// One of the frames is left-handed.
+    Mirrored,
+    /// Turns of samples and poses have nothing in common.
+    NoFit {
+        /// Correlation of the turns.
+        correlation: f64,
+    },
+    /// The marker hardly turned.
+    Still {
+        /// Root mean square of its rate [deg/s].
+        rate_deg: f64,
+    },
+    /// The marker turned about one axis only.
+    OneAxis,
+    /// There are too few poses with an attitude.
+    TooShort {
+        /// Time that they cover \[s\].
+        duration_s: f64,
+    },
+    /// There are too few positions beside attitudes.
+    NoPositions,
+    /// What the accelerometers measure beyond the motion is not gravity.
+    NoGravity {
+        /// What it is [m/s²].
+        found: f64,
+    },
 }
 
 /// What a part of a file holds.
@@ -186,7 +245,7 @@ pub enum Content {
         /// Those with a velocity.
         velocities: u64,
     },
-    /// Reference solutions.
+    /// Reference solutions, or poses in a local frame.
     Poses {
         /// Those with a velocity.
         velocities: u64,

@@ -1,0 +1,240 @@
+//! Gravity in the poses' frame, the lever arm and the unit of the positions, by accelerations.
+
+use super::{path::Path, turns::Turns};
+use nalgebra::{SMatrix, SVector};
+use undrift_base::order_statistics::quantile;
+use undrift_io::poses::LocalPose;
+use undrift_nav::{Matrix3, Quaternion, Vector3, earth::STANDARD_GRAVITY, sample::ImuSample};
+use undrift_results::inspect::PoseFault;
+
+/// What accelerations show.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Forces {
+    /// In the frame of the poses [m/s²].
+    pub gravity: Vector3,
+    /// IMU → marker, body axes \[m\].
+    pub lever_arm: Vector3,
+    pub lever_arm_std: f64,
+    /// Of the positions, each way \[m\].
+    pub position_std: f64,
+    /// The unit, if it is not the metre.
+    pub fault: Option<PoseFault>,
+}
+
+/// Times between the three poses of a double difference \[s\]: long for accelerations, short for the positions' own noise.
+const LONG: f64 = 0.4;
+const SHORT: f64 = 0.1;
+/// Poses further apart than this much of that are not used.
+const EVEN: f64 = 1.3;
+/// Double differences that it takes.
+const LEAST: usize = 60;
+/// Gravity that is none, as a share of it.
+const GRAVITY: f64 = 0.05;
+/// Units of positions in metres that people use.
+const UNITS: [(&str, f64); 4] = [("mm", 1e-3), ("cm", 1e-2), ("ft", 0.3048), ("in", 0.0254)];
+/// How near a unit has to be.
+const NEAR: f64 = 0.1;
+/// Median of the absolute value of a normal variable, inverse.
+const MAD: f64 = 1.4826;
+/// Rounds of weights by the residuals (Huber 1981).
+const ROUNDS: usize = 6;
+
+/// Gravity, lever arm, bias, scale of the positions.
+const UNKNOWN: usize = 10;
+const SCALE: usize = 9;
+
+/// One double difference: of the specific force, and what it is of each unknown.
+struct Row {
+    force: Vector3,
+    by: SMatrix<f64, 3, UNKNOWN>,
+    /// Mean of both spans \[s\].
+    span: f64,
+}
+
+impl Forces {
+    /// Compares accelerations.
+    ///
+    /// # Errors
+    /// Where there are too few positions, or gravity is not to be found in them.
+    pub(super) fn find(
+        samples: &[ImuSample],
+        poses: &[LocalPose],
+        turns: &Turns,
+    ) -> Result<Self, PoseFault> {
+        let path = Path::new(samples, turns.bias);
+        let long = rows(&path, samples, poses, turns, LONG);
+        if long.len() < LEAST {
+            return Err(PoseFault::NoPositions);
+        }
+        let scale = solve(&long, true).0[SCALE];
+        let mut fault = None;
+        // Noise of the positions and little motion make it small: a unit is far from both.
+        let unit = UNITS
+            .iter()
+            .find(|(_, unit)| (scale / unit - 1.0).abs() < NEAR);
+        let mut factor = 1.0;
+        if let Some((name, unit)) = unit {
+            (fault, factor) = (Some(PoseFault::Unit(name)), *unit);
+        } else if scale < 0.0 && (scale + 1.0).abs() < 0.5 {
+            return Err(PoseFault::Mirrored);
+        }
+        let scaled = |rows: &mut Vec<Row>| {
+            for row in rows {
+                // Known from here on.
+                let positions: Vector3 = row.by.column(SCALE).into_owned();
+                row.force -= positions * factor;
+                row.by.column_mut(SCALE).fill(0.0);
+            }
+        };
+        let mut long = long;
+        scaled(&mut long);
+        let (x, covariance) = solve(&long, false);
+        let gravity: Vector3 = x.fixed_rows::<3>(0).into_owned();
+        if (gravity.norm() / STANDARD_GRAVITY - 1.0).abs() > GRAVITY {
+            return Err(PoseFault::NoGravity {
+                found: gravity.norm(),
+            });
+        }
+        let mut short = rows(&path, samples, poses, turns, SHORT);
+        scaled(&mut short);
+        let at = &x;
+        let noise = |row: &Row| {
+            let left = row.force - row.by * at;
+            // Of three positions that err, 1, −2 and 1 over the span.
+            (left * row.span / 6f64.sqrt()).map(f64::abs).data.0[0]
+        };
+        let noise: Vec<f64> = short.iter().flat_map(noise).collect();
+        let lever = covariance.fixed_view::<3, 3>(3, 3).diagonal();
+        Ok(Self {
+            gravity,
+            lever_arm: x.fixed_rows::<3>(3).into_owned(),
+            lever_arm_std: lever.max().max(0.0).sqrt(),
+            position_std: MAD * quantile(&noise, 0.5),
+            fault,
+        })
+    }
+}
+
+/// The double differences over spans of about `span` \[s\].
+fn rows(
+    path: &Path,
+    samples: &[ImuSample],
+    poses: &[LocalPose],
+    turns: &Turns,
+    span: f64,
+) -> Vec<Row> {
+    let whole = poses.iter().filter_map(|pose| {
+        let q_wb = pose.attitude? * turns.marker.inverse();
+        Some((pose.time + turns.clock, pose.position?, q_wb))
+    });
+    let whole: Vec<(f64, Vector3, Quaternion)> = whole.collect();
+    let after = |time: f64| whole.partition_point(|pose| pose.0 < time - 1e-6);
+    let mut rows = Vec::new();
+    let mut from = 0;
+    while let Some(first) = whole.get(from) {
+        let next = after(first.0 + span);
+        let last = whole.get(next).map(|middle| after(middle.0 + span));
+        if let Some((middle, last)) = whole.get(next).zip(last.and_then(|at| whole.get(at)))
+            && last.0 - first.0 < 2.0 * EVEN * span
+        {
+            rows.extend(row(path, samples, [first, middle, last]));
+        }
+        // Half of each span is new.
+        from = after(first.0 + 0.5 * span).max(from + 1);
+    }
+    rows
+}
+
+/// A double difference over three poses: time \[s\], position, attitude `q_wb`.
+fn row(path: &Path, samples: &[ImuSample], three: [&(f64, Vector3, Quaternion); 3]) -> Option<Row> {
+    let [t0, t1, t2] = three.map(|pose| pose.0);
+    let (h1, h2) = (t1 - t0, t2 - t1);
+    let double = |of: [Vector3; 3]| (of[2] - of[1]) / h2 - (of[1] - of[0]) / h1;
+    let mut by = SMatrix::<f64, 3, UNKNOWN>::zeros();
+    let (mut force, mut through) = (Vector3::zeros(), Matrix3::zeros());
+    let middle = path.at(t1)?;
+    let mut covered = 0.0;
+    for sample in &samples[path.sample_at(t0)..] {
+        let (begin, end) = ((sample.time - sample.dt).max(t0), sample.time.min(t2));
+        if begin >= t2 {
+            break;
+        }
+        if end <= begin {
+            continue;
+        }
+        let time = 0.5 * (begin + end);
+        let weight = if time < t1 {
+            (time - t0) / h1
+        } else {
+            (t2 - time) / h2
+        } * (end - begin);
+        let c_wb = (three[1].2 * middle.inverse() * path.at(time)?)
+            .to_rotation_matrix()
+            .into_inner();
+        force += c_wb * sample.dvel * (weight / sample.dt);
+        through += c_wb * weight;
+        covered += weight;
+    }
+    let whole = 0.5 * (h1 + h2);
+    if (covered / whole - 1.0).abs() > 0.02 {
+        return None;
+    }
+    // Of the force: scale · D(p) − g ∫w − D(R) l + ∫w R b.
+    by.fixed_view_mut::<3, 3>(0, 0)
+        .copy_from(&(Matrix3::identity() * -whole));
+    for axis in 0..3 {
+        let arm = Vector3::ith(axis, 1.0);
+        by.column_mut(3 + axis)
+            .copy_from(&-double(three.map(|pose| pose.2 * arm)));
+    }
+    by.fixed_view_mut::<3, 3>(0, 6).copy_from(&through);
+    by.column_mut(SCALE)
+        .copy_from(&double(three.map(|pose| pose.1)));
+    Some(Row {
+        force,
+        by,
+        span: 2.0 / (1.0 / h1 + 1.0 / h2),
+    })
+}
+
+/// Least squares with weights by the residuals: unknowns and their covariance.
+fn solve(rows: &[Row], scaled: bool) -> (SVector<f64, UNKNOWN>, SMatrix<f64, UNKNOWN, UNKNOWN>) {
+    // Accelerometers are good to some tenths of m/s², lever arms to a metre.
+    let mut prior = SMatrix::<f64, UNKNOWN, UNKNOWN>::zeros();
+    let mut x = SVector::<f64, UNKNOWN>::zeros();
+    let (mut scatter, mut covariance) = (f64::INFINITY, prior);
+    for _ in 0..ROUNDS {
+        let (mut a, mut b) = (prior, SVector::<f64, UNKNOWN>::zeros());
+        let mut sizes = Vec::with_capacity(3 * rows.len());
+        for row in rows {
+            let left = row.force - row.by * x;
+            sizes.extend(left.iter().map(|of| of.abs()));
+            let size = left.norm();
+            let weight = if size > 2.0 * scatter {
+                2.0 * scatter / size
+            } else {
+                1.0
+            };
+            a += row.by.transpose() * row.by * weight;
+            b += row.by.transpose() * row.force * weight;
+        }
+        if !scaled {
+            a[(SCALE, SCALE)] = 1.0;
+        }
+        scatter = match scatter.is_finite() {
+            true => MAD * quantile(&sizes, 0.5),
+            // Of nothing known yet all are alike.
+            false => 1e9,
+        };
+        let Some(inverse) = a.try_inverse() else {
+            break;
+        };
+        x = inverse * b;
+        covariance = inverse * (scatter * scatter);
+        for i in 0..3 {
+            prior[(3 + i, 3 + i)] = scatter.min(1.0).powi(2);
+            prior[(6 + i, 6 + i)] = (scatter.min(1.0) / 0.3).powi(2);
+        }
+    }
+    (x, covariance)
+}

@@ -1,0 +1,280 @@
+//! The clock and the marker's rotation, by the turns that poses and gyros have in common.
+
+use super::{INTERVAL, path::Path};
+use nalgebra::{Matrix3, SymmetricEigen};
+use undrift_base::order_statistics::quantile;
+use undrift_io::poses::LocalPose;
+use undrift_nav::{Quaternion, Vector3, sample::ImuSample};
+use undrift_results::inspect::PoseFault;
+
+/// What turns show.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Turns {
+    /// What is to be added to the times of the poses \[s\].
+    pub clock: f64,
+    /// Axes of the marker in the body, `q_bm`.
+    pub marker: Quaternion,
+    pub marker_std: f64,
+    /// Of the gyros [rad/s].
+    pub bias: Vector3,
+    /// Standard deviation of the attitudes \[rad\].
+    pub attitude_std: f64,
+    /// Correlation of the turns, and that if one of the frames were left-handed [–].
+    pub correlation: f64,
+    pub mirrored: f64,
+}
+
+/// A turn between two poses: from, to \[s\], and the rotation in the marker's axes \[rad\].
+type Turn = (f64, f64, Vector3);
+
+/// Turns longer than this are not looked at \[s\].
+const LONGEST: f64 = 1.5;
+/// Turns that it takes to tell anything, a second at most each.
+const LEAST: usize = 50;
+/// Interval of the angular speeds that clocks are compared by \[s\].
+const STEP: f64 = 0.05;
+/// Clocks that agree on this much by their stamps \[s\] are looked at first.
+const NEAR: f64 = 2.0;
+/// Part of the poses' angular speeds that is looked for in all of the samples \[s\].
+const PIECE: f64 = 120.0;
+/// Correlation of angular speeds that is no chance [–].
+const COMMON: f64 = 0.7;
+/// Least angular speed of a marker whose rotation shows, root mean square [rad/s].
+const LEAST_SPEED: f64 = 0.05;
+/// Least share of the turns about the second axis [–].
+const LEAST_SHARE: f64 = 0.003;
+/// Median of the absolute value of a normal variable, inverse.
+const MAD: f64 = 1.4826;
+
+impl Turns {
+    /// Compares samples and poses.
+    ///
+    /// # Errors
+    /// Where they are too few, show too little turning, or nothing in common.
+    pub(super) fn find(samples: &[ImuSample], poses: &[LocalPose]) -> Result<Self, PoseFault> {
+        let turns = turns(poses);
+        if turns.len() < LEAST || samples.len() < LEAST {
+            let duration_s = turns.iter().map(|(from, to, _)| to - from).sum();
+            return Err(PoseFault::TooShort { duration_s });
+        }
+        let speed = turns
+            .iter()
+            .map(|(from, to, turn)| (turn / (to - from)).norm_squared());
+        let speed = (speed.sum::<f64>() / turns.len() as f64).sqrt();
+        if speed < LEAST_SPEED {
+            return Err(PoseFault::Still {
+                rate_deg: speed.to_degrees(),
+            });
+        }
+        let mut path = Path::new(samples, Vector3::zeros());
+        let coarse = clock(samples, &turns).ok_or(PoseFault::NoFit { correlation: 0.0 })?;
+        let (mut clock, mut fit) = refined(&path, &turns, coarse);
+        // The turns show the gyros' bias once the marker is known, and then all of it again.
+        let bias = fit.bias;
+        path = Path::new(samples, bias);
+        (clock, fit) = refined(&path, &turns, clock);
+        if fit.second < LEAST_SHARE {
+            return Err(PoseFault::OneAxis);
+        }
+        Ok(Self {
+            clock,
+            marker: fit.marker,
+            marker_std: fit.std,
+            bias: bias + fit.bias,
+            attitude_std: fit.scatter / std::f64::consts::SQRT_2,
+            correlation: fit.correlation,
+            mirrored: fit.mirrored,
+        })
+    }
+}
+
+/// The turns between poses that are [`INTERVAL`] apart, or more where there are fewer.
+fn turns(poses: &[LocalPose]) -> Vec<Turn> {
+    let mut turns = Vec::new();
+    let mut before: Option<(f64, Quaternion)> = None;
+    for pose in poses {
+        let Some(attitude) = pose.attitude else {
+            continue;
+        };
+        match before {
+            Some((time, _)) if pose.time < time + 0.98 * INTERVAL && pose.time >= time => {}
+            Some((time, from)) => {
+                if (0.0..LONGEST).contains(&(pose.time - time)) {
+                    let turn = (from.inverse() * attitude).scaled_axis();
+                    turns.push((time, pose.time, turn));
+                }
+                before = Some((pose.time, attitude));
+            }
+            None => before = Some((pose.time, attitude)),
+        }
+    }
+    turns
+}
+
+/// Angular speeds every [`STEP`] from the first time on; NaN where there is none.
+fn speeds(of: impl Iterator<Item = (f64, f64, f64)>) -> (f64, Vec<f64>) {
+    let (mut first, mut sums): (Option<f64>, Vec<(f64, f64)>) = (None, Vec::new());
+    for (from, to, speed) in of {
+        let begin = *first.get_or_insert(from);
+        let cells = (
+            ((from - begin) / STEP) as usize,
+            ((to - begin) / STEP).ceil() as usize,
+        );
+        for cell in cells.0..cells.1.max(cells.0 + 1) {
+            if cell >= sums.len() {
+                sums.resize(cell + 1, (0.0, 0.0));
+            }
+            sums[cell].0 += speed;
+            sums[cell].1 += 1.0;
+        }
+    }
+    let mean = sums.into_iter().map(|(sum, n)| sum / n).collect();
+    (first.unwrap_or(0.0), mean)
+}
+
+/// What is to be added to the times of the turns for their angular speeds to be those of the samples \[s\], to a few hundredths.
+fn clock(samples: &[ImuSample], turns: &[Turn]) -> Option<f64> {
+    let of_sample = |s: &ImuSample| (s.time - s.dt, s.time, s.dtheta.norm() / s.dt);
+    let (body_from, body) = speeds(samples.iter().map(of_sample));
+    let of_turn = |(from, to, turn): &Turn| (*from, *to, turn.norm() / (to - from));
+    let (marker_from, marker) = speeds(turns.iter().map(of_turn));
+    let apart = body_from - marker_from;
+    // By the stamps first; else wherever a piece of it is found.
+    let near = (NEAR / STEP) as isize;
+    let by_stamps = (-apart / STEP).round() as isize;
+    let best = best_lag(&body, &marker, by_stamps - near..=by_stamps + near);
+    if let Some((lag, _)) = best.filter(|(_, correlation)| *correlation > COMMON) {
+        return Some(apart + lag as f64 * STEP);
+    }
+    let piece = &marker[..marker.len().min((PIECE / STEP) as usize)];
+    let half = piece.len() as isize / 2;
+    let (lag, correlation) = best_lag(&body, piece, -half..=body.len() as isize - half)?;
+    (correlation > COMMON).then_some(apart + lag as f64 * STEP)
+}
+
+/// The lag among these at which the second series, begun so much later, is most alike the first, and the correlation then.
+fn best_lag(
+    body: &[f64],
+    marker: &[f64],
+    lags: std::ops::RangeInclusive<isize>,
+) -> Option<(isize, f64)> {
+    let correlation = |lag: isize| {
+        let pairs = marker.iter().enumerate().filter_map(|(k, b)| {
+            let a = body.get(usize::try_from(k as isize + lag).ok()?)?;
+            (a.is_finite() && b.is_finite()).then_some((*a, *b))
+        });
+        let mut sums = [0.0; 6];
+        for (a, b) in pairs {
+            for (sum, add) in sums.iter_mut().zip([1.0, a, b, a * a, b * b, a * b]) {
+                *sum += add;
+            }
+        }
+        let [n, a, b, aa, bb, ab] = sums;
+        let enough = n >= (marker.len() as f64 / 3.0).max(LEAST as f64);
+        let (va, vb) = (aa - a * a / n, bb - b * b / n);
+        (enough && va > 0.0 && vb > 0.0).then(|| (ab - a * b / n) / (va * vb).sqrt())
+    };
+    let of = lags.filter_map(|lag| Some((lag, correlation(lag)?)));
+    of.max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// What the turns show at one offset of the clocks.
+struct Fit {
+    marker: Quaternion,
+    std: f64,
+    /// What is left of the gyros' bias [rad/s].
+    bias: Vector3,
+    /// Standard deviation of a component of what does not fit \[rad\].
+    scatter: f64,
+    correlation: f64,
+    mirrored: f64,
+    /// Share of the second axis in the turns [–].
+    second: f64,
+}
+
+/// The offset of the clocks at which the turns fit best, to a part of a millisecond, and how they fit there.
+fn refined(path: &Path, turns: &[Turn], about: f64) -> (f64, Fit) {
+    let mut best = about;
+    // Of ever finer steps, then the parabola over the last.
+    for step in [0.02, 0.005, 0.001] {
+        let fits = (-6..=6).map(|k| best + step * f64::from(k));
+        let fits = fits.map(|clock| (clock, fit(path, turns, clock).correlation));
+        let found = fits.max_by(|a, b| a.1.total_cmp(&b.1));
+        best = found.map_or(best, |(clock, _)| clock);
+    }
+    let step = 0.002;
+    let [low, middle, high] =
+        [-step, 0.0, step].map(|off| fit(path, turns, best + off).correlation);
+    let bend = low - 2.0 * middle + high;
+    if bend < 0.0 {
+        best += (0.5 * step * (low - high) / bend).clamp(-step, step);
+    }
+    (best, fit(path, turns, best))
+}
+
+/// The rotation by the turns of both, `Σ δ_b δ_mᵀ` (Wahba; Markley 1988).
+fn fit(path: &Path, turns: &[Turn], clock: f64) -> Fit {
+    let both = turns.iter().filter_map(|(from, to, marker)| {
+        let body = path.turn(from + clock, to + clock)?;
+        Some((to - from, body, *marker))
+    });
+    let both: Vec<(f64, Vector3, Vector3)> = both.collect();
+    let b: Matrix3<f64> = both
+        .iter()
+        .map(|(_, body, marker)| body * marker.transpose())
+        .sum();
+    let own: Matrix3<f64> = both.iter().map(|(_, _, m)| m * m.transpose()).sum();
+    let size = |of: fn(&(f64, Vector3, Vector3)) -> f64| both.iter().map(of).sum::<f64>();
+    let sizes = (size(|t| t.1.norm_squared()) * size(|t| t.2.norm_squared())).sqrt();
+    let svd = b.svd(true, true);
+    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
+        return Fit::NOTHING;
+    };
+    let det = u.determinant() * v_t.determinant();
+    let s = svd.singular_values;
+    let proper = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, det.signum()));
+    let c_bm = u * proper * v_t;
+    let (correlation, mirrored) = (
+        (s[0] + s[1] + det.signum() * s[2]) / sizes,
+        (s[0] + s[1] - det.signum() * s[2]) / sizes,
+    );
+    let left: Vec<(f64, Vector3)> = both
+        .iter()
+        .map(|(dt, body, m)| (*dt, body - c_bm * m))
+        .collect();
+    let time: f64 = left.iter().map(|(dt, _)| dt).sum();
+    let bias: Vector3 = left.iter().map(|(_, left)| left).sum::<Vector3>() / time;
+    let off = left
+        .iter()
+        .flat_map(|(dt, left)| (left - bias * *dt).map(f64::abs).data.0[0]);
+    let scatter = MAD * quantile(&Vec::from_iter(off), 0.5);
+    // How well the turns show each axis of the rotation.
+    let shown = SymmetricEigen::new(Matrix3::identity() * own.trace() - own);
+    let turned = SymmetricEigen::new(own).eigenvalues;
+    let mut turned: [f64; 3] = turned.into();
+    turned.sort_by(f64::total_cmp);
+    Fit {
+        marker: Quaternion::from_matrix(&c_bm),
+        std: scatter / shown.eigenvalues.min().max(f64::MIN_POSITIVE).sqrt(),
+        bias,
+        scatter,
+        correlation,
+        mirrored,
+        second: turned[1] / own.trace(),
+    }
+}
+
+impl Fit {
+    /// Of turns that are no numbers.
+    const NOTHING: Self = Self {
+        marker: Quaternion::new_unchecked(nalgebra::Quaternion::from_vector(
+            nalgebra::Vector4::new(0.0, 0.0, 0.0, 1.0),
+        )),
+        std: f64::INFINITY,
+        bias: Vector3::new(0.0, 0.0, 0.0),
+        scatter: f64::INFINITY,
+        correlation: 0.0,
+        mirrored: 0.0,
+        second: 0.0,
+    };
+}

@@ -1,0 +1,196 @@
+//! How poses lie against the IMU, by the motion that both have in common.
+
+use super::{Inspection, Known, Line, Note, Part, logs, table};
+use crate::{
+    drive::{Drive, DriveError, Logs, Section, Table},
+    hand_eye::{HandEye, INTERVAL, hand_eye},
+};
+use std::{f64::consts::PI, path::Path};
+use undrift_io::{
+    gnss::GnssSource,
+    poses::{LocalPose, Poses},
+};
+use undrift_nav::{Matrix3, Quaternion, Vector3, attitude::to_rpy, sample::ImuSample};
+use undrift_results::inspect::PoseFault;
+
+/// Standard deviations where nothing shows them: of a camera or a laser scanner.
+pub(super) const POSITION_STD: &str = "10, 10, 10 mm";
+pub(super) const ATTITUDE_STD: &str = "0.5, 0.5, 0.5 deg";
+/// Least standard deviations that poses are taken to have \[m, rad\]: no marker is better than its mount.
+const LEAST: [f64; 2] = [1e-4, 1e-4];
+/// An axis of the frame that gravity is nearer to than this \[rad\] is taken for the vertical: a tilt is estimated.
+const UPRIGHT: f64 = 0.02;
+
+/// Looks at an IMU and at poses, each a file and a part of it, and writes marker, lever arm, frame, clock and accuracy into the part of the
+/// poses, or why not into the file's notes.
+pub(super) fn motion(inspections: &mut [Inspection], imu: (usize, usize), at: (usize, usize)) {
+    let logs = logs(inspections, Path::new(""));
+    let of =
+        |(file, part): (usize, usize)| (&*inspections[file].file, &inspections[file].parts[part]);
+    let read = records(of(imu), of(at), logs);
+    let file = &mut inspections[at.0];
+    let part = &mut file.parts[at.1];
+    let (samples, poses) = match read {
+        Ok(read) => read,
+        Err(error) => {
+            file.found.push(Note::NoMounting(error.to_string()));
+            return;
+        }
+    };
+    if poses.iter().all(|pose| pose.attitude.is_none()) {
+        return;
+    }
+    match hand_eye(&samples, &poses) {
+        Ok(found) => {
+            write(part, &found);
+            file.found.extend(found.fault.map(Note::Poses));
+        }
+        Err(fault) => file.found.push(Note::Poses(fault)),
+    }
+}
+
+/// The samples and the poses as their files have them.
+fn records(
+    imu: (&Path, &Part),
+    poses: (&Path, &Part),
+    logs: Logs,
+) -> Result<(Vec<ImuSample>, Vec<LocalPose>), DriveError> {
+    let mut of_imu = table(imu.0, imu.1);
+    // The body's axes are the sensor's.
+    for key in ["axes", "mounting"] {
+        of_imu.remove(key);
+    }
+    let tables = [
+        ("imu", of_imu.into()),
+        ("poses", table(poses.0, poses.1).into()),
+    ];
+    let tables = tables.map(|(key, value): (&str, toml::Value)| (key.to_owned(), value));
+    let tables = toml::Table::from_iter(tables);
+    let top = Section::values(Table::Values(&tables), "");
+    let drive = Drive::from_tables(&top, Path::new(""), logs)?;
+    let samples = drive.open_imu()?.collect::<Result<Vec<_>, _>>()?;
+    let GnssSource::Poses(fixes) = &drive.gnss.1 else {
+        return Ok((samples, Vec::new()));
+    };
+    let poses = drive.logs.read::<Poses>(&drive.gnss.0, &fixes.source)?;
+    Ok((samples, poses.collect::<Result<Vec<_>, _>>()?))
+}
+
+/// Writes what was found into the part of the poses.
+fn write(part: &mut Part, found: &HandEye) {
+    let mut put = |key: &'static str, value: String, known: Known| {
+        part.lines.retain(|line| line.key != key);
+        part.lines.push(Line::new(key, value, known));
+    };
+    let of_turns = Known::HandEye {
+        correlation: found.correlation,
+        std_deg: found.marker_std.to_degrees(),
+    };
+    match found.fault {
+        Some(PoseFault::ScalarFirst) => {
+            put("attitude_order", "w,x,y,z".into(), of_turns.clone());
+        }
+        Some(PoseFault::Unit(unit)) => put("position_unit", unit.into(), Known::Accelerations),
+        _ => {}
+    }
+    if found.clock.abs() > 5e-4 {
+        put(
+            "time_offset",
+            format!("{:.4} s", found.clock),
+            of_turns.clone(),
+        );
+    }
+    let [roll, pitch, yaw] = degrees(&found.marker);
+    put(
+        "marker",
+        format!("{roll:.2}, {pitch:.2}, {yaw:.2} deg"),
+        of_turns,
+    );
+    let [x, y, z] = found.lever_arm.into();
+    put(
+        "lever_arm",
+        format!("{x:.3}, {y:.3}, {z:.3} m"),
+        Known::LeverArm {
+            std_m: found.lever_arm_std,
+        },
+    );
+    let (key, value) = frame(&found.gravity);
+    put(key, value, Known::Accelerations);
+    let position = two_digits(1e3 * found.position_std.max(LEAST[0]));
+    put(
+        "position_std",
+        format!("{position}, {position}, {position} mm"),
+        Known::Accelerations,
+    );
+    let attitude = two_digits(found.attitude_std.max(LEAST[1]).to_degrees());
+    put(
+        "attitude_std",
+        format!("{attitude}, {attitude}, {attitude} deg"),
+        Known::Scatter,
+    );
+    put("interval", format!("{INTERVAL} s"), Known::Thinned);
+}
+
+fn degrees(of: &Quaternion) -> [f64; 3] {
+    // Without the sign of a zero.
+    to_rpy(of)
+        .map(|angle| (100.0 * angle.to_degrees()).round() / 100.0 + 0.0)
+        .into()
+}
+
+fn two_digits(value: f64) -> f64 {
+    let unit = 10f64.powf(value.log10().floor() - 1.0);
+    (value / unit).round() * unit
+}
+
+/// The key and its value that level a frame with this gravity: signed axes where one is vertical, else angles.
+fn frame(gravity: &Vector3) -> (&'static str, String) {
+    let down = gravity.normalize();
+    let k = down.iamax();
+    let sign = down[k].signum();
+    let third = Vector3::ith(k, sign);
+    let first = Vector3::ith(usize::from(k == 0), 1.0);
+    let second = third.cross(&first);
+    let c_rw = Matrix3::from_rows(&[first.transpose(), second.transpose(), third.transpose()]);
+    if down.angle(&third) < UPRIGHT {
+        let name = |row: usize| {
+            let axis = c_rw.row(row).transpose();
+            let at = axis.iamax();
+            let minus = if axis[at] < 0.0 { "-" } else { "" };
+            format!("{minus}{}", ["x", "y", "z"][at])
+        };
+        return ("axes", [0, 1, 2].map(name).join(","));
+    }
+    let level = Quaternion::rotation_between(&(c_rw * down), &Vector3::z())
+        .unwrap_or_else(|| Quaternion::from_scaled_axis(Vector3::x() * PI));
+    let [roll, pitch, yaw] = degrees(&(level * Quaternion::from_matrix(&c_rw)));
+    ("frame", format!("{roll:.2}, {pitch:.2}, {yaw:.2} deg"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use undrift_nav::attitude::from_rpy;
+
+    #[test]
+    fn a_frame_is_levelled_by_axes_or_angles() {
+        for (gravity, axes) in [
+            ([0.0, 0.0, -9.8], "x,-y,-z"),
+            ([0.0, 0.0, 9.8], "x,y,z"),
+            ([0.0, -9.8, 0.0], "x,z,-y"),
+            ([9.8, 0.05, 0.0], "y,z,x"),
+        ] {
+            assert_eq!(frame(&gravity.into()), ("axes", axes.to_owned()));
+        }
+        let gravity = Vector3::new(3.0, -2.0, -9.0);
+        let (key, value) = frame(&gravity);
+        assert_eq!(key, "frame");
+        let angles = value.trim_end_matches(" deg").split(", ");
+        let angles: Vec<f64> = angles
+            .map(|a| a.parse::<f64>().unwrap().to_radians())
+            .collect();
+        let down = from_rpy(&Vector3::from_row_slice(&angles)) * gravity.normalize();
+        // To a hundredth of a degree in each angle.
+        assert!((down - Vector3::z()).norm() < 3e-4, "{down}");
+    }
+}
