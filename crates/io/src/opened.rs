@@ -260,6 +260,11 @@ impl Opened {
         }
     }
 
+    /// Its beginning, decompressed.
+    pub(crate) fn start(&self) -> &[u8] {
+        &self.start
+    }
+
     /// Columns of the first row of a text of numbers with blanks between; 0 for any other text.
     pub fn width(&self) -> usize {
         detect::width(&self.start)

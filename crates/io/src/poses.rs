@@ -6,6 +6,8 @@
 //! one, unless it is zero, too.
 
 mod columns;
+mod layout;
+mod motive;
 
 use std::sync::Arc;
 
@@ -20,6 +22,7 @@ use crate::skipped::{SkipKind, Skipped};
 
 use columns::PoseColumns;
 pub use columns::{AttitudeColumns, PoseFormat, QuaternionOrder};
+pub use layout::detect;
 
 /// Which poses of a log.
 #[derive(Clone, Debug)]

@@ -37,6 +37,8 @@ pub struct PoseFormat {
     pub attitude_std: Option<[Column; 3]>,
     /// Factor from its columns to radians.
     pub attitude_std_scale: f64,
+    /// Lines at the beginning of a text that are no rows, where columns go by number.
+    pub header_lines: u64,
     /// The byte between fields; `None` finds out.
     pub delimiter: Option<u8>,
     /// First and last time \[s\] to give out, after the offset.
@@ -94,6 +96,7 @@ impl PoseFormat {
             quaternion_order: QuaternionOrder::Stated,
             attitude_std: None,
             attitude_std_scale: 1.0,
+            header_lines: 0,
             delimiter: None,
             span: None,
         }
@@ -143,7 +146,10 @@ impl PoseColumns {
             let problem = "neither position nor attitude requested";
             return Err(ReadError::nameless(problem).key("poses"));
         }
-        let mut wanted = TableOptions::finite(format.delimiter);
+        let mut wanted = TableOptions {
+            header_lines: format.header_lines,
+            ..TableOptions::finite(format.delimiter)
+        };
         wanted.want_time(
             "poses",
             &format.time,

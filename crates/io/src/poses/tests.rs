@@ -1,3 +1,5 @@
+mod layout;
+
 use std::io::Cursor;
 use std::path::Path;
 

@@ -85,7 +85,7 @@ pub(super) fn find(
         comment,
         separator,
         mut rows,
-    } = first_line(lines, skipped)?;
+    } = first_line(lines, options.header_lines, skipped)?;
     let delimiter = options
         .delimiter
         .or(separator)
@@ -170,13 +170,18 @@ struct FirstLine {
 /// Lines before the first row of numbers that may be words: what a program says when it starts.
 const WORDS: usize = 50;
 
-/// Finds the first line. Lines of words before the header or the first row of numbers are passed over and counted.
-fn first_line(lines: &mut Lines, skipped: &mut Skipped) -> Result<FirstLine, ReadError> {
+/// Finds the first line behind so many. Lines of words before the header or the first row of numbers are passed over and counted.
+fn first_line(
+    lines: &mut Lines,
+    behind: u64,
+    skipped: &mut Skipped,
+) -> Result<FirstLine, ReadError> {
     let mut comment = None;
     let mut named = None;
     let mut above: VecDeque<(u64, Vec<u8>)> = VecDeque::new();
     loop {
         match lines.step() {
+            NextLine::Line(_) if lines.number() <= behind => {}
             NextLine::Line(range) => {
                 let number = lines.number();
                 let mut line = lines.bytes(range);
@@ -378,7 +383,7 @@ pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError>
         separator,
         rows: behind,
         ..
-    } = first_line(&mut lines, &mut Skipped::default())?;
+    } = first_line(&mut lines, 0, &mut Skipped::default())?;
     let delimiter = separator.map_or_else(|| Delimiter::detect(&first), Delimiter::from_byte);
     let own = names_of(&first, delimiter);
     let above = comment.map_or(Vec::new(), |(_, text)| comment_names(&text, None));

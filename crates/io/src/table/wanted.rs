@@ -33,6 +33,8 @@ pub struct TableOptions {
     pub columns: Vec<(String, Column)>,
     /// The byte between fields; `None` finds out: comma, semicolon, tab, or else runs of blanks.
     pub delimiter: Option<u8>,
+    /// Lines at the beginning of a text that are passed over, uncounted.
+    pub header_lines: u64,
     /// Hand on rows with NaN, infinity or an empty field (as NaN) instead of skipping them.
     pub keep_not_finite: bool,
     /// The one of the columns that may have no number in a row: it is NaN there.

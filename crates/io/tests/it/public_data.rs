@@ -7,6 +7,7 @@ use undrift_io::gnss::{
     FixOptions, GnssFormat, GnssLog, GnssReader, PositionColumns, VelocityAxes,
 };
 use undrift_io::imu::{ImuFormat, ImuReader};
+use undrift_io::poses::{PoseReader, PoseSource, QuaternionOrder, detect};
 use undrift_io::skipped::SkipKind;
 use undrift_io::table::Column;
 use undrift_io::truth::{TruthFormat, TruthReader};
@@ -315,4 +316,57 @@ fn static_record_without_times() {
     assert_eq!((samples[0].time, samples[999_999].time), (0.0, 9999.99));
     let last = samples[999_999];
     assert!(near(last.dtheta.y, 0.3 * degrees() * last.dt));
+}
+
+/// Poses of a visual-inertial benchmark as TUM and EuRoC write them; their layouts are found unaided.
+#[test]
+fn euroc_poses() {
+    let read = |file: &str| {
+        let path = find(file)?;
+        let source = detect(&mut Opened::open(&path).unwrap(), None)
+            .unwrap()
+            .unwrap();
+        let mut reader = PoseReader::open(&path, &source).unwrap();
+        let poses: Vec<_> = reader.by_ref().map(Result::unwrap).collect();
+        assert!(reader.skipped().is_empty(), "{file}: {}", reader.skipped());
+        let PoseSource::Table(format) = source else {
+            panic!("{file} is no table");
+        };
+        Some((poses, format.quaternion_order))
+    };
+    let Some((poses, order)) = read("euroc-mh01/truth_tum.txt.gz") else {
+        return;
+    };
+    assert_eq!((poses.len(), order), (36_382, QuaternionOrder::Stated));
+    let (first, last) = (poses[0], poses[36_381]);
+    assert_eq!(
+        (first.time, last.time),
+        (1_403_636_580.838_56, 1_403_636_762.743_56)
+    );
+    assert_eq!(
+        last.position,
+        Some(Vector3::new(4.572_531, -1.942_023, 0.619_62))
+    );
+    // Six digits, so that the norm is off by as much.
+    let q = first.attitude.unwrap();
+    assert!((q.w - 0.534_108).abs() < 1e-6 && (q.i + 0.153_029).abs() < 1e-6);
+    // At 200 Hz the drone turns by less than two degrees from pose to pose.
+    let turned = poses.windows(2).map(|pair| {
+        let [before, after] = [0, 1].map(|k| pair[k].attitude.unwrap());
+        before.angle_to(&after)
+    });
+    assert!(turned.fold(0.0, f64::max) < 2.0 * degrees());
+
+    let (poses, _) = read("euroc-mh01/leica0.csv.gz").unwrap();
+    assert_eq!(poses.len(), 3099);
+    assert!((poses[0].time - 1_403_636_578.922_881_280).abs() < 1e-6);
+    let last = Vector3::new(
+        4.687_147_660_154_590_9,
+        -1.936_876_261_852_066_1,
+        0.688_083_689_984_524_96,
+    );
+    assert_eq!(
+        (poses[3098].position, poses[3098].attitude),
+        (Some(last), None)
+    );
 }
