@@ -110,7 +110,8 @@ pub fn complete(inspections: &[Inspection], drive: Option<&Path>) -> Result<()> 
         .map(|log| output::shown(&log.file))
         .collect();
     let unknown = |table| report::unknown_log(inspections, table);
-    for (table, what) in [("imu", "inertial samples"), ("gnss", "positions")] {
+    let fixes = inspect::fixes_table(inspections);
+    for (table, what) in [("imu", "inertial samples"), (fixes, "positions")] {
         let mut parts = inspections.iter().flat_map(|file| &file.parts);
         match parts.find(|part| part.table == table) {
             Some(Part {

@@ -238,7 +238,9 @@ impl Drive {
             return Err(gnss.error("lever_arm", message).into());
         }
         let (constraints, parameters) = tables::read_vehicle(&top.section("vehicle")?)?;
-        let (imu, options) = imu::read_imu(&top.section("imu")?, &mut logs)?;
+        let of_imu = top.section("imu")?;
+        let vibration_is_stated = of_imu.get("vibration").is_some();
+        let (imu, options) = imu::read_imu(&of_imu, &mut logs)?;
         let states = top.section("states")?;
         let of_poses = match posed {
             true => poses::read_states(&states, gnss.get("marker").is_some())?,
@@ -278,7 +280,8 @@ impl Drive {
             imu,
             imu_read: BytesRead::default(),
             estimate_mounting: options.estimate_mounting,
-            vibration: options.vibration,
+            // By a hand or a copter as at rest: what shakes above the band of motion is a vehicle's engine.
+            vibration: options.vibration.filter(|_| !posed || vibration_is_stated),
             adapt: tables::read_switch(&gnss, "adapt")?.unwrap_or(false),
             quality,
             correlation,

@@ -64,7 +64,7 @@ fn of_log(path: &Path, held: Option<Memory>) -> Result<Inspection, ReadError> {
     if let Some(held) = &held {
         logs.memory.insert(path.to_path_buf(), held.clone());
     }
-    let opened = logs.open(path, &BytesRead::default())?;
+    let mut opened = logs.open(path, &BytesRead::default())?;
     let format = opened.format();
     let mut inspection = Inspection {
         file: path.to_path_buf(),
@@ -76,7 +76,11 @@ fn of_log(path: &Path, held: Option<Memory>) -> Result<Inspection, ReadError> {
         held,
     };
     inspection.parts = match format {
-        Format::Csv | Format::Parquet => columns::parts(opened, &mut inspection.found)?,
+        Format::Csv | Format::Parquet if poses::are_in(&mut opened) => vec![poses::part()],
+        Format::Csv | Format::Parquet => columns::parts(
+            logs.open(path, &BytesRead::default())?,
+            &mut inspection.found,
+        )?,
         Format::Rtklib => {
             let assumed = opened.lacks_header().then_some(Note::NoHeader);
             inspection.found.extend(assumed);
@@ -118,6 +122,16 @@ fn first<'a>(files: &'a [Inspection], table: &str) -> Option<(&'a Inspection, &'
         .iter()
         .flat_map(|file| file.parts.iter().map(move |part| (file, part)));
     parts.find(|(_, part)| part.table == table)
+}
+
+/// The table that corrects the solution: "gnss", or "poses" where the files have poses and no fixes.
+pub fn fixes_table(inspections: &[Inspection]) -> &'static str {
+    let has = |table| first(inspections, table).is_some();
+    if has("poses") && !has("gnss") {
+        "poses"
+    } else {
+        "gnss"
+    }
 }
 
 /// The table of a drive file that reads a part of a file.
@@ -210,7 +224,10 @@ fn of_streams(streams: &[Stream], notes: &mut Vec<Note>) -> Vec<Part> {
             }
             continue;
         }
-        let mut part = Part::new(table, Vec::new());
+        let mut part = match kind {
+            StreamKind::LocalPoses => poses::part(),
+            _ => Part::new(table, Vec::new()),
+        };
         part.choices.push(("topic", names));
         if kind == StreamKind::Fixes {
             let velocities = of(StreamKind::Velocity);

@@ -86,6 +86,8 @@ const TILT_BEFORE: f64 = 0.5;
 const COURSE_FLOOR: f64 = 0.035;
 /// A course with a larger standard deviation does not serve as heading \[rad\].
 const COURSE_WORST: f64 = 0.52;
+/// Half of what a hand or a copter accelerates by, one standard deviation \[m/s²\]: a marker's velocity changes by it within two poses.
+const HAND: f64 = 5.0;
 /// Fixes further apart than this are not a pair \[s\].
 const PAIR_SPAN: f64 = 2.5;
 
@@ -265,7 +267,8 @@ impl Aligner {
         let before = self.last_fix.replace((fix.time, antenna));
         let before = before.filter(|(time, _)| fix.time - time <= PAIR_SPAN && fix.time > *time);
         let given = self.settings.velocity.map(|(v, std)| (v, diagonal(&std)));
-        let derived = self.positions.add(fix).map(|derived| {
+        let posed = fix.attitude.is_some();
+        let derived = self.positions.add(fix).filter(|_| !posed).map(|derived| {
             // It held a while ago: a vehicle's acceleration since then.
             let age = fix.time - derived.time;
             (
@@ -277,9 +280,14 @@ impl Aligner {
             let (time, place) = before?;
             let span = fix.time - time;
             let v = place.offset_to(&antenna) / span;
-            // Two positions' errors, and half the span at a vehicle's acceleration.
+            // Two positions' errors, and half the span at a vehicle's acceleration, or at that of a hand or a copter.
             let covariance = covariance * (2.0 / (span * span));
-            Some((v, covariance + Matrix3::identity() * span * span))
+            let change = if fix.attitude.is_some() {
+                HAND * span
+            } else {
+                span
+            };
+            Some((v, covariance + Matrix3::identity() * change * change))
         })?;
         Some(Seen {
             time: fix.time,

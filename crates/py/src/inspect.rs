@@ -65,7 +65,8 @@ fn drive_of(
 
 /// A drive needs an IMU and fixes.
 fn complete(found: &[Inspection]) -> Result<(), Failure> {
-    for (table, what) in [("imu", "inertial samples"), ("gnss", "positions")] {
+    let fixes = inspection::fixes_table(found);
+    for (table, what) in [("imu", "inertial samples"), (fixes, "positions")] {
         let mut parts = found.iter().flat_map(|log| &log.parts);
         match parts.find(|part| part.table == table) {
             Some(part) => {

@@ -57,6 +57,8 @@ pub(crate) fn constant(kind: &str) -> Constant<'_> {
         "Axle" => ("forward shift of the fixed axle", "", "m", 1.0),
         "OdometerScale" => ("odometer scale factor", "", "%", 100.0),
         "BarometerBias" => ("barometric height error", "", "m", 1.0),
+        "MarkerRotation" => ("turn of the marker's axes", "x, y, z", "°", DEGREES),
+        "FrameTilt" => ("tilt of the poses' frame", "north, east", "°", DEGREES),
         "PositionError" => ("correlated position error", "north, east, down", "σ", 1.0),
         "VelocityError" => ("correlated velocity error", "north, east, down", "σ", 1.0),
         other => (other, "", "SI", 1.0),
@@ -130,6 +132,18 @@ mod tests {
             ("Axle", "forward shift of the fixed axle", "m", 1.0),
             ("OdometerScale", "odometer scale factor", "%", 0.01),
             ("BarometerBias", "barometric height error", "m", 1.0),
+            (
+                "MarkerRotation",
+                "turn of the marker's axes x, y, z",
+                "°",
+                DEG,
+            ),
+            (
+                "FrameTilt",
+                "tilt of the poses' frame north, east",
+                "°",
+                DEG,
+            ),
             (
                 "PositionError",
                 "correlated position error north, east, down",

@@ -1,6 +1,6 @@
 //! What files are, in words.
 
-use crate::{date, shown::Shown};
+use crate::{date, numbers::short, shown::Shown};
 use serde::Serialize;
 use std::path::Path;
 use undrift_io::visible;
@@ -195,9 +195,11 @@ fn known(known: &Known) -> String {
             std_deg,
         } => {
             return format!(
-                "from the turns of gyros and poses, whose correlation is {correlation:.3}; ±{std_deg:.2} deg"
+                "from the turns of gyros and poses, whose correlation is {correlation:.3}; ±{} deg",
+                short(*std_deg)
             );
         }
+        Known::TurnsOfPoses => "from the poses, which turn as far only in this unit",
         Known::Accelerations => "from the accelerations of IMU and poses",
         Known::LeverArm { std_m } => {
             return format!(
@@ -267,6 +269,10 @@ fn pose_fault(fault: &PoseFault) -> String {
         PoseFault::Inverse => {
             "the quaternions are inverse: they turn the axes of the frame into the marker's, and are to turn the marker's into the frame's; change the sign of qx, qy and qz".into()
         }
+        PoseFault::GyroUnit { ratio } => format!(
+            "the poses turn {} times as far as the gyros: check imu.gyro_unit",
+            short(*ratio)
+        ),
         PoseFault::Unit(unit) => format!(
             "the positions are in {unit}, by the accelerations; position_unit is set"
         ),

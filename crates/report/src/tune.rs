@@ -153,7 +153,7 @@ fn parameters(tune: &Tune) -> Table {
     let value = |p: &TunedParameter, value: f64| short(value * shown(p).0);
     Table::from_rows(
         "parameters",
-        "Noise at rest or as specified, the 95 % interval expected in a vehicle, and the estimate from the drives with its 95 % interval.",
+        "Noise at rest or as specified, the 95 % interval expected in a vehicle, and the estimate from the drives, how many times that at rest it is, and its 95 % interval.",
         &tune.parameters,
         &[
             ("parameter", &|p: &&TunedParameter| (&p.name).into()),
@@ -168,6 +168,7 @@ fn parameters(tune: &Tune) -> Table {
                 .into()
             }),
             ("found", &|p| value(p, p.value.0).into()),
+            ("times rest", &|p| short(p.value.0 / p.start.0).into()),
             ("interval", &|p| {
                 format!("{} to {}", value(p, p.low.0), value(p, p.high.0)).into()
             }),

@@ -137,6 +137,25 @@ impl Trajectory {
         car
     }
 
+    /// An IMU in a hand in a room until `duration` \[s\], moving from the first sample on: circles of about a metre at about 1 m/s, up and
+    /// down by some decimetres, turned about all axes by up to `swing` \[rad\] within seconds.
+    pub fn handheld(duration: f64, swing: f64, seed: u64) -> Self {
+        let mut dice = Dice::new(seed);
+        let mut hand = Self::rest(duration);
+        hand.gate_speed = 0.0;
+        hand.course = dice.uniform(0.0, TAU);
+        hand.speed = Profile::hold(dice.uniform(0.7, 1.2));
+        hand.turn_rate = Profile::hold(dice.uniform(0.7, 1.1) * dice.sign());
+        let swing = swing.to_degrees();
+        hand.climb.waves = dice.waves(15.0, &[1.7, 2.9]);
+        hand.roll.waves = dice.waves(0.5 * swing, &[1.9, 3.7]);
+        hand.roll.waves.extend(dice.waves(0.05 * swing, &[0.41]));
+        hand.pitch.waves = dice.waves(0.4 * swing, &[2.3, 5.3]);
+        hand.pitch.waves.extend(dice.waves(0.05 * swing, &[0.37]));
+        hand.yaw.waves = dice.waves(0.5 * swing, &[3.1, 7.9]);
+        hand
+    }
+
     /// A flight of a small aeroplane: 60 s at rest, a take-off run to 40–60 m/s, a climb at 4–7° to
     /// 250–500 m, then until `duration` \[s\] level segments, coordinated turns of 60–270° at 20–45° of
     /// bank, changes of speed and height. It ends in the air, level.

@@ -41,12 +41,14 @@ pub fn tuned(
     }
     let noise = &found.fit.noise;
     let used = &found.prior.used;
-    if let Some(gnss) = file.get_mut("gnss").and_then(Item::as_table_like_mut) {
-        let factors = std_factors(noise, used);
-        if factors.is_empty() {
-            gnss.remove("std_factors");
-        } else {
-            gnss.insert("std_factors", value(factors));
+    for (table, second) in [("gnss", "velocity"), ("poses", "attitude")] {
+        if let Some(fixes) = file.get_mut(table).and_then(Item::as_table_like_mut) {
+            let factors = std_factors(noise, used, second);
+            if factors.is_empty() {
+                fixes.remove("std_factors");
+            } else {
+                fixes.insert("std_factors", value(factors));
+            }
         }
     }
     if used[super::noise::RULE] {
@@ -119,11 +121,12 @@ fn inner(model: &ImuModel) -> String {
     text.lines().filter(is_own).map(nested).collect()
 }
 
-fn std_factors(noise: &Noise, used: &[bool]) -> InlineTable {
+/// The factors on what fixes state of their positions and of the `second` part that they have.
+fn std_factors(noise: &Noise, used: &[bool], second: &str) -> InlineTable {
     let factors = noise.factors;
     let all = [
         ("position", factors.white[0]),
-        ("velocity", factors.white[1]),
+        (second, factors.white[1]),
         ("position_correlated", factors.correlated[0]),
         ("velocity_correlated", factors.correlated[1]),
     ];

@@ -36,6 +36,14 @@ pub struct FitLog<'a> {
     pub until: f64,
 }
 
+/// Whether the fixes of a drive are poses.
+pub(crate) fn is_posed(log: &FitLog) -> bool {
+    log.aiding.iter().any(|measurement| match measurement {
+        Measurement::Gnss(fix) => fix.attitude.is_some(),
+        _ => false,
+    })
+}
+
 /// What the drives say.
 #[derive(Clone, Debug)]
 pub struct Fit {
@@ -161,7 +169,10 @@ impl<const N: usize> Linear<N> {
             Ok(Objective::new(
                 condense(receiver, followed.as_ref()),
                 fixed,
-                Layout::default(),
+                match is_posed(log) {
+                    true => Layout::OF_POSES,
+                    false => Layout::default(),
+                },
             ))
         };
         let drives = logs.iter().map(drive).collect::<Result<_, ReplayError>>()?;

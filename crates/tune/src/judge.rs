@@ -1,6 +1,6 @@
 //! What a noise buys: drift on spans without fixes that the fit has not seen.
 
-use super::fit::FitLog;
+use super::fit::{FitLog, is_posed};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift_base::{order_statistics::quantile, parallel};
@@ -14,8 +14,10 @@ use undrift_nav::sample::TruthSample;
 
 /// Lengths of the outages \[s\].
 const LENGTHS: [f64; 3] = [10.0, 30.0, 60.0];
-/// The one that counts most \[s\].
-const REPORTED: f64 = 30.0;
+/// The same of poses, which come many times a second.
+const POSED: [f64; 3] = [1.0, 3.0, 10.0];
+/// The one that counts most \[s\], and that of poses.
+const REPORTED: [f64; 2] = [30.0, 10.0];
 /// Seed of the bootstrap.
 const SEED: u64 = 1;
 /// They follow each other in so many runs, so that none begins before the filter has recovered.
@@ -147,13 +149,16 @@ pub fn judge(drives: &[Unseen], gain: Option<f64>) -> Judgement {
     }
     let kept = gain.is_some_and(|gain| gain >= 0.0);
     let (mut judged, mut gains) = (Vec::new(), Vec::new());
-    for length in LENGTHS {
+    let posed = drives.iter().any(|drive| is_posed(drive.log));
+    let lengths = if posed { POSED } else { LENGTHS };
+    let reported = REPORTED[usize::from(posed)];
+    for length in lengths {
         let [before, steady, following] = run_all(drives, &rejected, length, gain.is_some());
         let after = if kept { &following } else { &steady };
         judged.extend(compared(length, &before, after));
         gains.extend(compared(length, &steady, &following));
     }
-    let reported = gains.iter().find(|judged| judged.length == REPORTED);
+    let reported = gains.iter().find(|judged| judged.length == reported);
     let following = reported
         .or(gains.last())
         .zip(gain)

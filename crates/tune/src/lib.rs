@@ -71,6 +71,8 @@ pub struct Tuned {
     pub withheld: [u64; 2],
     /// Whether each drive can be aligned under the noise.
     pub aligns: Vec<bool>,
+    /// Whether the drives are by poses.
+    pub posed: bool,
     /// Whether it was stopped: the noise is the best so far, and nothing was judged after that.
     pub stopped: bool,
 }
@@ -414,6 +416,7 @@ pub fn tune(
         following: judgement.following,
         withheld: judgement.withheld,
         aligns,
+        posed: drives.iter().any(|drive| drive.poses.is_some()),
         stopped: stopped.load(Relaxed),
     };
     Ok((tuned, loaded))

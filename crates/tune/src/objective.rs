@@ -49,6 +49,20 @@ impl Default for Layout {
     }
 }
 
+impl Layout {
+    /// Of poses, which come often and show the white noise of gyros within tenths of a second, that of accelerometers within
+    /// seconds, and whose solution settles at once.
+    pub const OF_POSES: Self = Self {
+        lengths: [0.3, 1.0, 3.0, 10.0],
+        stagger: 1.0 / 3.0,
+        least: 0.3,
+        every: 3.0,
+        innovations: 0.5,
+        settled: 10.0,
+        huber: 4.0,
+    };
+}
+
 /// A span without fixes.
 #[derive(Clone, Copy, Debug)]
 struct Window {

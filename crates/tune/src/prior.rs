@@ -11,7 +11,7 @@ use undrift_engine::{
     },
     vehicle::NonHolonomic,
 };
-use undrift_nav::covariance::AXES;
+use undrift_nav::{covariance::AXES, parameters::Parameter};
 
 /// Noise in a vehicle against noise at rest, the middle of what has been seen: 3 to 30 times, seldom less than once.
 const LOUDER: f64 = 5.0;
@@ -32,6 +32,8 @@ const DRIVING_BELOW: f64 = 0.4;
 const LEAST_WALK: [f64; 2] = [5e-6, 5e-4];
 /// Standard deviation of the logarithm of what the fixes' errors are multiplied by: they have shown it themselves.
 const FIX_STD: f64 = 0.2;
+/// The same of poses, whose accuracy is read from their scatter: what lasts, or is smoothed, does not show there.
+const POSE_STD: f64 = 1.0;
 /// The same of the non-holonomic constraint.
 const RULE_STD: f64 = 0.7;
 
@@ -51,6 +53,9 @@ pub struct Prior {
 impl Prior {
     /// Of a sensor, in drives with these settings; of white noise that follows the vibration where they say so.
     pub fn new(start: &RestNoise, drives: &[&Settings]) -> Self {
+        let posed = drives
+            .iter()
+            .any(|s| s.parameters.prior(Parameter::FrameTilt).is_some());
         let rule = drives.iter().find_map(|s| s.constraints.non_holonomic);
         let slip = rule.unwrap_or(NonHolonomic::CAR);
         let follows = drives.iter().any(|s| s.vibration.is_some());
@@ -89,7 +94,7 @@ impl Prior {
             prior.below[WHITE + i] = if heard { DRIVING_BELOW } else { LOUDER_BELOW };
         }
         for std in [&mut prior.below, &mut prior.above] {
-            std[FIX..RULE].fill(FIX_STD);
+            std[FIX..RULE].fill(if posed { POSE_STD } else { FIX_STD });
             std[RULE..].fill(RULE_STD);
         }
         let any = |has: &dyn Fn(&Settings) -> bool| drives.iter().any(|s| has(s));

@@ -14,8 +14,9 @@ use undrift_results::{
 /// Standard deviations to the ends of a 95 % interval.
 const INTERVAL: f64 = 1.96;
 
-/// Key of a parameter in the model or drive file, and its unit; of white noise that `follows` the vibration or not.
-fn named(i: usize, follows: bool) -> (String, &'static str) {
+/// Key of a parameter in the model or drive file, and its unit; of white noise that `follows` the vibration or not, of drives by poses or
+/// by fixes.
+fn named(i: usize, follows: bool, posed: bool) -> (String, &'static str) {
     const REST: [(&str, &str); COUNT - FIX] = [
         ("gnss.std_factors.position", ""),
         ("gnss.std_factors.velocity", ""),
@@ -32,6 +33,10 @@ fn named(i: usize, follows: bool) -> (String, &'static str) {
         WHITE..WALK => (format!("{}.white_noise", axis(i)), "m/s²/√Hz"),
         WALK..FIX if i - WALK < 3 => (format!("{}.random_walk", axis(i - WALK)), "rad/s/√s"),
         WALK..FIX => (format!("{}.random_walk", axis(i - WALK)), "m/s²/√s"),
+        _ if posed && i < RULE => {
+            let name = REST[i - FIX].0.replace("gnss", "poses");
+            (name.replace("velocity", "attitude"), REST[i - FIX].1)
+        }
         _ => (REST[i - FIX].0.to_owned(), REST[i - FIX].1),
     }
 }
@@ -49,8 +54,9 @@ impl Tuned {
             FIX..RULE => Some(1.0),
             _ => Some(self.prior.centre[i].exp()),
         };
+        let posed = self.posed;
         let parameter = |i: usize| {
-            let (name, unit) = named(i, self.follows);
+            let (name, unit) = named(i, self.follows, posed);
             let (prior, std) = (&self.prior, self.fit.std[i]);
             TunedParameter {
                 name,
@@ -154,6 +160,7 @@ mod tests {
             following: None,
             withheld: [600, 12],
             aligns: Vec::new(),
+            posed: false,
             stopped: false,
         }
     }
@@ -166,7 +173,7 @@ mod tests {
         assert_eq!(result.parameters.len(), used.len());
         let near = |a: Number, b: f64| assert!((a.0 / b - 1.0).abs() < 1e-9, "{a:?} {b}");
         for (found, i) in result.parameters.iter().zip(used) {
-            let (name, unit) = named(i, false);
+            let (name, unit) = named(i, false, false);
             assert_eq!((&found.name, &*found.unit), (&name, unit));
             let centre = tuned.prior.centre[i].exp();
             near(found.prior, centre);

@@ -8,10 +8,14 @@ use super::{
     section::Section,
     tables::{read_delimiter, read_std, read_switch},
 };
-use std::{f64::consts::FRAC_PI_2, path::PathBuf};
+use std::{
+    f64::consts::FRAC_PI_2,
+    path::{Path, PathBuf},
+};
 use undrift_io::{
     gnss::{GnssSource, PoseFixes},
     poses::{AttitudeColumns, PoseFormat, PoseLog, PoseSource, QuaternionOrder},
+    source::BytesRead,
 };
 use undrift_nav::{
     Matrix3, Quaternion,
@@ -50,29 +54,27 @@ pub(crate) fn read(
         .unwrap_or(0.0);
     let position_std = gnss::constant_std(section, "position_std", Quantity::Length)?;
     let attitude_std = gnss::constant_std(section, "attitude_std", Quantity::Angle)?;
+    let topic = section.text("topic")?;
     let source = if format.is_log() {
         PoseSource::Log(PoseLog {
             format,
-            stream: section.text("topic")?.map(str::to_owned),
+            stream: topic.map(str::to_owned),
             time_offset,
             span: logs.span,
         })
     } else {
-        let mut columns = read_columns(section)?;
+        let mut columns = match section.get("time") {
+            Some(_) => read_columns(section)?,
+            None => known_layout(section, logs, &path, topic)?,
+        };
         (columns.time_offset, columns.span) = (time_offset, logs.span);
-        for (key, missing) in [
-            (
-                "position_std",
-                position_std.is_none() && columns.position_std.is_none(),
-            ),
-            (
-                "attitude_std",
-                columns.attitude.is_some()
-                    && attitude_std.is_none()
-                    && columns.attitude_std.is_none(),
-            ),
+        let position_known = position_std.is_some() || columns.position_std.is_some();
+        let attitude_known = attitude_std.is_some() || columns.attitude_std.is_some();
+        for (key, known) in [
+            ("position_std", position_known),
+            ("attitude_std", attitude_known || columns.attitude.is_none()),
         ] {
-            if missing {
+            if !known {
                 let what = "how good the poses are, three numbers with their unit, such as \"1, 1, 1 mm\" or \"0.1, 0.1, 0.1 deg\"";
                 return Err(section.missing(key, what).into());
             }
@@ -166,6 +168,34 @@ fn latitude_of(value: f64) -> Option<f64> {
     Some(low)
 }
 
+/// The scalar part of quaternions is the first or the last of the four numbers.
+const ORDERS: [(&str, bool); 2] = [("x,y,z,w", false), ("w,x,y,z", true)];
+
+/// The poses of a table whose layout is known by its beginning (TUM, KITTI, EuRoC, Motive), with what is stated of it.
+fn known_layout(
+    section: &Section,
+    logs: &Logs,
+    path: &Path,
+    topic: Option<&str>,
+) -> Result<PoseFormat, DriveError> {
+    let mut opened = logs.open(path, &BytesRead::default())?;
+    let found = undrift_io::poses::detect(&mut opened, topic)?;
+    let Some(PoseSource::Table(mut format)) = found else {
+        let what = "the time column: the file is neither TUM, KITTI with times, EuRoC nor Motive, so time, position and attitude have to be named";
+        return Err(section.missing("time", what).into());
+    };
+    let order = section.word("attitude_order", &ORDERS)?;
+    if let (Some(AttitudeColumns::Quaternion { w_first, .. }), Some(order)) =
+        (&mut format.attitude, order)
+    {
+        *w_first = order;
+    }
+    if section.get("position_unit").is_some() {
+        format.position_scale = section.unit("position_unit", Quantity::Length, 1.0)?;
+    }
+    Ok(*format)
+}
+
 /// The poses in named columns of a table.
 fn read_columns(section: &Section) -> Result<PoseFormat, DriveError> {
     let time = section
@@ -177,7 +207,7 @@ fn read_columns(section: &Section) -> Result<PoseFormat, DriveError> {
         return Err(section.missing("position", what).into());
     }
     let attitude = section.four_columns("attitude")?;
-    let w_first = section.word("attitude_order", &[("x,y,z,w", false), ("w,x,y,z", true)])?;
+    let w_first = section.word("attitude_order", &ORDERS)?;
     let attitude = match (attitude, w_first) {
         (Some(columns), Some(w_first)) => Some(AttitudeColumns::Quaternion { columns, w_first }),
         (Some(_), None) => {

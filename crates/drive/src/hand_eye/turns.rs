@@ -43,6 +43,8 @@ const COMMON: f64 = 0.7;
 const LEAST_SPEED: f64 = 0.05;
 /// Least share of the turns about the second axis [–].
 const LEAST_SHARE: f64 = 0.003;
+/// Gyros whose turns are so many times another size are in another unit.
+const OTHER_UNIT: f64 = 2.0;
 /// Median of the absolute value of a normal variable, inverse.
 const MAD: f64 = 1.4826;
 
@@ -69,6 +71,9 @@ impl Turns {
         let mut path = Path::new(samples, Vector3::zeros());
         let coarse = clock(samples, &turns).ok_or(PoseFault::NoFit { correlation: 0.0 })?;
         let (mut clock, mut fit) = refined(&path, &turns, coarse);
+        if (fit.ratio.ln()).abs() > OTHER_UNIT.ln() {
+            return Err(PoseFault::GyroUnit { ratio: fit.ratio });
+        }
         // The turns show the gyros' bias once the marker is known, and then all of it again.
         let bias = fit.bias;
         path = Path::new(samples, bias);
@@ -188,6 +193,8 @@ struct Fit {
     scatter: f64,
     correlation: f64,
     mirrored: f64,
+    /// Size of the marker's turns over the body's [–].
+    ratio: f64,
     /// Share of the second axis in the turns [–].
     second: f64,
 }
@@ -225,7 +232,8 @@ fn fit(path: &Path, turns: &[Turn], clock: f64) -> Fit {
         .sum();
     let own: Matrix3<f64> = both.iter().map(|(_, _, m)| m * m.transpose()).sum();
     let size = |of: fn(&(f64, Vector3, Vector3)) -> f64| both.iter().map(of).sum::<f64>();
-    let sizes = (size(|t| t.1.norm_squared()) * size(|t| t.2.norm_squared())).sqrt();
+    let [of_body, of_marker] = [size(|t| t.1.norm_squared()), size(|t| t.2.norm_squared())];
+    let sizes = (of_body * of_marker).sqrt();
     let svd = b.svd(true, true);
     let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else {
         return Fit::NOTHING;
@@ -260,6 +268,7 @@ fn fit(path: &Path, turns: &[Turn], clock: f64) -> Fit {
         scatter,
         correlation,
         mirrored,
+        ratio: (of_marker / of_body).sqrt(),
         second: turned[1] / own.trace(),
     }
 }
@@ -275,6 +284,7 @@ impl Fit {
         scatter: f64::INFINITY,
         correlation: 0.0,
         mirrored: 0.0,
+        ratio: 1.0,
         second: 0.0,
     };
 }

@@ -1,6 +1,6 @@
 //! A starter `DRIVE.toml`.
 
-use super::{Comment, Inspection, Model, Motion, Part, first};
+use super::{Comment, Inspection, Model, Motion, Part, first, fixes_table};
 use crate::vehicle::Profile;
 use std::path::Path;
 use toml::Value;
@@ -23,8 +23,7 @@ pub fn drive_file(
     let above = |of| commented(&say(of));
     let mut text = above(Comment::Top) + "\n" + &above(Comment::Model);
     text += &format!("model = {model} # {}\n", say(Comment::Known(&model.known)));
-    let posed = first(inspections, "gnss").is_none() && first(inspections, "poses").is_some();
-    let fixes = if posed { "poses" } else { "gnss" };
+    let fixes = fixes_table(inspections);
     for (table, needed) in [("imu", true), (fixes, true), ("truth", false)] {
         match first(inspections, table) {
             Some((file, part)) => write_part(&mut text, file, part, home, say),

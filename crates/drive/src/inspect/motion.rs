@@ -194,7 +194,7 @@ fn angles(rpy: &Vector3, digits: usize) -> String {
 }
 
 /// Keys that say how the IMU sits.
-const SITS: [&str; 2] = ["axes", MOUNTING];
+pub(super) const SITS: [&str; 2] = ["axes", MOUNTING];
 const MOUNTING: &str = "mounting";
 
 /// Writes how the IMU sits into its part.

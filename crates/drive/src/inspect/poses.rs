@@ -1,25 +1,49 @@
 //! How poses lie against the IMU, by the motion that both have in common.
 
-use super::{Inspection, Known, Line, Note, Part, logs, table};
+use super::{Inspection, Known, Line, Note, Part, logs, motion::SITS, table};
 use crate::{
     drive::{Drive, DriveError, Logs, Section, Table},
     hand_eye::{HandEye, INTERVAL, hand_eye},
 };
 use std::{f64::consts::PI, path::Path};
 use undrift_io::{
+    Opened,
     gnss::GnssSource,
     poses::{LocalPose, Poses},
 };
-use undrift_nav::{Matrix3, Quaternion, Vector3, attitude::to_rpy, sample::ImuSample};
+use undrift_nav::{
+    Matrix3, Quaternion, Vector3,
+    attitude::to_rpy,
+    sample::ImuSample,
+    units::{Quantity, unit_factor},
+};
 use undrift_results::inspect::PoseFault;
 
 /// Standard deviations where nothing shows them: of a camera or a laser scanner.
-pub(super) const POSITION_STD: &str = "10, 10, 10 mm";
-pub(super) const ATTITUDE_STD: &str = "0.5, 0.5, 0.5 deg";
+const POSITION_STD: &str = "10, 10, 10 mm";
+const ATTITUDE_STD: &str = "0.5, 0.5, 0.5 deg";
 /// Least standard deviations that poses are taken to have \[m, rad\]: no marker is better than its mount.
 const LEAST: [f64; 2] = [1e-4, 1e-4];
 /// An axis of the frame that gravity is nearer to than this \[rad\] is taken for the vertical: a tilt is estimated.
 const UPRIGHT: f64 = 0.02;
+
+/// Whether a table is of poses in a layout that is known by its beginning.
+pub(super) fn are_in(opened: &mut Opened) -> bool {
+    // Several bodies of Motive are poses, too: reading them says so.
+    !matches!(undrift_io::poses::detect(opened, None), Ok(None))
+}
+
+/// Poses of which only the log is known.
+pub(super) fn part() -> Part {
+    let std = |key, value: &str| Line::new(key, value, Known::NotInLog);
+    Part::new(
+        "poses",
+        vec![
+            std("position_std", POSITION_STD),
+            std("attitude_std", ATTITUDE_STD),
+        ],
+    )
+}
 
 /// Looks at an IMU and at poses, each a file and a part of it, and writes marker, lever arm, frame, clock and accuracy into the part of the
 /// poses, or why not into the file's notes.
@@ -27,26 +51,66 @@ pub(super) fn motion(inspections: &mut [Inspection], imu: (usize, usize), at: (u
     let logs = logs(inspections, Path::new(""));
     let of =
         |(file, part): (usize, usize)| (&*inspections[file].file, &inspections[file].parts[part]);
-    let read = records(of(imu), of(at), logs);
-    let file = &mut inspections[at.0];
-    let part = &mut file.parts[at.1];
-    let (samples, poses) = match read {
-        Ok(read) => read,
-        Err(error) => {
-            file.found.push(Note::NoMounting(error.to_string()));
-            return;
+    let found = compared(of(imu), of(at), logs.clone());
+    // The body's axes are the sensor's: a marker says how it lies, not a vehicle.
+    let of_imu = &mut inspections[imu.0].parts[imu.1];
+    of_imu.lines.retain(|line| !SITS.contains(&line.key));
+    let found = match found {
+        Ok(Some(Err(PoseFault::GyroUnit { ratio }))) if other_unit(of_imu, ratio) => {
+            let of = |(file, part): (usize, usize)| {
+                (&*inspections[file].file, &inspections[file].parts[part])
+            };
+            compared(of(imu), of(at), logs)
         }
+        found => found,
     };
-    if poses.iter().all(|pose| pose.attitude.is_none()) {
-        return;
-    }
-    match hand_eye(&samples, &poses) {
-        Ok(found) => {
-            write(part, &found);
+    let file = &mut inspections[at.0];
+    match found {
+        Ok(Some(Ok(found))) => {
+            write(&mut file.parts[at.1], &found);
             file.found.extend(found.fault.map(Note::Poses));
         }
-        Err(fault) => file.found.push(Note::Poses(fault)),
+        Ok(Some(Err(fault))) => file.found.push(Note::Poses(fault)),
+        // Positions alone.
+        Ok(None) => {}
+        Err(error) => file.found.push(Note::NoMounting(error.to_string())),
     }
+}
+
+/// Units of gyros.
+const UNITS: [&str; 4] = ["rad/s", "deg/s", "mrad/s", "mdps"];
+/// How near to one of them the turns have to be, as a share.
+const NEAR_UNIT: f64 = 0.1;
+
+/// Takes the unit in which the gyros turn `ratio` times as far; whether there is one.
+fn other_unit(imu: &mut Part, ratio: f64) -> bool {
+    let factor = |unit: &str| unit_factor(unit, Quantity::AngularRate).ok();
+    let line = imu.lines.iter_mut().find(|line| line.key == "gyro_unit");
+    let Some((line, now)) = line.and_then(|line| {
+        let now = factor(line.value.as_str()?)?;
+        Some((line, now))
+    }) else {
+        return false;
+    };
+    let is_it = |unit: &&str| {
+        factor(unit).is_some_and(|factor| (factor / (now * ratio) - 1.0).abs() < NEAR_UNIT)
+    };
+    let Some(unit) = UNITS.into_iter().find(|unit| is_it(unit)) else {
+        return false;
+    };
+    *line = Line::new("gyro_unit", unit, Known::TurnsOfPoses);
+    true
+}
+
+/// What samples and poses show of each other; `None` of poses without an attitude.
+fn compared(
+    imu: (&Path, &Part),
+    poses: (&Path, &Part),
+    logs: Logs,
+) -> Result<Option<Result<HandEye, PoseFault>>, DriveError> {
+    let (samples, poses) = records(imu, poses, logs)?;
+    let oriented = poses.iter().any(|pose| pose.attitude.is_some());
+    Ok(oriented.then(|| hand_eye(&samples, &poses)))
 }
 
 /// The samples and the poses as their files have them.
@@ -57,7 +121,7 @@ fn records(
 ) -> Result<(Vec<ImuSample>, Vec<LocalPose>), DriveError> {
     let mut of_imu = table(imu.0, imu.1);
     // The body's axes are the sensor's.
-    for key in ["axes", "mounting"] {
+    for key in SITS {
         of_imu.remove(key);
     }
     let tables = [
@@ -116,13 +180,13 @@ fn write(part: &mut Part, found: &HandEye) {
     );
     let (key, value) = frame(&found.gravity);
     put(key, value, Known::Accelerations);
-    let position = two_digits(1e3 * found.position_std.max(LEAST[0]));
+    let position = digits(1e3 * found.position_std.max(LEAST[0]));
     put(
         "position_std",
         format!("{position}, {position}, {position} mm"),
         Known::Accelerations,
     );
-    let attitude = two_digits(found.attitude_std.max(LEAST[1]).to_degrees());
+    let attitude = digits(found.attitude_std.max(LEAST[1]).to_degrees());
     put(
         "attitude_std",
         format!("{attitude}, {attitude}, {attitude} deg"),
@@ -138,9 +202,10 @@ fn degrees(of: &Quaternion) -> [f64; 3] {
         .into()
 }
 
-fn two_digits(value: f64) -> f64 {
-    let unit = 10f64.powf(value.log10().floor() - 1.0);
-    (value / unit).round() * unit
+/// A positive number to two digits.
+fn digits(value: f64) -> String {
+    let places = (1.0 - value.log10().floor()).max(0.0) as usize;
+    format!("{value:.places$}")
 }
 
 /// The key and its value that level a frame with this gravity: signed axes where one is vertical, else angles.

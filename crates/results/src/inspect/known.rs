@@ -125,6 +125,8 @@ pub enum Known {
         /// Standard deviation of the marker's axes \[deg\].
         std_deg: f64,
     },
+    /// By the size of the turns of poses.
+    TurnsOfPoses,
     /// By the accelerations that samples and poses have in common.
     Accelerations,
     /// The same of the lever arm.
@@ -201,6 +203,11 @@ pub enum PoseFault {
     ScalarFirst,
     /// The quaternions turn local axes into the marker's.
     Inverse,
+    /// The gyros are in another unit.
+    GyroUnit {
+        /// Size of the turns of the poses over those of the gyros.
+        ratio: f64,
+    },
     /// The positions are in this unit.
     Unit(&'static str),
     /// One of the frames is left-handed.

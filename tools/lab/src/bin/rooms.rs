@@ -1,0 +1,243 @@
+//! Whether the noise that poses show is right and knows how right: simulated rooms of known noise, one a seed, as a user has them: a table
+//! of samples and a TUM file, described by `inspect` and tuned.
+//!
+//! ```text
+//! cargo run --release -p undrift-lab --bin rooms -- [seeds] [seconds] [first seed]
+//! ```
+//!
+//! For each accuracy of the poses: how many rooms `inspect` describes, how far marker, lever arm and clock are off after `navigate` in their
+//! standard deviations, and for every noise in how many rooms the truth lies inside the 95 % interval of what is said to be determined.
+
+use nalgebra::UnitQuaternion;
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+use std::path::Path;
+use undrift::{
+    Drive,
+    drive::Logs,
+    inspect,
+    nav::{
+        Vector3,
+        attitude::from_rpy,
+        parameters::{Parameter, Parameters},
+        shaping::ShapingFilter,
+    },
+    navigate::{Wanted, navigate},
+    noise::{BiasModel, ImuModel},
+    replay::Settings,
+    settings::fix_errors::StdFactors,
+    simulate::{GnssNoise, Trajectory, simulate},
+    tune::{self, fit::under, noise::Noise, rest_noise::RestNoise},
+};
+use undrift_io::Memory;
+
+const RATE: f64 = 200.0;
+/// The noise in the hand against that of the preset.
+const LOUDER: [f64; 6] = [4.0, 8.0, 3.0, 6.0, 3.0, 5.0];
+/// Random walks, gyros [rad/s/√s] and accelerometers [m/s²/√s].
+const WALKS: [f64; 6] = [2e-5, 1e-5, 1.5e-5, 1e-3, 2e-3, 1e-3];
+/// Poses: standard deviations of position \[m\] and attitude \[rad\], and their rate \[Hz\].
+const POSES: [(&str, f64, f64, usize); 2] = [
+    ("1 mm, 0.1°, 100 Hz", 0.001, 0.001_745, 2),
+    ("1 cm, 0.5°, 20 Hz", 0.01, 0.008_727, 10),
+];
+
+/// What came of one room.
+struct Room {
+    /// Errors of marker, lever arm and clock in standard deviations.
+    off: [f64; 7],
+    /// Of each noise: whether it is determined, its true value over the one found, and that in standard deviations of the logarithm.
+    noise: Vec<(String, bool, f64, f64)>,
+}
+
+fn normal(dice: &mut Xoshiro256PlusPlus) -> f64 {
+    let (a, b): (f64, f64) = (dice.random_range(1e-12..1.0), dice.random_range(0.0..1.0));
+    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+}
+
+fn room(
+    seed: u64,
+    seconds: f64,
+    (_, position, attitude, every): (&str, f64, f64, usize),
+) -> Result<Room, String> {
+    let mut dice = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let mut vector = |scale: f64| Vector3::from_fn(|_, _| scale * dice.random_range(-1.0..1.0));
+    let (marker, lever) = (from_rpy(&vector(3.0)), vector(0.3));
+    // Another heading, and a tilt of tenths of a degree.
+    let tilt = vector(0.005);
+    let q_wr = from_rpy(&Vector3::new(
+        std::f64::consts::PI + tilt.x,
+        tilt.y,
+        vector(3.0).z,
+    ));
+    let clock = 0.05 * vector(1.0).x;
+    let interval = 1.0 / RATE;
+    let model = ImuModel::preset("mpu6050").ok_or("a preset")?;
+    let mut start = RestNoise::from_model(&model, interval).map_err(|e| e.to_string())?;
+    start.turn_on = [8.7e-3, 8.7e-3, 8.7e-3, 0.3, 0.3, 0.3];
+    let truth = Noise {
+        white: std::array::from_fn(|i| start.white[i] * LOUDER[i]),
+        walk: WALKS,
+        factors: StdFactors::ONE,
+        rule: [0.2, 0.4, 0.15],
+    };
+    let plain = Settings {
+        parameters: Parameters::none(),
+        ..Settings::new([ShapingFilter::white(0.0, interval).map_err(|e| e.to_string())?; 6])
+    };
+    let sensors = under(&plain, &truth, &start)
+        .map_err(|e| e.to_string())?
+        .sensors;
+    let hand = Trajectory::handheld(seconds, 0.6, seed);
+    let log = simulate(&hand, RATE, Some(&sensors), &GnssNoise::default(), seed)
+        .map_err(|e| e.to_string())?;
+    let mut imu = String::from("t,gx,gy,gz,ax,ay,az\n");
+    for s in &log.imu {
+        let (w, f) = (s.dtheta / s.dt, s.dvel / s.dt);
+        imu += &format!(
+            "{:.6},{},{},{},{},{},{}\n",
+            s.time, w.x, w.y, w.z, f.x, f.y, f.z
+        );
+    }
+    let mut poses = String::new();
+    let base = hand.start;
+    for row in log.truth.iter().step_by(every) {
+        let q_nb = from_rpy(&row.rpy.ok_or("an attitude")?);
+        let mut noise = |std: f64| Vector3::from_fn(|_, _| std * normal(&mut dice));
+        let p = q_wr * (base.ned_to(&row.position) + q_nb * lever) + noise(position);
+        let q = q_wr * q_nb * marker * UnitQuaternion::from_scaled_axis(noise(attitude));
+        poses += &format!(
+            "{:.6} {:.6} {:.6} {:.6} {:.8} {:.8} {:.8} {:.8}\n",
+            row.time - clock,
+            p.x,
+            p.y,
+            p.z,
+            q.i,
+            q.j,
+            q.k,
+            q.w
+        );
+    }
+    let held = |text: String| Memory::Bytes(text.into_bytes().into());
+    let files = [("imu.csv", held(imu)), ("poses.txt", held(poses))];
+    let found = files
+        .into_iter()
+        .map(|(name, held)| inspect::inspect_held(Path::new(name), held));
+    let mut found = found
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|e| e.to_string())?;
+    let motion = inspect::motion(&mut found);
+    let model = inspect::Model {
+        preset: "mpu6050",
+        known: inspect::Known::Certain,
+    };
+    let home = Path::new("");
+    let say = |_: inspect::Comment| String::new();
+    let text = inspect::drive_file(&model, &found, home, None, motion, &say);
+    if std::env::var_os("SHOW").is_some() {
+        let notes = Vec::from_iter(found.iter().map(|file| &file.found));
+        println!("{text}\n{marker:?} {lever:?} {clock} {notes:?}");
+    }
+    let logs: Logs = inspect::logs(&found, home);
+    let drive =
+        Drive::with_logs(&text, "room.toml", home, logs).map_err(|e| format!("{e}\n{text}"))?;
+    let report = navigate(&drive, BiasModel::Arma, Wanted::default()).map_err(|e| e.to_string())?;
+    let get = |kind| {
+        let found = report
+            .summary
+            .parameters
+            .iter()
+            .find(|(of, ..)| *of == kind);
+        found
+            .map(|(_, value, std)| (value.clone(), std.clone()))
+            .ok_or(format!("{kind:?}"))
+    };
+    let mut off = [0.0; 7];
+    let (turn, std) = get(Parameter::MarkerRotation)?;
+    let q_bm = drive.poses.ok_or("poses")?.marker
+        * UnitQuaternion::from_scaled_axis(Vector3::from_row_slice(&turn));
+    let miss = (q_bm.inverse() * marker).scaled_axis();
+    let (arm, arm_std) = get(Parameter::LeverArm)?;
+    let arm = drive.lever_arm + Vector3::from_row_slice(&arm) - lever;
+    for i in 0..3 {
+        off[i] = miss[i] / std[i];
+        off[3 + i] = arm[i] / arm_std[i];
+    }
+    let (late, late_std) = get(Parameter::TimeOffset)?;
+    let mut gnss = drive.gnss.1.clone();
+    off[6] = (late[0] + *gnss.time_offset() - clock) / late_std[0];
+    let (tuned, _) =
+        tune::tune(&[drive], &tune::Options::default(), &|_| true).map_err(|e| e.to_string())?;
+    let result = tuned.result([]);
+    let true_values = truth.white.into_iter().chain(truth.walk);
+    let noise = result.parameters.iter().zip(true_values).map(|(p, truth)| {
+        let std = (p.high.0 / p.low.0).ln() / (2.0 * 1.96);
+        (
+            p.name.clone(),
+            p.determined,
+            truth / p.value.0,
+            (p.value.0 / truth).ln() / std,
+        )
+    });
+    Ok(Room {
+        off,
+        noise: noise.collect(),
+    })
+}
+
+fn main() {
+    let mut arguments = std::env::args()
+        .skip(1)
+        .map(|a| a.parse::<f64>().expect("a number"));
+    let seeds = arguments.next().unwrap_or(20.0) as u64;
+    let seconds = arguments.next().unwrap_or(180.0);
+    let first = arguments.next().unwrap_or(1.0) as u64;
+    for poses in POSES {
+        println!("poses of {}, {seeds} rooms of {seconds} s", poses.0);
+        let rooms: Vec<_> = (first..first + seeds)
+            .into_par_iter()
+            .map(|seed| room(seed, seconds, poses))
+            .collect();
+        for (seed, error) in rooms
+            .iter()
+            .enumerate()
+            .filter_map(|(k, room)| Some((k, room.as_ref().err()?)))
+        {
+            println!("  seed {}: {error}", first + seed as u64);
+        }
+        let rooms: Vec<&Room> = rooms.iter().flatten().collect();
+        let n = rooms.len() as f64;
+        for (what, at) in [("marker", 0..3), ("lever arm", 3..6), ("clock", 6..7)] {
+            let all: Vec<f64> = rooms
+                .iter()
+                .flat_map(|room| room.off[at.clone()].to_vec())
+                .collect();
+            let inside = all.iter().filter(|x| x.abs() < 3.0).count() as f64 / all.len() as f64;
+            let square = all.iter().map(|x| x * x).sum::<f64>() / all.len() as f64;
+            println!(
+                "  {what:10} inside 3σ {:.3}, mean square of errors over σ {square:.2}",
+                inside
+            );
+        }
+        println!("  noise                  determined  inside  true/found (geometric mean)");
+        let (mut determined, mut inside) = (0, 0);
+        for k in 0..12 {
+            let of: Vec<_> = rooms.iter().filter_map(|room| room.noise.get(k)).collect();
+            let sure: Vec<_> = of
+                .iter()
+                .filter(|(_, determined, ..)| *determined)
+                .collect();
+            let within = sure.iter().filter(|(.., off)| off.abs() < 1.96).count();
+            let mean = of.iter().map(|(_, _, ratio, _)| ratio.ln()).sum::<f64>() / n;
+            (determined, inside) = (determined + sure.len(), inside + within);
+            let name = of.first().map_or("", |of| of.0.as_str());
+            println!(
+                "  {name:22} {:>3} of {n:<4} {within:>5}   {:.2}",
+                sure.len(),
+                mean.exp()
+            );
+        }
+        println!("  all: {inside} of {determined} inside");
+    }
+}
