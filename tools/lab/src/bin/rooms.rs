@@ -142,6 +142,18 @@ fn room(
     let logs: Logs = inspect::logs(&found, home);
     let drive =
         Drive::with_logs(&text, "room.toml", home, logs).map_err(|e| format!("{e}\n{text}"))?;
+    let (tuned, _) = tune::tune(
+        std::slice::from_ref(&drive),
+        &tune::Options::default(),
+        &|_| true,
+    )
+    .map_err(|e| e.to_string())?;
+    // As the tuned drive file has it.
+    let drive = Drive {
+        model: Some(tuned.model(&["room"])),
+        std_factors: tuned.fit.noise.factors,
+        ..drive
+    };
     let report = navigate(&drive, BiasModel::Arma, Wanted::default()).map_err(|e| e.to_string())?;
     let get = |kind| {
         let found = report
@@ -167,8 +179,6 @@ fn room(
     let (late, late_std) = get(Parameter::TimeOffset)?;
     let mut gnss = drive.gnss.1.clone();
     off[6] = (late[0] + *gnss.time_offset() - clock) / late_std[0];
-    let (tuned, _) =
-        tune::tune(&[drive], &tune::Options::default(), &|_| true).map_err(|e| e.to_string())?;
     let result = tuned.result([]);
     let true_values = truth.white.into_iter().chain(truth.walk);
     let noise = result.parameters.iter().zip(true_values).map(|(p, truth)| {
