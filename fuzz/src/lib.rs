@@ -6,10 +6,11 @@ use std::path::Path;
 
 use undrift::io::ReadError;
 use undrift::io::imu::{GapSummary, ImuReader};
+use undrift::io::poses::LocalPose;
 use undrift::io::skipped::Skipped;
 use undrift::nav::earth::Geodetic;
 use undrift::nav::sample::{GnssFix, ImuSample, Position, Scalar, TruthSample};
-use undrift::nav::{Matrix3, Vector3};
+use undrift::nav::{Matrix3, Quaternion, Vector3};
 
 /// Runs `read` with a file that holds `data`, in the folder for temporary files: `tools/fuzz` takes one
 /// in memory. It is the same file for every input.
@@ -93,6 +94,17 @@ pub fn truth_sample(sample: &TruthSample) -> bool {
     place(&sample.position)
         && sample.v_n.is_none_or(|v| finite(&v))
         && sample.rpy.is_none_or(|rpy| finite(&rpy))
+}
+
+/// Whether a pose has finite numbers, something that can be used, a rotation, and covariances that are some.
+pub fn local_pose(pose: &LocalPose) -> bool {
+    let covariances = [pose.position_covariance, pose.attitude_covariance];
+    // Some roundings of a root of a sum of squares.
+    let unit = |q: &Quaternion| (q.norm() - 1.0).abs() < 1e-12;
+    (pose.position.is_some() || pose.attitude.is_some())
+        && pose.position.is_none_or(|position| finite(&position))
+        && pose.attitude.iter().all(unit)
+        && covariances.iter().flatten().all(positive)
 }
 
 /// Whether a number is finite and has a standard deviation.

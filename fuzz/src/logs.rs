@@ -7,9 +7,10 @@ use undrift::io::format::Format;
 use undrift::io::gnss::{FixOptions, GnssLog, GnssReader};
 use undrift::io::imu::{ImuFormat, ImuReader};
 use undrift::io::log::StreamKind;
+use undrift::io::poses::{PoseLog, PoseReader};
 use undrift::io::truth::{TruthLog, TruthReader};
 
-use crate::{check_counts, exhaust, fix, imu, opened, truth_sample, with_file};
+use crate::{check_counts, exhaust, fix, imu, local_pose, opened, truth_sample, with_file};
 
 /// Streams that are read by their names: a file can list thousands.
 const STREAMS: usize = 4;
@@ -23,11 +24,13 @@ pub fn log(format: Format, data: &[u8]) {
         fixes(path, &GnssLog::new(format));
         fixes(path, &with_stds(GnssLog::new(format)));
         truth(path, format, None);
+        local(path, format, None);
         for stream in streams.into_iter().take(STREAMS) {
             let name = Some(stream.name);
             match stream.kind {
                 StreamKind::Imu => imu(ImuReader::open(path, &ImuFormat::log(format, name))),
                 StreamKind::Poses => truth(path, format, name),
+                StreamKind::LocalPoses => local(path, format, name),
                 StreamKind::Fixes => fixes(
                     path,
                     &with_stds(GnssLog {
@@ -85,6 +88,24 @@ fn truth(path: &Path, format: Format, stream: Option<String>) {
 pub fn poses(reader: Result<TruthReader, undrift::io::ReadError>) {
     if let Ok(mut reader) = opened(reader) {
         exhaust(&mut reader, |sample| sample.time, truth_sample);
+        check_counts(reader.skipped(), None);
+    }
+}
+
+fn local(path: &Path, format: Format, stream: Option<String>) {
+    let log = PoseLog {
+        format,
+        stream,
+        time_offset: 0.0,
+        span: None,
+    };
+    local_poses(PoseReader::open(path, &log.into()));
+}
+
+/// All poses of a log in a local frame, if it can be opened.
+pub fn local_poses(reader: Result<PoseReader, undrift::io::ReadError>) {
+    if let Ok(mut reader) = opened(reader) {
+        exhaust(&mut reader, |pose| pose.time, local_pose);
         check_counts(reader.skipped(), None);
     }
 }

@@ -1,8 +1,10 @@
 //! Meaning of columns by their names: the words that logs of this field use.
 
+mod poses;
 mod steps;
 mod words;
 
+pub use poses::poses;
 pub use steps::{FIX_STEP, IMU_STEP, ordinary_step, time_unit, time_unit_of};
 
 /// Whether the ticks of a column of times have an unknown length: by its name they are those of a clock, and by their steps of

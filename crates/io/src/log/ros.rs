@@ -1,18 +1,20 @@
 //! Recordings of robots, whatever container they are in: topics of sensor_msgs/Imu,
-//! sensor_msgs/NavSatFix, and geometry_msgs/TwistStamped or TwistWithCovarianceStamped.
+//! sensor_msgs/NavSatFix, and geometry_msgs/TwistStamped or TwistWithCovarianceStamped; poses of
+//! geometry_msgs/PoseStamped, PoseWithCovarianceStamped, TransformStamped and nav_msgs/Odometry.
 //!
 //! Times are the messages' own stamps (`header.stamp`, Unix time), or where one is not set the time
 //! at which it was recorded. A topic of velocities that is not named is used, from the first position
 //! on, if its frame is that of the positions, so that it comes from the same receiver; commands and
 //! wheels have other frames. Gyroscopes and accelerometers that are topics of their own, as of some depth cameras, are
 //! joined where both are named, `/gyro + /accel`.
-//! nav_msgs/Odometry is in a frame that begins anywhere, so it is not read.
+//! Poses are in a frame that begins anywhere, so they are no reference solution.
 
 mod container;
 mod fixes;
 mod message;
 mod topics;
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use undrift_nav::sample::{FixQuality, Position};
@@ -56,8 +58,12 @@ pub(super) fn reads(type_name: &str) -> bool {
 }
 
 fn note_frame(topic: &mut Topic, encoding: Encoding, bytes: &[u8]) {
-    if topic.kind.is_some() && topic.frame.is_none() {
-        topic.frame = message::header(encoding, bytes).map(|(header, _)| header.frame.into_owned());
+    if let Some(kind) = topic.kind
+        && topic.frame.is_none()
+        && let Some((header, mut fields)) = message::header(encoding, bytes)
+    {
+        topic.frame = Some(header.frame.into_owned());
+        topic.child = message::child(kind, &mut fields).map(Cow::into_owned);
     }
 }
 
@@ -113,6 +119,7 @@ pub(super) fn entries(
         topics: Topics::default(),
         weeks: WeekClock::default(),
         clock: None,
+        child: None,
         messages: 0,
         waiting: Waiting::default(),
     };
@@ -179,6 +186,8 @@ struct Recording {
     weeks: WeekClock,
     /// Whose the first stamp of a topic that is meant was.
     clock: Option<ClockSource>,
+    /// Of poses, the frame that the first is of.
+    child: Option<String>,
     /// Messages of all topics so far.
     messages: u64,
     waiting: Waiting,
@@ -278,6 +287,11 @@ impl Recording {
         let (Some(kind), Some(encoding)) = (topic.kind, encoding) else {
             return Ok(None);
         };
+        // Poses may be of another computer, whose clock is not to choose the week of what is read.
+        let foreign = kind.kind() == StreamKind::LocalPoses && kind != Type::Odometry;
+        if foreign && !self.wanted.takes(index, topic, None) {
+            return Ok(None);
+        }
         let bytes = self.events.bytes(range);
         let Some((header, mut fields)) = message::header(encoding, bytes) else {
             let meant = self.wanted.takes(index, topic, None);
@@ -327,7 +341,19 @@ impl Recording {
                     quality: FixQuality::Unknown,
                 }
             }
-            Type::Odometry => return Ok(None),
+            Type::PoseStamped
+            | Type::PoseWithCovarianceStamped
+            | Type::TransformStamped
+            | Type::Odometry => {
+                let child = message::child(kind, &mut fields).unwrap_or_default();
+                let first = self.child.get_or_insert_with(|| child.clone().into_owned());
+                if *first != child {
+                    let detail = format!("a pose of {child}, not of {first}");
+                    return Err((SkipKind::OutOfRange, detail));
+                }
+                let pose = message::pose(time, kind, &mut fields)?;
+                return Ok(Some((at, What::LocalPose(pose))));
+            }
         };
         let earliest = self.waiting.add(at, fix);
         Ok(earliest.map(|(at, fix)| (at, What::Fix(fix))))

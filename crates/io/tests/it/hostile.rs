@@ -7,6 +7,7 @@ use undrift_io::Opened;
 use undrift_io::format::Format;
 use undrift_io::gnss::{GnssLog, GnssReader};
 use undrift_io::imu::{ImuFormat, ImuReader};
+use undrift_io::poses::{PoseReader, detect};
 use undrift_io::table::{Angles, Column, Stamp, TableOptions};
 use undrift_nav::earth::Geodetic;
 
@@ -193,6 +194,47 @@ fn solution_files_of_arbitrary_bytes() {
     }
     std::fs::remove_file(&path).unwrap();
     assert!(fixes > 500, "{fixes}");
+}
+
+/// The seeds of the fuzzer, some of their bytes replaced by pieces of formats or cut away.
+#[test]
+fn damaged_files_of_poses() {
+    let mut random = Random(11);
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/corpus-seeds/poses");
+    let mut read = 0;
+    for name in ["tum.txt", "kitti.txt", "euroc.csv", "motive.csv"] {
+        let whole = std::fs::read(PathBuf::from(folder).join(name)).unwrap();
+        for _ in 0..CASES / 4 {
+            let mut bytes = whole.clone();
+            for _ in 0..1 + random.below(3) {
+                let from = random.below(bytes.len());
+                let to = bytes.len().min(from + random.below(4));
+                bytes.splice(from..to, PIECES[random.below(PIECES.len())].iter().copied());
+            }
+            let open = || Opened::stream(name.as_ref(), Cursor::new(bytes.clone()));
+            let Ok(Some(source)) = open().and_then(|mut opened| detect(&mut opened, None)) else {
+                continue;
+            };
+            let mut last = f64::NEG_INFINITY;
+            for pose in PoseReader::new(open().unwrap(), &source)
+                .into_iter()
+                .flatten()
+                .flatten()
+            {
+                assert!(pose.time > last, "{pose:?}");
+                last = pose.time;
+                assert!(
+                    pose.position.is_none_or(|p| p.norm().is_finite()),
+                    "{pose:?}"
+                );
+                // Some roundings of a root of a sum of squares.
+                let unit = pose.attitude.is_none_or(|q| (q.norm() - 1.0).abs() < 1e-12);
+                assert!(unit, "{pose:?}");
+                read += 1;
+            }
+        }
+    }
+    assert!(read > 800, "{read}");
 }
 
 #[test]

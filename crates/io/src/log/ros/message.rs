@@ -7,9 +7,10 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::FixQuality;
 use undrift_nav::{Matrix3, Vector3};
 
+use crate::entry::{LocalPose, StreamKind};
 use crate::fix::{finite, is_covariance, on_earth};
-use crate::log::StreamKind;
 use crate::log::bytes::ByteFields;
+use crate::rotation::of_quaternion;
 use crate::skipped::{SkipKind, Unfit};
 
 /// How messages are serialised.
@@ -26,6 +27,9 @@ pub(super) enum Type {
     NavSatFix,
     TwistStamped,
     TwistWithCovarianceStamped,
+    PoseStamped,
+    PoseWithCovarianceStamped,
+    TransformStamped,
     Odometry,
 }
 
@@ -37,6 +41,9 @@ impl Type {
             "sensor_msgs/NavSatFix" => Some(Self::NavSatFix),
             "geometry_msgs/TwistStamped" => Some(Self::TwistStamped),
             "geometry_msgs/TwistWithCovarianceStamped" => Some(Self::TwistWithCovarianceStamped),
+            "geometry_msgs/PoseStamped" => Some(Self::PoseStamped),
+            "geometry_msgs/PoseWithCovarianceStamped" => Some(Self::PoseWithCovarianceStamped),
+            "geometry_msgs/TransformStamped" => Some(Self::TransformStamped),
             "nav_msgs/Odometry" => Some(Self::Odometry),
             _ => None,
         }
@@ -47,8 +54,16 @@ impl Type {
             Self::Imu => StreamKind::Imu,
             Self::NavSatFix => StreamKind::Fixes,
             Self::TwistStamped | Self::TwistWithCovarianceStamped => StreamKind::Velocity,
-            Self::Odometry => StreamKind::Other,
+            Self::PoseStamped
+            | Self::PoseWithCovarianceStamped
+            | Self::TransformStamped
+            | Self::Odometry => StreamKind::LocalPoses,
         }
+    }
+
+    /// Whether the name of the frame that is posed comes behind the header.
+    fn names_child(self) -> bool {
+        matches!(self, Self::TransformStamped | Self::Odometry)
     }
 }
 
@@ -83,6 +98,39 @@ pub(super) fn header(encoding: Encoding, bytes: &[u8]) -> Option<(Header<'_>, By
     let stamp = (seconds, fields.u32()?);
     let frame = fields.text()?;
     Some((Header { stamp, frame }, fields))
+}
+
+/// The name of the frame that a pose is of, where messages of a type have it; read before [`pose`].
+pub(super) fn child<'a>(kind: Type, fields: &mut ByteFields<'a>) -> Option<Cow<'a, str>> {
+    kind.names_child().then(|| fields.text()).flatten()
+}
+
+/// The pose of a message at a time \[s\]: what turns vectors of the frame that is posed into those of the header's. The covariance is
+/// that of the position and of the rotation about the header's axes; a block of it that is no covariance, such as zeros
+/// or with −1 in front, is not stated.
+pub(super) fn pose(time: f64, kind: Type, fields: &mut ByteFields) -> Result<LocalPose, Unfit> {
+    let [x, y, z, qx, qy, qz, qw] = fields.array::<7>().ok_or_else(too_short)?;
+    let vector = finite(Vector3::new(qx, qy, qz))?;
+    let attitude = of_quaternion(finite(Vector3::repeat(qw))?.x, vector.into())?;
+    let covariance = match kind {
+        Type::PoseWithCovarianceStamped | Type::Odometry => {
+            Some(fields.array::<36>().ok_or_else(too_short)?)
+        }
+        _ => None,
+    };
+    let block = |from: usize| {
+        let all = covariance?;
+        let number = |row: usize, column: usize| all.get(6 * (from + row) + from + column).copied();
+        let full = Matrix3::from_fn(|row, column| number(row, column).unwrap_or(f64::NAN));
+        Some((full + full.transpose()) / 2.0).filter(is_covariance)
+    };
+    Ok(LocalPose {
+        time,
+        position: Some(finite(Vector3::new(x, y, z))?),
+        attitude,
+        position_covariance: block(0),
+        attitude_covariance: block(3),
+    })
 }
 
 /// Angular rate [rad/s] and specific force [m/s²] of sensor_msgs/Imu, axes of its frame.

@@ -1,6 +1,7 @@
 //! Against recordings that other software wrote: testdata/golden/formats/rosbag, .../mcap and .../rosbag2.
 
 mod apart;
+mod poses;
 
 use std::io::BufReader;
 use std::path::PathBuf;
@@ -262,7 +263,7 @@ fn streams_are_listed() {
                 ("/gps/fix", StreamKind::Fixes, 6),
                 ("/gps/vel", StreamKind::Velocity, 5),
                 ("/imu/data", StreamKind::Imu, 12),
-                ("/odom", StreamKind::Other, 6),
+                ("/odom", StreamKind::LocalPoses, 6),
                 ("/wheel", StreamKind::Velocity, 6),
             ],
             "{name}"
@@ -271,7 +272,10 @@ fn streams_are_listed() {
         assert_eq!(about(0), "std_msgs/String");
         assert_eq!(about(1), "sensor_msgs/NavSatFix, frame gps");
         assert!(about(3).starts_with("sensor_msgs/Imu, frame imu_link; "));
-        assert!(about(4).contains("not read"));
+        assert_eq!(
+            about(4),
+            "nav_msgs/Odometry, frame odom to base_link; poses in a local frame"
+        );
     }
 }
 

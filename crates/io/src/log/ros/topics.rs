@@ -17,6 +17,8 @@ pub(super) struct Topic {
     pub(super) kind: Option<Type>,
     /// Frame of the first message.
     pub(super) frame: Option<String>,
+    /// Of poses, the frame that the first is of.
+    pub(super) child: Option<String>,
     messages: u64,
 }
 
@@ -54,6 +56,7 @@ impl Topics {
                     name: key.0.clone(),
                     type_name: key.1.clone(),
                     frame: None,
+                    child: None,
                     messages: 0,
                 });
                 self.by_name.insert(key, self.list.len() - 1);
@@ -112,7 +115,7 @@ fn stream(topic: Topic) -> Stream {
     let note = match topic.kind {
         Some(Type::Imu) => "; by REP-103 x is forward, y left, z up",
         Some(Type::TwistStamped | Type::TwistWithCovarianceStamped) => "; taken as east, north, up",
-        Some(Type::Odometry) => "; in a local frame, not read",
+        Some(kind) if kind.kind() == StreamKind::LocalPoses => "; poses in a local frame",
         _ => "",
     };
     let frame = match topic.frame.as_deref() {
@@ -120,6 +123,8 @@ fn stream(topic: Topic) -> Stream {
         Some(frame) => format!(", frame {frame}"),
         None => String::new(),
     };
+    let child = topic.child.iter().map(|child| format!(" to {child}"));
+    let frame = frame + &child.collect::<String>();
     Stream {
         kind: topic.stream_kind(),
         about: format!("{}{frame}{note}", topic.type_name),
@@ -184,6 +189,9 @@ impl Choice {
         let what = match self.kind {
             StreamKind::Imu => "of sensor_msgs/Imu",
             StreamKind::Fixes => "of sensor_msgs/NavSatFix",
+            StreamKind::LocalPoses => {
+                "of nav_msgs/Odometry, geometry_msgs/PoseStamped or TransformStamped"
+            }
             _ => "of geometry_msgs/TwistStamped",
         };
         let problem = match (&self.named, self.taken) {

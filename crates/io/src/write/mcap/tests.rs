@@ -84,7 +84,7 @@ fn what_is_written_is_read_again() {
         [
             topic("/undrift/fix", StreamKind::Fixes),
             topic("/undrift/imu", StreamKind::Imu),
-            topic("/undrift/odom", StreamKind::Other),
+            topic("/undrift/odom", StreamKind::LocalPoses),
         ]
     );
     // The attitude alone is no inertial sample.
