@@ -51,27 +51,37 @@ pub(crate) struct HandEye {
 /// Turns that fit belong together above this correlation.
 const FITS: f64 = 0.9;
 
-/// Compares samples and poses, both in order of time.
+/// What is left of the misfit if another reading of the numbers is right, at most.
+const BETTER: f64 = 0.3;
+
+/// Compares samples and poses, both in order of time, as the numbers of the poses are read and, where that fits better or alone, in
+/// another way.
 ///
 /// # Errors
 /// What they lack or contradict.
 pub(crate) fn hand_eye(samples: &[ImuSample], poses: &[LocalPose]) -> Result<HandEye, PoseFault> {
-    let (mut turns, mut fault) = (Turns::find(samples, poses), None);
-    if !turns.as_ref().is_ok_and(|turns| turns.correlation > FITS) {
-        // Another reading of the same numbers may fit.
-        for (other, reading) in [
-            (PoseFault::ScalarFirst, of_each(poses, scalar_first)),
-            (PoseFault::Inverse, of_each(poses, inverse)),
-        ] {
-            if let Ok(found) = Turns::find(samples, &reading)
-                && found.correlation > FITS
-            {
-                (turns, fault) = (Ok(found), Some(other));
-                break;
-            }
-        }
+    let as_read = compared(samples, poses);
+    let others = [
+        (PoseFault::ScalarFirst, of_each(poses, scalar_first)),
+        (PoseFault::Inverse, of_each(poses, inverse)),
+    ];
+    let others = others.into_iter().filter_map(|(fault, reading)| {
+        let found = compared(samples, &reading).ok()?;
+        let fault = Some(fault);
+        Some(HandEye { fault, ..found })
+    });
+    let misfit = |of: &HandEye| 1.0 - of.correlation;
+    let best = others.min_by(|a, b| misfit(a).total_cmp(&misfit(b)));
+    match (as_read, best) {
+        (Ok(found), Some(other)) if misfit(&other) < BETTER * misfit(&found) => Ok(other),
+        (Err(_), Some(other)) => Ok(other),
+        (as_read, _) => as_read,
     }
-    let turns = turns?;
+}
+
+/// Compares samples and poses.
+fn compared(samples: &[ImuSample], poses: &[LocalPose]) -> Result<HandEye, PoseFault> {
+    let turns = Turns::find(samples, poses)?;
     if turns.correlation < FITS {
         return Err(match turns.mirrored > FITS {
             true => PoseFault::Mirrored,
@@ -80,12 +90,7 @@ pub(crate) fn hand_eye(samples: &[ImuSample], poses: &[LocalPose]) -> Result<Han
             },
         });
     }
-    let poses = match fault {
-        Some(PoseFault::ScalarFirst) => of_each(poses, scalar_first),
-        Some(PoseFault::Inverse) => of_each(poses, inverse),
-        _ => poses.to_vec(),
-    };
-    let forces = Forces::find(samples, &poses, &turns)?;
+    let forces = Forces::find(samples, poses, &turns)?;
     Ok(HandEye {
         clock: turns.clock,
         marker: turns.marker,
@@ -96,7 +101,7 @@ pub(crate) fn hand_eye(samples: &[ImuSample], poses: &[LocalPose]) -> Result<Han
         position_std: forces.position_std,
         attitude_std: turns.attitude_std,
         correlation: turns.correlation,
-        fault: fault.or(forces.fault),
+        fault: forces.fault,
     })
 }
 

@@ -8,6 +8,7 @@ use super::{
     section::Section,
     tables::{read_delimiter, read_std, read_switch},
 };
+use crate::columns;
 use std::{
     f64::consts::FRAC_PI_2,
     path::{Path, PathBuf},
@@ -168,10 +169,13 @@ fn latitude_of(value: f64) -> Option<f64> {
     Some(low)
 }
 
+/// Rows that are looked at for the units of columns.
+const ROWS: usize = 4000;
 /// The scalar part of quaternions is the first or the last of the four numbers.
 const ORDERS: [(&str, bool); 2] = [("x,y,z,w", false), ("w,x,y,z", true)];
 
-/// The poses of a table whose layout is known by its beginning (TUM, KITTI, EuRoC, Motive), with what is stated of it.
+/// The poses of a table whose layout is known by its beginning (TUM, KITTI, EuRoC, Motive) or by the names of its columns, with what is
+/// stated of it.
 fn known_layout(
     section: &Section,
     logs: &Logs,
@@ -179,9 +183,15 @@ fn known_layout(
     topic: Option<&str>,
 ) -> Result<PoseFormat, DriveError> {
     let mut opened = logs.open(path, &BytesRead::default())?;
-    let found = undrift_io::poses::detect(&mut opened, topic)?;
-    let Some(PoseSource::Table(mut format)) = found else {
-        let what = "the time column: the file is neither TUM, KITTI with times, EuRoC nor Motive, so time, position and attitude have to be named";
+    let found = match undrift_io::poses::detect(&mut opened, topic)? {
+        Some(PoseSource::Table(format)) => Some(*format),
+        _ => {
+            let mut opened = logs.open(path, &BytesRead::default())?;
+            columns::poses(&opened.preview(ROWS)?)
+        }
+    };
+    let Some(mut format) = found.filter(|format| format.position.is_some()) else {
+        let what = "the time column: no names of columns, and neither TUM, KITTI with times, EuRoC nor Motive, so time, position and attitude have to be named";
         return Err(section.missing("time", what).into());
     };
     let order = section.word("attitude_order", &ORDERS)?;
@@ -193,7 +203,7 @@ fn known_layout(
     if section.get("position_unit").is_some() {
         format.position_scale = section.unit("position_unit", Quantity::Length, 1.0)?;
     }
-    Ok(*format)
+    Ok(format)
 }
 
 /// The poses in named columns of a table.

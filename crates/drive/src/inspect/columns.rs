@@ -30,6 +30,11 @@ pub(super) fn parts_of(mut table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
     let width = usual_width(&table.rows);
     table.rows.retain(|row| row.len() == width);
     let mut found = by_names(&table);
+    let is_nothing = [&found.gyro, &found.accel, &found.ecef, &found.place].map(all) == [None; 4];
+    let posed = || crate::columns::poses(&table);
+    if is_nothing && posed().is_some_and(|of| of.position.is_some() && of.attitude.is_some()) {
+        return vec![super::poses::part()];
+    }
     // Columns of latitudes are never turned into gyros.
     let is_place = found.place[0].or(found.place[1]).is_some();
     if !is_place && [&found.gyro, &found.ecef].map(all) == [None; 2] {
@@ -57,6 +62,7 @@ pub(super) fn parts_of(mut table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
         });
     }
     let names = &columns.table.names;
+
     if parts.is_empty() {
         notes.push(match names.len() {
             0 => Note::UnknownColumns,
