@@ -5,13 +5,15 @@ use crate::{
     presets,
     terminal::{self, Invalid},
 };
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::Args;
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
 };
 use undrift::{
+    Drive,
+    drive::{self, Section},
     noise::{ImuModel, ModelError, ModelFormat},
     results,
 };
@@ -21,10 +23,11 @@ use undrift::{
 #[command(after_help = "Examples:
   undrift model adis16465 --to kalibr --rate 200 -o imu.yaml
   undrift model mpu6050 --to px4 --outage 10s
+  undrift model tuned.toml --to kalibr
   undrift model icm20602 --json -
   undrift model --list")]
 pub struct Arguments {
-    /// A model file or a preset
+    /// A model file, a preset, or a drive file with a model as `undrift tune` writes it
     #[arg(value_name = "IMU.toml", required_unless_present = "list")]
     model: Option<String>,
     /// List the presets with their values; with --json, as model files
@@ -66,7 +69,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return list(arguments, &Files::claim([], outputs)?);
     };
     let files = Files::claim([Path::new(name)], outputs)?;
-    let model = ImuModel::resolve(name, Path::new(""))?;
+    let (model, rate) = match of_drive(Path::new(name))? {
+        Some(of_drive) => of_drive,
+        None => (ImuModel::resolve(name, Path::new(""))?, None),
+    };
     if arguments.json.is_wanted() {
         let json = results::text(&keys(&model)?);
         arguments.json.write(&files, &json)?;
@@ -74,12 +80,41 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let Some(format) = arguments.to else {
         return Ok(());
     };
-    let exported = model.export_for(format, arguments.rate, arguments.outage.0);
+    let exported = model.export_for(format, arguments.rate.or(rate), arguments.outage.0);
     let exported = exported.map_err(|error| match error {
         ModelError::BadRate(_) | ModelError::BadOutage(_) => Invalid(error.to_string()).into(),
         _ => anyhow::Error::from(error),
     });
     write(arguments, &files, &exported?)
+}
+
+/// The model that a drive file has, as `undrift tune` writes it, and the rate of its inertial log \[Hz\] where that can be read; `None` of what
+/// is no drive file.
+fn of_drive(file: &Path) -> Result<Option<(ImuModel, Option<f64>)>> {
+    let Ok((text, name)) = drive::read_text(file) else {
+        return Ok(None);
+    };
+    let Ok(table) = drive::parse(&text, &name) else {
+        return Ok(None);
+    };
+    let top = Section::top(table.get_ref(), &text, &name);
+    if top.get("imu").is_none() {
+        return Ok(None);
+    }
+    let home = file.parent().unwrap_or(Path::new(""));
+    let interval = Drive::load(file, None)
+        .ok()
+        .map(|drive| drive.sample_interval());
+    let rate = interval
+        .and_then(Result::ok)
+        .map(|interval| (1e3 / interval).round() / 1e3);
+    let model = top.model("model", home)?.map(|model| (model, rate));
+    model.map(Some).with_context(|| {
+        let file = file.display();
+        format!(
+            "{file} is a drive file without a model: `undrift tune {file} -o tuned.toml` writes one"
+        )
+    })
 }
 
 /// The presets as a table, as JSON, or both.

@@ -199,6 +199,7 @@ impl Receiver {
                 frozen,
                 patience,
                 speed_doubted: !with_velocity,
+                leans: fix.attitude.is_none(),
             };
             updates[0] = Some(self.position.update(filter, &offer, settings, summary));
         }
@@ -227,6 +228,7 @@ impl Receiver {
                 frozen,
                 patience: if frozen { PATIENCE_FROZEN } else { PATIENCE },
                 speed_doubted: true,
+                leans: true,
             };
             updates[1] = Some(self.velocity.update(filter, &offer, settings, summary));
         }
@@ -325,6 +327,8 @@ struct Offer {
     patience: f64,
     /// Whether a contradiction counts as an error of the velocity, too.
     speed_doubted: bool,
+    /// Whether it may drift slowly to one side, as a receiver's positions do.
+    leans: bool,
 }
 
 impl FixPart {
@@ -383,7 +387,9 @@ impl FixPart {
         if settings.adapt {
             self.scale.learn(&update);
         }
-        self.lean.add(time, &innovation, &update, summary);
+        if offer.leans {
+            self.lean.add(time, &innovation, &update, summary);
+        }
         summary.windows.add(self.part, time, &update);
         match self.part {
             Part::Position => summary.innovations[Aid::Position].add(update),

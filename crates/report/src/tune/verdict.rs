@@ -120,8 +120,10 @@ pub(super) fn judgement(tune: &Tune) -> (Severity, Use, String) {
             (Warning, Use::AsBefore, found.into(), main)
         }
     };
+    let posed = tune.parameters.iter().any(|p| p.name.starts_with("poses."));
+    let fixes = if posed { "poses" } else { "GNSS" };
     let why = format!(
-        "{found}. {} without GNSS: {} m; before: {} m (ratio {}, 95 % interval {} to {}), over {} held-out outages",
+        "{found}. {} without {fixes}: {} m; before: {} m (ratio {}, 95 % interval {} to {}), over {} held-out outages",
         at(of),
         short(of.after_m.0),
         short(of.before_m.0),
