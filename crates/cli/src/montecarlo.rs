@@ -21,7 +21,7 @@ use undrift_report::{figures, text};
 /// Simulate a drive many times and compare the filter's errors with its own covariance (NEES, NIS).
 ///
 /// The motion is the same in every run; the noise differs. A consistent filter has an average NEES
-/// within its bounds (docs/montecarlo.md).
+/// within its bounds (docs/lab/montecarlo-command.md).
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift montecarlo examples/montecarlo-car.toml --runs 100 --json montecarlo.json

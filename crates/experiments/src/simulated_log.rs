@@ -6,7 +6,9 @@ use std::{
 };
 use undrift_io::write::{PendingFile, write_whole};
 use undrift_nav::{sample::Position, shaping::ShapingFilter};
-use undrift_simulate::{GnssFixes, GnssNoise, IdealImu, SensorErrors, SimulationError, Trajectory};
+use undrift_simulate::{
+    GnssFixes, GnssNoise, IdealImu, PoseNoise, SensorErrors, SimulationError, Trajectory,
+};
 
 /// A drive and its sensors.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +50,32 @@ impl SimulatedLog<'_> {
             file.into_inner()?.finish()?;
         }
         write_whole(&drive, self.drive_file())
+    }
+
+    /// The files that [`SimulatedLog::write_room`] makes in its folder.
+    pub const ROOM: [&'static str; 2] = ["imu.csv", "poses.txt"];
+
+    /// Writes a motion in a room into a folder: the inertial log, and `every` of its samples a pose of a marker in a file of TUM.
+    ///
+    /// # Errors
+    /// What cannot be simulated or written.
+    pub fn write_room(&self, folder: &Path, marker: &PoseNoise, every: usize) -> io::Result<()> {
+        std::fs::create_dir_all(folder)?;
+        let [imu, poses] = Self::ROOM.map(|name| folder.join(name));
+        self.write_record(&imu)?;
+        let mut file = create(&poses)?;
+        let truth = IdealImu::new(self.trajectory, self.rate_hz).map(|(_, truth)| truth);
+        let seen = truth.step_by(every.max(1));
+        for pose in marker.measure(seen, &self.trajectory.start, self.seed) {
+            let ([x, y, z], q) = (pose.position.into(), pose.attitude);
+            let [time, x, y, z]: [f64; 4] = [pose.time, x, y, z];
+            let [qx, qy, qz, qw] = [q.i, q.j, q.k, q.w];
+            writeln!(
+                file,
+                "{time:.4} {x:.5} {y:.5} {z:.5} {qx:.7} {qy:.7} {qz:.7} {qw:.7}"
+            )?;
+        }
+        file.into_inner()?.finish()
     }
 
     /// Writes the inertial log alone, whole or not at all.

@@ -15,6 +15,7 @@
 
 pub mod gnss;
 pub mod ideal_imu;
+mod poses;
 pub mod profile;
 pub mod recorded;
 pub mod scalars;
@@ -27,6 +28,7 @@ mod tests;
 
 pub use gnss::{GnssFixes, GnssNoise};
 pub use ideal_imu::{IdealImu, State, Stepper, antenna};
+pub use poses::{Pose, PoseNoise};
 pub use profile::{Channel, Profile, Wave};
 pub use recorded::RecordedErrors;
 pub use scalars::*;

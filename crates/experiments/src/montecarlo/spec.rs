@@ -1,4 +1,4 @@
-//! `SPEC.toml` of a Monte Carlo. All keys are in `docs/montecarlo.md`.
+//! `SPEC.toml` of a Monte Carlo. All keys are in `docs/lab/montecarlo-command.md`.
 
 use std::path::Path;
 use undrift_drive::{
@@ -77,7 +77,7 @@ impl Spec {
         let table = parse(text, file)?;
         let top = Section::top(table.get_ref(), text, file);
         if table.get_ref().contains_key("imu") {
-            let message = "is a drive file; montecarlo needs a specification of a simulated drive (docs/montecarlo.md)";
+            let message = "is a drive file; montecarlo needs a specification of a simulated drive (docs/lab/montecarlo-command.md)";
             return Err(ConfigError {
                 file: file.to_owned(),
                 line: None,

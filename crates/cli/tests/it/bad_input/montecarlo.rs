@@ -215,7 +215,7 @@ fn runs_that_cannot_be() {
 
 #[test]
 fn every_key_of_the_specification_is_in_its_page() {
-    let page = include_str!("../../../../../docs/montecarlo.md");
+    let page = include_str!("../../../../../docs/lab/montecarlo-command.md");
     for key in [
         "model",
         "bias_model",
