@@ -251,3 +251,16 @@ fn rigid_bodies_of_motive() {
         (Some(Vector3::new(1.0, 2.0, 3.5)), None)
     );
 }
+
+#[test]
+fn so_many_lines_are_no_rows_even_if_they_are_numbers() {
+    let text = "0,0,0,0\n1,10,20,30\n2,11,21,31\n";
+    let columns = [2, 3, 4].map(Column::Number);
+    let format = PoseFormat {
+        header_lines: 1,
+        ..PoseFormat::new(Column::Number(1), Some(columns), None)
+    };
+    let (poses, skipped) = all(text, format);
+    assert!(skipped.is_empty());
+    assert_eq!((poses.len(), poses[0].time), (2, 1.0));
+}
