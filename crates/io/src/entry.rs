@@ -132,7 +132,7 @@ pub struct Fix {
     pub quality: FixQuality,
 }
 
-/// A pose as the log has it, in the axes of its local frame.
+/// A pose in the axes of the local frame of its log.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalPose {
     /// Time of validity \[s\].

@@ -19,7 +19,7 @@ pub(crate) fn of_quaternion(w: f64, [x, y, z]: [f64; 3]) -> Result<Option<Quater
     if length == 0.0 {
         return Ok(None);
     }
-    // Not of a number that is none.
+    // NaN is not within it.
     if (length - 1.0).abs() <= LENGTH {
         return Ok(Some(Quaternion::new_normalize(quaternion)));
     }
@@ -30,7 +30,7 @@ pub(crate) fn of_quaternion(w: f64, [x, y, z]: [f64; 3]) -> Result<Option<Quater
 /// The attitude of a rotation matrix.
 ///
 /// # Errors
-/// If it is none: its columns are not of length 1 and perpendicular within [`LENGTH`], or are left-handed.
+/// If its columns are not of length 1 and perpendicular within [`LENGTH`], or are left-handed.
 pub(crate) fn of_matrix(matrix: &Matrix3) -> Result<Quaternion, Unfit> {
     let off = (matrix.transpose() * matrix - Matrix3::identity()).amax();
     // A length is off by half as much as its square.

@@ -37,7 +37,8 @@ pub fn detect(opened: &mut Opened, stream: Option<&str>) -> Result<Option<PoseSo
         };
         return Ok(Some(log.into()));
     }
-    if !matches!(format, Format::Csv | Format::Parquet) {
+    // Rows of KITTI may have the signs of a text of KF-GINS.
+    if !matches!(format, Format::Csv | Format::KfGins | Format::Parquet) {
         return Ok(None);
     }
     if format == Format::Csv
@@ -151,7 +152,7 @@ fn tum(names: &[String], rows: &[Vec<f64>]) -> Option<PoseFormat> {
     })
 }
 
-/// Whether the scalar part of quaternions is the first number, by the numbers alone; TUM has it last. Most programs choose the
+/// Whether the scalar part of quaternions is the first number, by the numbers alone; in TUM it is the last. Most programs choose the
 /// sign by which it is never negative, and many begin where the marker's axes are those of the frame, w = 1. How a
 /// quaternion changes from row to row is the same in both orders.
 fn is_w_first(quaternions: &[[f64; 4]]) -> bool {

@@ -43,7 +43,7 @@ fn turning(w_first: bool, from: f64, to: f64, positive: bool) -> String {
 }
 
 #[test]
-fn tum_with_the_quaternion_as_its_header_has_it_or_as_the_numbers_show() {
+fn tum_with_the_quaternion_in_the_order_of_its_header_or_of_the_numbers() {
     let rows = turning(false, 0.5, 2.6, false);
     let header = "# ground truth trajectory\n# timestamp tx ty tz qx qy qz qw\n";
     assert_eq!(
@@ -72,7 +72,7 @@ fn tum_with_the_quaternion_as_its_header_has_it_or_as_the_numbers_show() {
         // Beginning at the frame's axes.
         (true, 0.0, 1.0, false, true),
         (false, 0.0, 1.0, false, false),
-        // Nothing shows it: as TUM has it.
+        // Nothing shows it: the order of TUM.
         (true, 0.5, 2.6, false, false),
         (false, 0.5, 2.6, false, false),
         // Beginning half a turn about x, which looks like w = 1 in front, but w is the one never negative.
@@ -139,6 +139,23 @@ fn rows_of_kitti_behind_a_time() {
     assert_eq!(poses[1].position, Some(Vector3::new(11.0, 21.0, 31.0)));
     let forward = poses[1].attitude.unwrap() * Vector3::x();
     assert!((forward - Vector3::y()).amax() < 1e-15, "{forward}");
+    // Numbers that could be latitude, longitude, height and their deviations.
+    let rpy = Vector3::new(0.3, -0.5, 3.0);
+    let turn = attitude::from_rpy(&rpy).to_rotation_matrix();
+    let row = |k: u32| {
+        let rows = [0, 1, 2].map(|axis| {
+            let [a, b, c] = [0, 1, 2].map(|column| turn[(axis, column)]);
+            format!("{a} {b} {c} {}.5", k + axis as u32)
+        });
+        format!("{}.25 {}\n", k, rows.join(" "))
+    };
+    let text: String = (0..20).map(row).collect();
+    let opened = Opened::stream(Path::new("poses.txt"), Cursor::new(text.clone())).unwrap();
+    assert_eq!(opened.format(), Format::KfGins);
+    let (poses, _) = all(&text, format(&text));
+    assert_eq!(poses[3].position, Some(Vector3::new(3.5, 4.5, 5.5)));
+    let found = attitude::to_rpy(&poses[3].attitude.unwrap());
+    assert!((found - rpy).amax() < 1e-15 * 4.0, "{found}");
 }
 
 #[test]
@@ -233,4 +250,17 @@ fn rigid_bodies_of_motive() {
         (poses[1].position, poses[1].attitude),
         (Some(Vector3::new(1.0, 2.0, 3.5)), None)
     );
+}
+
+#[test]
+fn so_many_lines_are_no_rows_even_if_they_are_numbers() {
+    let text = "0,0,0,0\n1,10,20,30\n2,11,21,31\n";
+    let columns = [2, 3, 4].map(Column::Number);
+    let format = PoseFormat {
+        header_lines: 1,
+        ..PoseFormat::new(Column::Number(1), Some(columns), None)
+    };
+    let (poses, skipped) = all(text, format);
+    assert!(skipped.is_empty());
+    assert_eq!((poses.len(), poses[0].time), (2, 1.0));
 }
