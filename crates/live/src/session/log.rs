@@ -3,7 +3,7 @@
 use crate::{clocks::LogClock, stream::Stream};
 use undrift_drive::drive::{Drive, ScalarLog};
 use undrift_engine::Measurement;
-use undrift_io::{Opened, ReadError, gnss::GnssSource, imu::ImuSource};
+use undrift_io::{Opened, ReadError, format::Format, gnss::GnssSource, imu::ImuSource};
 use undrift_nav::sample::ImuSample;
 
 /// The table of the inertial log.
@@ -103,7 +103,7 @@ impl LogStream {
             source,
             clock: LogClock::new(enough, table == IMU),
             stream: stream(table, beginning.clone(), drive),
-            ends_with_the_next: table == GNSS && matches!(drive.gnss.1, GnssSource::Log(_)),
+            ends_with_the_next: table == GNSS && ends_with_the_next(&drive.gnss.1),
             before: None,
             beginning,
             header: is_text.then(Header::default),
@@ -133,6 +133,12 @@ impl LogStream {
         }
         Some(ended)
     }
+}
+
+/// Whether a fix is complete only when the next begins: messages of ROS are complete in themselves.
+fn ends_with_the_next(source: &GnssSource) -> bool {
+    let whole = [Format::Mcap, Format::RosBag];
+    matches!(source, GnssSource::Log(log) if !whole.contains(&log.format))
 }
 
 /// Records in a row behind the last one by which a clock was set back: more than overtake others.
