@@ -102,7 +102,7 @@ impl FromStr for Output {
                 ("udp", _) => Target::Udp(address),
                 _ => {
                     return Err(wrong(
-                        "use a file, -, tcp://:port, udp://host:port or serial:/dev/…".into(),
+                        "use a file, -, tcp://:port, udp://host:port, serial:/dev/… or foxglove://:port".into(),
                     ));
                 }
             };

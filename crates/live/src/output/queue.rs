@@ -7,6 +7,7 @@ use std::{
         Arc, Condvar, Mutex, MutexGuard, PoisonError,
         atomic::{AtomicU64, Ordering},
     },
+    time::Duration,
 };
 
 /// Rows that wait for a reader at most.
@@ -58,6 +59,22 @@ impl Queue {
             let changed = self.changed.wait(waiting);
             waiting = changed.unwrap_or_else(PoisonError::into_inner);
         }
+    }
+
+    /// All rows that wait, after at most so long; `None` once it is closed and empty.
+    pub(crate) fn take(&self, wait: Duration) -> Option<VecDeque<Arc<[u8]>>> {
+        let mut waiting = self.lock();
+        if waiting.rows.is_empty() && !waiting.closed {
+            let changed = self.changed.wait_timeout(waiting, wait);
+            waiting = changed.unwrap_or_else(PoisonError::into_inner).0;
+        }
+        let rows = std::mem::take(&mut waiting.rows);
+        (!rows.is_empty() || !waiting.closed).then_some(rows)
+    }
+
+    /// Its reader is gone.
+    pub(crate) fn leave(&self) {
+        self.lock().left = true;
     }
 
     /// Writes rows until it is closed.
