@@ -3,6 +3,7 @@
 mod again;
 mod feed;
 mod outputs;
+mod ros2;
 mod say;
 
 pub use again::Recorded;
@@ -39,7 +40,7 @@ use undrift_live::{
 /// Navigate while the vehicle drives: sources in place of the files of a drive.
 ///
 /// The drive file is the one that `undrift inspect` and `undrift tune` write. Its logs come from sources: serial:/dev/ttyACM0?baud=115200,
-/// tcp://host:port, udp://:port, gpsd://host:2947, - (standard input) or a FIFO; replay:FILE?pace=1 gives a log at its own pace.
+/// tcp://host:port, udp://:port, gpsd://host:2947, ros2:/topic, - (standard input) or a FIFO; replay:FILE?pace=1 gives a log at its own pace.
 /// The solution is that of `undrift navigate` on the same bytes (docs/live.md). It ends with Ctrl-C.
 #[derive(Args)]
 #[command(after_help = "Examples:
@@ -79,7 +80,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME")]
     clock: Option<Clock>,
     /// Write the solution: a file, - or serial:/dev/… as csv, jsonl, nmea, mavlink or kf-gins, tcp://:port (a server), udp://host:port,
-    /// each with ?format=NAME behind it; foxglove://:8765 (a server for Foxglove); repeatable
+    /// each with ?format=NAME behind it; foxglove://:8765 (a server for Foxglove), ros2:/undrift (topics); repeatable
     #[arg(short, long, value_name = "OUTPUT", help_heading = "Output")]
     output: Vec<outputs::Asked>,
     /// Minimum time between rows of the solution [s]; 0: every sample. Default: 0, but 0.1 for nmea and foxglove

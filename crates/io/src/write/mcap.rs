@@ -15,8 +15,10 @@
 mod cdr;
 pub(super) mod container;
 mod messages;
+mod stream;
 
 pub use messages::{Level, Messages, OfRow, Pose, Stamp, Status};
+pub use stream::{Declarations, Stream};
 
 use std::io::{self, Write};
 

@@ -15,7 +15,7 @@ const MOST: usize = 4096;
 
 /// What waits for one reader.
 #[derive(Default)]
-pub(crate) struct Queue {
+pub struct Queue {
     waiting: Mutex<Waiting>,
     changed: Condvar,
 }
@@ -47,7 +47,7 @@ impl Queue {
     }
 
     /// The next row, waited for; `None` once it is closed and empty.
-    pub(crate) fn next(&self) -> Option<Arc<[u8]>> {
+    pub fn next(&self) -> Option<Arc<[u8]>> {
         let mut waiting = self.lock();
         loop {
             if let Some(row) = waiting.rows.pop_front() {
@@ -62,7 +62,7 @@ impl Queue {
     }
 
     /// All rows that wait, after at most so long; `None` once it is closed and empty.
-    pub(crate) fn take(&self, wait: Duration) -> Option<VecDeque<Arc<[u8]>>> {
+    pub fn take(&self, wait: Duration) -> Option<VecDeque<Arc<[u8]>>> {
         let mut waiting = self.lock();
         if waiting.rows.is_empty() && !waiting.closed {
             let changed = self.changed.wait_timeout(waiting, wait);
@@ -73,12 +73,15 @@ impl Queue {
     }
 
     /// Its reader is gone.
-    pub(crate) fn leave(&self) {
+    pub fn leave(&self) {
         self.lock().left = true;
     }
 
     /// Writes rows until it is closed.
-    pub(crate) fn pour(&self, mut into: impl Write) -> io::Result<()> {
+    ///
+    /// # Errors
+    /// If they are not taken: then nobody reads any more.
+    pub fn pour(&self, mut into: impl Write) -> io::Result<()> {
         let poured = (|| {
             while let Some(row) = self.next() {
                 into.write_all(&row)?;
@@ -93,7 +96,7 @@ impl Queue {
 
 /// Gives rows to all who read.
 #[derive(Default)]
-pub(crate) struct Broadcast {
+pub struct Broadcast {
     queues: Mutex<Vec<Arc<Queue>>>,
     /// Rows that readers who are gone did not take.
     dropped: AtomicU64,
@@ -105,7 +108,7 @@ impl Broadcast {
     }
 
     /// A reader more, who gets `head` first.
-    pub(crate) fn join(&self, head: Vec<u8>) -> Arc<Queue> {
+    pub fn join(&self, head: Vec<u8>) -> Arc<Queue> {
         let queue = Arc::new(Queue::default());
         if !head.is_empty() {
             queue.give(head.into());
@@ -115,7 +118,7 @@ impl Broadcast {
     }
 
     /// Gives a row to all.
-    pub(crate) fn give(&self, row: Vec<u8>) {
+    pub fn give(&self, row: Vec<u8>) {
         let row: Arc<[u8]> = row.into();
         self.lock().retain(|queue| {
             let read = queue.give(row.clone());
@@ -128,7 +131,7 @@ impl Broadcast {
     }
 
     /// Rows that were not taken in time.
-    pub(crate) fn dropped(&self) -> u64 {
+    pub fn dropped(&self) -> u64 {
         let waiting = self
             .lock()
             .iter()
@@ -138,7 +141,7 @@ impl Broadcast {
     }
 
     /// Nothing more comes.
-    pub(crate) fn close(&self) {
+    pub fn close(&self) {
         for queue in self.lock().iter() {
             queue.lock().closed = true;
             queue.changed.notify_all();

@@ -12,6 +12,7 @@ use crate::Opened;
 use crate::epoch::ClockSource;
 use crate::format::Format;
 use crate::log::{StreamKind, Wanted, What};
+use crate::mcap_records::MAGIC;
 use crate::write::PendingFile;
 
 fn row(time: f64) -> SolutionRow {
@@ -301,4 +302,63 @@ fn diagnostics_are_laid_out_as_ros_does() {
     expected.extend([1, 0, 0, 0, 2, 0, 0, 0, b'x', 0, 0, 0, 4, 0, 0, 0]);
     expected.extend(*b"0.5\0");
     assert_eq!(bytes, expected);
+}
+
+#[test]
+fn a_stream_has_each_message_as_soon_as_it_is_there() {
+    let mut messages = Messages::new(None);
+    let mut stream = Stream::default();
+    let mut bytes = Stream::head();
+    let (number, declared) = stream.topic("/fix", "sensor_msgs/msg/NavSatFix");
+    bytes.extend(declared);
+    let begun = bytes.clone();
+    for k in 1..=3 {
+        let row = row(f64::from(k));
+        let stamp = messages.stamp(&row).unwrap();
+        let content = messages.fix(&row, stamp).to_vec();
+        bytes.extend(Stream::message(number, stamp.nanoseconds(), &content));
+    }
+    let wanted = Wanted::Fixes {
+        position: Some("/fix".into()),
+        velocity: None,
+        base: None,
+        at_once: false,
+    };
+    let opened = Opened::live("ros2:/fix".as_ref(), &begun, Cursor::new(bytes)).unwrap();
+    let mut log = opened.log(Format::Mcap, &wanted).unwrap();
+    for k in 1..=3 {
+        let What::Fix(fix) = log.next().unwrap().unwrap().what else {
+            panic!("no fix")
+        };
+        // 1 January 1970 was a Thursday, of the GPS week 1 s of UTC before is 345 600 s.
+        assert_eq!(fix.time.fract(), 0.0, "{k}");
+        assert!(fix.position.is_some() && fix.velocity.is_none());
+    }
+}
+
+/// Wherever it breaks off, what a reader gets again is what was declared and the message that has begun.
+#[test]
+fn a_reader_may_begin_in_the_middle_of_a_stream() {
+    let mut stream = Stream::default();
+    let (number, imu) = stream.topic("/imu", "sensor_msgs/msg/Imu");
+    let first = Stream::message(number, 7, b"first");
+    let (_, fix) = stream.topic("/fix", "sensor_msgs/msg/NavSatFix");
+    let second = Stream::message(number, 8, b"second, longer");
+    let bytes = [&Stream::head()[..], &imu, &first, &fix, &second].concat();
+    let before = bytes.len() - second.len();
+    for end in 0..=bytes.len() {
+        let mut declared = Declarations::default();
+        for piece in bytes[..end].chunks(5) {
+            declared.add(piece);
+        }
+        let again = declared.again();
+        if end == bytes.len() {
+            assert_eq!(again, [&MAGIC[..], &imu, &fix].concat());
+        } else if end >= before {
+            let begun = &second[..end - before];
+            assert_eq!(again, [&MAGIC[..], &imu, &fix, begun].concat(), "{end}");
+        } else {
+            assert!(again.len() <= end);
+        }
+    }
 }
