@@ -290,6 +290,15 @@ mod tests {
         Asked::new(TEXT, Path::new("logs"), sources, pace)
     }
 
+    #[cfg(not(feature = "ros2"))]
+    #[test]
+    fn without_its_feature_ros_2_is_refused_at_once() {
+        let error = asked(&[("imu", "ros2:/imu")], None).err().unwrap();
+        assert!(error.contains("--features ros2"), "{error}");
+        let error = "ros2:/undrift".parse::<super::super::outputs::Asked>();
+        assert!(error.unwrap_err().to_string().contains("--features ros2"));
+    }
+
     #[test]
     fn each_log_has_a_source() {
         let found = asked(&[("imu", "-")], None).unwrap();
