@@ -14,11 +14,11 @@ use rustdds::{
 use std::{
     collections::VecDeque,
     io::{self, Read},
-    time::{Duration, SystemTime, UNIX_EPOCH},
+    time::{Duration, Instant, SystemTime, UNIX_EPOCH},
 };
 use undrift_io::write::mcap::Stream;
 
-/// Longest a read waits for messages \[s\].
+/// Longest a read waits for messages, and from one look for publishers to the next \[s\].
 const READ: f64 = 0.5;
 /// Messages of a topic that wait at most.
 const WAITING: i32 = 4096;
@@ -43,6 +43,7 @@ pub fn subscribe(text: &str) -> io::Result<Box<dyn Read + Send>> {
         subscriber: subscriber.map_err(io::Error::other)?,
         participant,
         missing: topics.split(',').map(str::to_owned).collect(),
+        looked: None,
         found: Vec::new(),
         stream: Stream::default(),
         poll: Poll::new()?,
@@ -56,6 +57,8 @@ struct Topics {
     subscriber: Subscriber,
     /// Those that nobody has published so far.
     missing: Vec<String>,
+    /// When they were looked for last.
+    looked: Option<Instant>,
     found: Vec<Found>,
     stream: Stream,
     poll: Poll,
@@ -72,6 +75,11 @@ struct Found {
 impl Topics {
     /// Looks for publishers of topics that had none.
     fn look(&mut self) -> io::Result<()> {
+        let wait = Duration::from_secs_f64(READ);
+        if self.missing.is_empty() || self.looked.is_some_and(|last| last.elapsed() < wait) {
+            return Ok(());
+        }
+        self.looked = Some(Instant::now());
         let mut missing = std::mem::take(&mut self.missing);
         let mut looked = Ok(());
         for writer in self.participant.discovered_writers() {
