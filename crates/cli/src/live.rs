@@ -2,6 +2,8 @@
 
 mod again;
 mod feed;
+mod outputs;
+mod ros2;
 mod say;
 
 pub use again::Recorded;
@@ -28,7 +30,7 @@ use undrift::{
 };
 use undrift_live::{
     Arrival, Notice, Session, Sink,
-    output::{Complain, Outlet, Output, Place, Target},
+    output::{Complain, Outlet, Place, Target},
     page::Page,
     plan::{self, Plan},
     session::Options,
@@ -38,7 +40,7 @@ use undrift_live::{
 /// Navigate while the vehicle drives: sources in place of the files of a drive.
 ///
 /// The drive file is the one that `undrift inspect` and `undrift tune` write. Its logs come from sources: serial:/dev/ttyACM0?baud=115200,
-/// tcp://host:port, udp://:port, gpsd://host:2947, - (standard input) or a FIFO; replay:FILE?pace=1 gives a log at its own pace.
+/// tcp://host:port, udp://:port, gpsd://host:2947, ros2:/topic, - (standard input) or a FIFO; replay:FILE?pace=1 gives a log at its own pace.
 /// The solution is that of `undrift navigate` on the same bytes (docs/live.md). It ends with Ctrl-C.
 #[derive(Args)]
 #[command(after_help = "Examples:
@@ -77,11 +79,11 @@ pub struct Arguments {
     /// Whose times the solution has: imu or gnss. Default: imu, and where the two differ the standard deviations contain it
     #[arg(long, value_name = "NAME")]
     clock: Option<Clock>,
-    /// Write the solution: a file, - or serial:/dev/… as csv, jsonl, nmea, mavlink or kf-gins, tcp://:port (a server), udp://host:port;
-    /// ?format=NAME behind it; repeatable
+    /// Write the solution: a file, - or serial:/dev/… as csv, jsonl, nmea, mavlink or kf-gins, tcp://:port (a server), udp://host:port,
+    /// each with ?format=NAME behind it; foxglove://:8765 (a server for Foxglove), ros2:/undrift (topics); repeatable
     #[arg(short, long, value_name = "OUTPUT", help_heading = "Output")]
-    output: Vec<Output>,
-    /// Minimum time between rows of the solution [s]; 0: every sample. Default: 0, but 0.1 for nmea
+    output: Vec<outputs::Asked>,
+    /// Minimum time between rows of the solution [s]; 0: every sample. Default: 0, but 0.1 for nmea and foxglove
     #[arg(long, value_name = "S", help_heading = "Output")]
     every: Option<f64>,
     /// Show the solution in a browser at this address
@@ -116,11 +118,8 @@ impl Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    if arguments
-        .output
-        .iter()
-        .any(|output| output.target == Target::Stdout)
-    {
+    let rows = |output: &outputs::Asked| matches!(output, outputs::Asked::Rows(rows) if rows.target == Target::Stdout);
+    if arguments.output.iter().any(rows) {
         take_standard_output();
     }
     signals::end_the_run();
@@ -214,7 +213,7 @@ struct Run {
     places: Vec<Place>,
     outlets: Vec<Outlet>,
     failed: Option<anyhow::Error>,
-    page: Option<Page>,
+    views: Vec<outputs::Named>,
     recorder: Option<Recorder>,
     state: Option<PathBuf>,
     next_state: u64,
@@ -236,12 +235,13 @@ const SECOND: u64 = 1_000_000_000;
 
 impl Run {
     fn open(arguments: &Arguments, plan: &Plan) -> Result<Self> {
-        let page = arguments.page.as_deref().map(|address| {
-            Page::serve(address).with_context(|| format!("cannot serve the page at {address}"))
-        });
-        let page = page.transpose()?;
-        if let Some(page) = &page {
-            note(format!("page: http://{}", page.address()));
+        let mut views = outputs::views(&arguments.output, arguments.every)?;
+        if let Some(address) = &arguments.page {
+            let page = Page::serve(address);
+            let page = page.with_context(|| format!("cannot serve the page at {address}"))?;
+            let name = format!("http://{}", page.address());
+            note(format!("page: {name}"));
+            views.push((name, Box::new(page)));
         }
         let recorder = arguments
             .record
@@ -249,10 +249,14 @@ impl Run {
             .map(|path| record(path, plan))
             .transpose()?;
         Ok(Self {
-            places: arguments.output.iter().map(place).collect::<Result<_>>()?,
+            places: arguments
+                .output
+                .iter()
+                .filter_map(place)
+                .collect::<Result<_>>()?,
             outlets: Vec::new(),
             failed: None,
-            page,
+            views,
             recorder,
             state: arguments.state.clone(),
             next_state: 0,
@@ -292,10 +296,10 @@ impl Run {
         Ok(())
     }
 
-    /// Says a sentence in the terminal and on the page.
+    /// Says a sentence in the terminal and wherever else the solution is shown.
     fn tell(&mut self, time: Option<f64>, sentence: &str, is_warning: bool) {
-        if let Some(page) = &self.page {
-            page.notice(time, sentence);
+        for (_, view) in &mut self.views {
+            view.notice(time, sentence, is_warning);
         }
         say::print(time, sentence, is_warning);
     }
@@ -312,13 +316,17 @@ impl Run {
         {
             warn(format!("{}: {error}", path.display()));
         }
+        let views = self
+            .views
+            .iter()
+            .map(|(name, view)| (&**name, view.dropped()));
+        let outlets = self.outlets.iter().map(Outlet::dropped);
+        for (name, dropped) in outlets.chain(views).filter(|(_, dropped)| *dropped > 0) {
+            warn(format!(
+                "{name}: {dropped} rows were not read in time and are dropped"
+            ));
+        }
         for outlet in self.outlets {
-            let (name, dropped) = outlet.dropped();
-            if dropped > 0 {
-                warn(format!(
-                    "{name}: {dropped} rows were not read in time and are dropped"
-                ));
-            }
             outlet.finish();
         }
         let late = session
@@ -367,10 +375,13 @@ impl Recorder {
     }
 }
 
-/// Opens the place of an output.
-fn place(output: &Output) -> Result<Place> {
+/// Opens the place of an output of rows.
+fn place(output: &outputs::Asked) -> Option<Result<Place>> {
+    let outputs::Asked::Rows(output) = output else {
+        return None;
+    };
     let opened = Place::open(output);
-    opened.with_context(|| format!("cannot open the output {}", output.name()))
+    Some(opened.with_context(|| format!("cannot open the output {}", output.name())))
 }
 
 impl Sink for Run {
@@ -380,6 +391,9 @@ impl Sink for Run {
             name: "undrift live".into(),
             every: self.every,
         };
+        for (_, view) in &mut self.views {
+            view.ready(drive.epoch);
+        }
         for place in std::mem::take(&mut self.places) {
             let name = place.name().to_owned();
             match place.start(&options, &self.complain) {
@@ -399,8 +413,8 @@ impl Sink for Run {
         for outlet in &mut self.outlets {
             outlet.row(row, since_fix);
         }
-        if let Some(page) = &mut self.page {
-            page.row(row, since_fix);
+        for (_, view) in &mut self.views {
+            view.row(row, since_fix);
         }
     }
 

@@ -185,6 +185,8 @@ pub enum Wanted {
         velocity: Option<String>,
         /// The base station of baselines.
         base: Option<Geodetic>,
+        /// Whether each is given as soon as it can be, of a log that is read while it comes, rather than in order of time.
+        at_once: bool,
     },
     /// Reference solutions of a stream.
     Poses(Option<String>),

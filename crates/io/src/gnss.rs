@@ -120,6 +120,7 @@ impl Kind for Fixes {
                     position: log.position.clone(),
                     velocity: log.velocity.clone(),
                     base: log.base,
+                    at_once: false,
                 };
                 Plan {
                     kind: Self(Of::Log(Box::new(LogFixes::new(log)))),

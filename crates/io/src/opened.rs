@@ -321,6 +321,11 @@ impl Opened {
     /// Reads it as a log of the format.
     pub(crate) fn log(mut self, format: Format, wanted: &Wanted) -> Result<Log, ReadError> {
         let name = self.name.clone();
+        let mut wanted = wanted.clone();
+        if let Wanted::Fixes { at_once, .. } = &mut wanted {
+            *at_once = self.shown.is_some();
+        }
+        let wanted = &wanted;
         if self.is_bag(format) {
             let read = self.read.clone();
             let parts = self.into_parts();

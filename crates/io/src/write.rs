@@ -29,3 +29,4 @@ pub use file::{SolutionFile, SolutionFormat, SolutionOptions, UnknownSolutionFor
 pub use fixed::write_fixed;
 pub use pending::{PendingFile, remove_unfinished, write_whole};
 pub use text_writer::TextWriter;
+pub use thinning::Thinning;

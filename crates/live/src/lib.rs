@@ -10,6 +10,7 @@
 //! bytes and times, and on nothing else: neither on threads nor on the machine's clock. So a recording of the arrivals, fed
 //! to a session of the same drive file, gives the same solution to the last bit.
 
+pub mod foxglove;
 pub mod output;
 pub mod page;
 pub mod plan;
@@ -17,6 +18,7 @@ pub mod replay;
 pub mod session;
 pub mod source;
 pub mod state;
+pub mod view;
 
 mod clocks;
 mod keys;

@@ -3,7 +3,7 @@
 
 mod queue;
 
-pub(crate) use queue::{Broadcast, Queue};
+pub use queue::{Broadcast, Queue};
 
 use crate::{session::is_without_gnss, source};
 use serial2::SerialPort;
@@ -55,7 +55,7 @@ impl Output {
 /// What is no output.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("\"{0}\" is no output: {1}")]
-pub struct OutputError(String, String);
+pub struct OutputError(pub String, pub String);
 
 /// Formats that can be read while they are written.
 const STREAMED: &str = "csv, jsonl, nmea, mavlink or kf-gins";
@@ -102,7 +102,7 @@ impl FromStr for Output {
                 ("udp", _) => Target::Udp(address),
                 _ => {
                     return Err(wrong(
-                        "use a file, -, tcp://:port, udp://host:port or serial:/dev/…".into(),
+                        "use a file, -, tcp://:port, udp://host:port, serial:/dev/… or foxglove://:port".into(),
                     ));
                 }
             };

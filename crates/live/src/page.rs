@@ -4,6 +4,7 @@
 use crate::{
     output::{Broadcast, Queue},
     session::is_without_gnss,
+    view::View,
 };
 use std::{
     collections::VecDeque,
@@ -14,7 +15,7 @@ use std::{
     time::{Duration, Instant},
 };
 use tiny_http::{Header, Request, Response, Server};
-use undrift_io::write::solution::SolutionRow;
+use undrift_io::{epoch::Epoch, write::solution::SolutionRow};
 
 const PAGE: &str = include_str!("page/page.html");
 /// From one row to the next, by the clock \[s\].
@@ -71,8 +72,16 @@ impl Page {
         self.address
     }
 
-    /// Shows a row, whose newest fix is so much older \[s\]; several within a tenth of a second count as one.
-    pub fn row(&mut self, row: &SolutionRow, since_fix: Option<f64>) {
+    fn history(&self) -> MutexGuard<'_, History> {
+        self.history.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl View for Page {
+    fn ready(&mut self, _: Option<Epoch>) {}
+
+    /// Several within a tenth of a second count as one.
+    fn row(&mut self, row: &SolutionRow, since_fix: Option<f64>) {
         let now = Instant::now();
         if self
             .last
@@ -106,8 +115,7 @@ impl Page {
             .give(format!("event: row\ndata: {data}\n\n").into_bytes());
     }
 
-    /// Shows a sentence.
-    pub fn notice(&self, time: Option<f64>, sentence: &str) {
+    fn notice(&mut self, time: Option<f64>, sentence: &str, _: bool) {
         let data = serde_json::json!({ "time": time, "text": sentence });
         let event = format!("event: notice\ndata: {data}\n\n");
         let mut history = self.history();
@@ -119,8 +127,9 @@ impl Page {
         self.readers.give(event.into_bytes());
     }
 
-    fn history(&self) -> MutexGuard<'_, History> {
-        self.history.lock().unwrap_or_else(PoisonError::into_inner)
+    /// A page shows what is now: what it misses is no loss.
+    fn dropped(&self) -> u64 {
+        0
     }
 }
 
@@ -234,7 +243,7 @@ mod tests {
             &SolutionRow::at(1.5, Geodetic::from_degrees(40.5, -105.25, 1600.0)),
             None,
         );
-        page.notice(Some(2.0), "the receiver is silent");
+        page.notice(Some(2.0), "the receiver is silent", true);
         let lines: Vec<String> = events.lines().skip(3).take(5).map(Result::unwrap).collect();
         assert_eq!(
             (lines[0].as_str(), lines[3].as_str()),

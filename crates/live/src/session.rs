@@ -1,5 +1,6 @@
 //! Arrivals in, a solution out.
 
+mod head;
 mod log;
 mod setup;
 

@@ -44,7 +44,12 @@ pub enum Source {
     Stdin,
     /// A file, FIFO or device, read once.
     File(PathBuf),
+    /// Topics of ROS 2, `/imu,/fix?domain=0`, opened by what the program brings along for that.
+    Ros2(String),
 }
+
+/// Opens topics of ROS 2, as they are written behind `ros2:`, as a stream of MCAP.
+pub type OpenRos2 = fn(&str) -> io::Result<Box<dyn Read + Send>>;
 
 /// What is no source.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -52,7 +57,7 @@ pub enum Source {
 pub struct SourceError(pub String, pub String);
 
 /// The ways to write a source.
-pub const SOURCES: &str = "serial:/dev/ttyACM0?baud=115200, tcp://host:port, udp://:port, gpsd://host:2947, - (standard input) or a FIFO";
+pub const SOURCES: &str = "serial:/dev/ttyACM0?baud=115200, tcp://host:port, udp://:port, gpsd://host:2947, ros2:/topic, - (standard input) or a FIFO";
 
 impl FromStr for Source {
     type Err = SourceError;
@@ -82,6 +87,13 @@ impl FromStr for Source {
             let rest = rest.trim_end_matches('/');
             let host = if rest.is_empty() { "localhost" } else { rest };
             address(host, Some(GPSD)).map(Self::Gpsd)
+        } else if let Some(topics) = text.strip_prefix("ros2:") {
+            match topics.starts_with('/') {
+                true => Ok(Self::Ros2(topics.to_owned())),
+                false => Err(wrong(
+                    "topics are expected behind it, such as ros2:/imu/data",
+                )),
+            }
         } else if text.contains("://") || text.is_empty() {
             Err(wrong(&format!("use {SOURCES}")))
         } else {
@@ -89,6 +101,10 @@ impl FromStr for Source {
         }
     }
 }
+
+/// Of a program that was built without what ROS 2 needs.
+pub const WITHOUT_ROS2: &str =
+    "this undrift is without ROS 2: cargo install undrift-cli --features ros2";
 
 /// Path and baud rate of `/dev/ttyACM0?baud=115200`.
 ///
@@ -123,6 +139,7 @@ impl fmt::Display for Source {
             Self::Gpsd(address) => write!(f, "gpsd://{address}"),
             Self::Stdin => write!(f, "-"),
             Self::File(path) => write!(f, "{}", path.display()),
+            Self::Ros2(topics) => write!(f, "ros2:{topics}"),
         }
     }
 }
@@ -138,7 +155,7 @@ impl Source {
     ///
     /// # Errors
     /// If it cannot be opened.
-    pub fn open(&self) -> io::Result<Box<dyn Read + Send>> {
+    pub fn open(&self, ros2: Option<OpenRos2>) -> io::Result<Box<dyn Read + Send>> {
         let wait = Duration::from_secs_f64(READ);
         match self {
             Self::Serial(path, baud) => {
@@ -155,6 +172,10 @@ impl Source {
             Self::Gpsd(address) => watch(connect(address)?),
             Self::Stdin => Ok(Box::new(io::stdin())),
             Self::File(path) => Ok(Box::new(File::open(path)?)),
+            Self::Ros2(topics) => match ros2 {
+                Some(open) => open(topics),
+                None => Err(io::Error::new(io::ErrorKind::Unsupported, WITHOUT_ROS2)),
+            },
         }
     }
 }
@@ -240,13 +261,21 @@ pub struct Sources {
 impl Sources {
     /// Opens and reads them. Times of arrival \[ns\] are those of this machine's clock when it starts, and go on from there
     /// whatever is done to that clock.
-    pub fn open(sources: &[Source], start: u64) -> Self {
+    pub fn open(sources: &[Source], start: u64, ros2: Option<OpenRos2>) -> Self {
         let (sender, happened) = sync_channel(WAITING);
         let begin = Instant::now();
         for (number, source) in sources.iter().cloned().enumerate() {
             let sender = sender.clone();
             let now = move || start + begin.elapsed().as_nanos() as u64;
-            thread::spawn(move || read(&source, number, &now, &sender));
+            thread::spawn(move || {
+                read(
+                    &|| source.open(ros2),
+                    source.comes_back(),
+                    number,
+                    &now,
+                    &sender,
+                )
+            });
         }
         Self { happened }
     }
@@ -270,11 +299,17 @@ impl Sources {
 pub struct AllEnded;
 
 /// Reads a source until it ends for good or nobody listens.
-fn read(source: &Source, number: usize, now: &dyn Fn() -> u64, sender: &SyncSender<Happened>) {
+fn read(
+    open: &dyn Fn() -> io::Result<Box<dyn Read + Send>>,
+    comes_back: bool,
+    number: usize,
+    now: &dyn Fn() -> u64,
+    sender: &SyncSender<Happened>,
+) {
     let [first, most] = BACK_OFF;
     let (mut back_off, mut said) = (first, None);
     loop {
-        let why = match source.open() {
+        let why = match open() {
             Err(error) => error.to_string(),
             Ok(mut stream) => {
                 if sender.send(Happened::Open(number)).is_err() {
@@ -283,7 +318,7 @@ fn read(source: &Source, number: usize, now: &dyn Fn() -> u64, sender: &SyncSend
                 said = None;
                 let (got, why) = pass_on(&mut stream, number, now, sender);
                 let Some(why) = why else { return };
-                if !source.comes_back() {
+                if !comes_back {
                     // Whoever listened may be gone.
                     let _ = sender.send(Happened::Ended(number));
                     return;
@@ -351,6 +386,7 @@ mod tests {
             "gpsd://pi:2947",
             "-",
             "/tmp/fifo",
+            "ros2:/imu/data,/fix?domain=3",
         ] {
             let source: Source = text.parse().unwrap();
             assert_eq!(source.to_string(), text);
@@ -367,6 +403,7 @@ mod tests {
             ("serial:", "missing"),
             ("serial:/dev/x?boud=1", "available: baud"),
             ("http://pi:1", "use serial:"),
+            ("ros2:imu", "topics are expected"),
         ] {
             let error = read(text).unwrap_err().to_string();
             assert!(error.contains(why), "{error}");
@@ -384,7 +421,7 @@ mod tests {
                 stream.write_all(piece).unwrap();
             }
         });
-        let sources = Sources::open(&[Source::Tcp(address)], 7);
+        let sources = Sources::open(&[Source::Tcp(address)], 7, None);
         let mut seen = Vec::new();
         let mut bytes = Vec::new();
         while bytes != b"onetwo" {
@@ -422,7 +459,7 @@ mod tests {
                 .unwrap();
             asked
         });
-        let mut stream = Source::Gpsd(address).open().unwrap();
+        let mut stream = Source::Gpsd(address).open(None).unwrap();
         let mut bytes = Vec::new();
         stream.read_to_end(&mut bytes).unwrap();
         assert_eq!(bytes, b"\xb5b");

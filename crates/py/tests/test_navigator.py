@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import struct
 import subprocess
 import sys
 import threading
@@ -162,3 +163,49 @@ def test_the_example_navigates_the_sample(sampled: Path) -> None:
     assert any("navigation begins" in line for line in lines), done.stdout
     end = undrift.Drive.load(sampled).imu.time[-1]
     assert float(lines[-1].split()[0]) > end - 2.0 and "σ" in lines[-1]
+
+
+def iio(folder: Path) -> tuple[Path, Path]:
+    """A device as the kernel shows one: gyroscopes of 16 bits big-endian, accelerometers of 12 of 16 bits, a temperature, times."""
+    device = folder / "iio:device0"
+    scans = device / "scan_elements"
+    scans.mkdir(parents=True)
+    (device / "buffer").mkdir()
+    kinds = {"accel": "le:s12/16>>4", "anglvel": "be:s16/16>>0"}
+    names = [(f"in_{kind}_{axis}", kinds[kind]) for kind in kinds for axis in "xyz"]
+    names.append(("in_timestamp", "le:s64/64>>0"))
+    for index, (name, layout) in enumerate([*names, ("in_temp", "be:s16/16>>0")]):
+        for key, text in [("index", str(index)), ("type", layout), ("en", "1")]:
+            (scans / f"{name}_{key}").write_text(f"{text}\n")
+    (device / "in_anglvel_scale").write_text("0.001\n")
+    (device / "in_anglvel_y_scale").write_text("0.002\n")
+    (device / "in_accel_scale").write_text("0.01\n")
+    (device / "in_accel_z_offset").write_text("-3\n")
+    (device / "sampling_frequency").write_text("50\n")
+    scan = struct.pack("<3h", *(value << 4 for value in (-2048, 7, 983)))
+    scan += struct.pack(">3h", -32768, 250, 3) + bytes(4)
+    stream = folder / "dev"
+    times = [1_764_400_000_000_000_000 + k * 5_000_000 for k in range(3)]
+    # The last one is not whole.
+    stream.write_bytes(b"".join(scan + struct.pack("<q", time) for time in times) + scan)
+    return device, stream
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="IIO is of Linux")
+def test_the_program_for_iio_prints_lines_in_si_units(tmp_path: Path) -> None:
+    example = ROOT / "examples" / "live" / "iio.py"
+    assert len(example.read_text().splitlines()) <= 60
+    device, stream = iio(tmp_path)
+    command = [sys.executable, example, device, "200", stream]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    header, *lines = done.stdout.splitlines()
+    assert header == "t,gx,gy,gz,ax,ay,az" and len(lines) == 3
+    time, *values = map(float, lines[1].split(","))
+    assert abs(time - 1_764_400_000.005) < 1e-6
+    expected = [-32.768, 0.5, 0.003, -20.48, 0.07, 9.8]
+    assert np.allclose(values, expected, rtol=1e-9)
+    scans = device / "scan_elements"
+    enabled = {file.name: file.read_text() for file in scans.glob("*_en")}
+    assert enabled.pop("in_temp_en") == "0" and set(enabled.values()) == {"1"}
+    assert (device / "sampling_frequency").read_text() == "200"
+    assert (device / "buffer" / "enable").read_text() == "1"

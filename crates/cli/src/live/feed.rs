@@ -1,5 +1,6 @@
 //! What feeds a session: sources, or logs as if they came.
 
+use super::ros2;
 use crate::terminal::warn;
 use anyhow::Result;
 use std::{
@@ -12,7 +13,10 @@ use undrift::{
     drive::{Drive, Logs},
     io::{Memory, ReadError, source},
 };
-use undrift_live::{Arrival, Source, Sources, plan, replay, source::Happened};
+use undrift_live::{
+    Arrival, Source, Sources, plan, replay,
+    source::{Happened, WITHOUT_ROS2},
+};
 
 /// A source that gives nothing for so long [s] is said to be silent.
 const SILENT: f64 = 3.0;
@@ -119,7 +123,12 @@ impl Asked {
             Some(_) => return Err("either all sources are replay:FILE or none is: the times of a log are not those of this machine".into()),
             None => {
                 let sources = names.iter().map(|name| name.parse::<Source>().map_err(|error| error.to_string()));
-                How::Sources(sources.collect::<Result<_, _>>()?)
+                let sources = sources.collect::<Result<Vec<_>, _>>()?;
+                let of_ros = |source: &Source| matches!(source, Source::Ros2(_));
+                if ros2::OPEN.is_none() && sources.iter().any(of_ros) {
+                    return Err(WITHOUT_ROS2.into());
+                }
+                How::Sources(sources)
             }
         };
         let files_at_hand = named.iter().all(|(_, file)| folder.join(file).is_file());
@@ -163,7 +172,7 @@ impl Asked {
 fn is_source(file: &Path) -> bool {
     let text = file.to_string_lossy();
     text == "-"
-        || ["serial:", "tcp://", "udp://", "gpsd://", "replay:"]
+        || ["serial:", "tcp://", "udp://", "gpsd://", "ros2:", "replay:"]
             .iter()
             .any(|scheme| text.starts_with(scheme))
 }
@@ -204,7 +213,7 @@ impl Feed {
             .duration_since(UNIX_EPOCH)
             .unwrap_or_default();
         Self::Sources(Watched {
-            sources: Sources::open(&names, now.as_nanos() as u64),
+            sources: Sources::open(&names, now.as_nanos() as u64, ros2::OPEN),
             heard: vec![(Instant::now(), true); names.len()],
             names,
         })
@@ -279,6 +288,15 @@ mod tests {
 
     fn asked(sources: &[(&str, &str)], pace: Option<f64>) -> Result<Asked, String> {
         Asked::new(TEXT, Path::new("logs"), sources, pace)
+    }
+
+    #[cfg(not(feature = "ros2"))]
+    #[test]
+    fn without_its_feature_ros_2_is_refused_at_once() {
+        let error = asked(&[("imu", "ros2:/imu")], None).err().unwrap();
+        assert!(error.contains("--features ros2"), "{error}");
+        let error = "ros2:/undrift".parse::<super::super::outputs::Asked>();
+        assert!(error.unwrap_err().to_string().contains("--features ros2"));
     }
 
     #[test]

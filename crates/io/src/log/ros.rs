@@ -122,6 +122,7 @@ pub(super) fn entries(
         child: None,
         messages: 0,
         waiting: Waiting::default(),
+        at_once: matches!(wanted, Wanted::Fixes { at_once: true, .. }),
     };
     Ok(by_steps(wanted, move |ready| {
         let more = recording.step(ready)?;
@@ -191,6 +192,8 @@ struct Recording {
     /// Messages of all topics so far.
     messages: u64,
     waiting: Waiting,
+    /// Whether fixes are given as soon as they can be.
+    at_once: bool,
 }
 
 impl Recording {
@@ -355,7 +358,14 @@ impl Recording {
                 return Ok(Some((at, What::LocalPose(pose))));
             }
         };
-        let earliest = self.waiting.add(at, fix);
+        let earliest = match self.at_once {
+            true => {
+                let velocity = self.wanted.velocity.as_ref();
+                let has_velocities = velocity.is_some_and(Choice::is_found);
+                self.waiting.add_live(at, fix, has_velocities)
+            }
+            false => self.waiting.add(at, fix),
+        };
         Ok(earliest.map(|(at, fix)| (at, What::Fix(fix))))
     }
 }

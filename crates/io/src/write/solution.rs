@@ -122,6 +122,12 @@ impl SolutionRow {
         ]
     }
 
+    /// The numbers of the columns of a CSV file by their names.
+    pub fn named(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let names = COLUMNS.into_iter().map(|(name, _)| name);
+        names.zip(self.values())
+    }
+
     /// Unix time \[s\].
     pub(super) fn unix_time(&self, epoch: Epoch) -> f64 {
         match self.time.is_finite() {

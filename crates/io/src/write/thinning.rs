@@ -2,7 +2,7 @@
 
 /// Lets rows through so many seconds apart, on a grid.
 #[derive(Debug)]
-pub(super) struct Thinning {
+pub struct Thinning {
     every: f64,
     last: Option<i64>,
 }

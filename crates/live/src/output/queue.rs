@@ -7,6 +7,7 @@ use std::{
         Arc, Condvar, Mutex, MutexGuard, PoisonError,
         atomic::{AtomicU64, Ordering},
     },
+    time::Duration,
 };
 
 /// Rows that wait for a reader at most.
@@ -14,7 +15,7 @@ const MOST: usize = 4096;
 
 /// What waits for one reader.
 #[derive(Default)]
-pub(crate) struct Queue {
+pub struct Queue {
     waiting: Mutex<Waiting>,
     changed: Condvar,
 }
@@ -46,7 +47,7 @@ impl Queue {
     }
 
     /// The next row, waited for; `None` once it is closed and empty.
-    pub(crate) fn next(&self) -> Option<Arc<[u8]>> {
+    pub fn next(&self) -> Option<Arc<[u8]>> {
         let mut waiting = self.lock();
         loop {
             if let Some(row) = waiting.rows.pop_front() {
@@ -60,8 +61,27 @@ impl Queue {
         }
     }
 
+    /// All rows that wait, after at most so long; `None` once it is closed and empty.
+    pub fn take(&self, wait: Duration) -> Option<VecDeque<Arc<[u8]>>> {
+        let mut waiting = self.lock();
+        if waiting.rows.is_empty() && !waiting.closed {
+            let changed = self.changed.wait_timeout(waiting, wait);
+            waiting = changed.unwrap_or_else(PoisonError::into_inner).0;
+        }
+        let rows = std::mem::take(&mut waiting.rows);
+        (!rows.is_empty() || !waiting.closed).then_some(rows)
+    }
+
+    /// Its reader is gone.
+    pub fn leave(&self) {
+        self.lock().left = true;
+    }
+
     /// Writes rows until it is closed.
-    pub(crate) fn pour(&self, mut into: impl Write) -> io::Result<()> {
+    ///
+    /// # Errors
+    /// If they are not taken: then nobody reads any more.
+    pub fn pour(&self, mut into: impl Write) -> io::Result<()> {
         let poured = (|| {
             while let Some(row) = self.next() {
                 into.write_all(&row)?;
@@ -76,7 +96,7 @@ impl Queue {
 
 /// Gives rows to all who read.
 #[derive(Default)]
-pub(crate) struct Broadcast {
+pub struct Broadcast {
     queues: Mutex<Vec<Arc<Queue>>>,
     /// Rows that readers who are gone did not take.
     dropped: AtomicU64,
@@ -88,7 +108,7 @@ impl Broadcast {
     }
 
     /// A reader more, who gets `head` first.
-    pub(crate) fn join(&self, head: Vec<u8>) -> Arc<Queue> {
+    pub fn join(&self, head: Vec<u8>) -> Arc<Queue> {
         let queue = Arc::new(Queue::default());
         if !head.is_empty() {
             queue.give(head.into());
@@ -98,7 +118,7 @@ impl Broadcast {
     }
 
     /// Gives a row to all.
-    pub(crate) fn give(&self, row: Vec<u8>) {
+    pub fn give(&self, row: Vec<u8>) {
         let row: Arc<[u8]> = row.into();
         self.lock().retain(|queue| {
             let read = queue.give(row.clone());
@@ -111,7 +131,7 @@ impl Broadcast {
     }
 
     /// Rows that were not taken in time.
-    pub(crate) fn dropped(&self) -> u64 {
+    pub fn dropped(&self) -> u64 {
         let waiting = self
             .lock()
             .iter()
@@ -121,7 +141,7 @@ impl Broadcast {
     }
 
     /// Nothing more comes.
-    pub(crate) fn close(&self) {
+    pub fn close(&self) {
         for queue in self.lock().iter() {
             queue.lock().closed = true;
             queue.changed.notify_all();

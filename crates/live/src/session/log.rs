@@ -1,9 +1,10 @@
 //! One log of a drive while it comes.
 
+use super::head::Head;
 use crate::{clocks::LogClock, stream::Stream};
 use undrift_drive::drive::{Drive, ScalarLog};
 use undrift_engine::Measurement;
-use undrift_io::{Opened, ReadError, gnss::GnssSource, imu::ImuSource};
+use undrift_io::{Opened, ReadError, format::Format, gnss::GnssSource, imu::ImuSource};
 use undrift_nav::sample::ImuSample;
 
 /// The table of the inertial log.
@@ -52,50 +53,16 @@ pub(super) struct LogStream {
     pub(super) before: Option<f64>,
     /// How the log begins.
     beginning: Vec<u8>,
-    /// Of a table of text, the lines before its first row: a reader that begins again needs them.
-    header: Option<Header>,
-}
-
-/// The lines before the first row.
-#[derive(Default)]
-struct Header {
-    lines: Vec<u8>,
-    complete: bool,
-}
-
-/// Longest header \[bytes\].
-const HEADER: usize = 64 * 1024;
-
-impl Header {
-    fn add(&mut self, bytes: &[u8]) {
-        if self.complete {
-            return;
-        }
-        self.lines.extend_from_slice(bytes);
-        let mut end = 0;
-        for line in self.lines.split_inclusive(|byte| *byte == b'\n') {
-            let is_row = line
-                .trim_ascii_start()
-                .first()
-                .is_some_and(|byte| matches!(byte, b'0'..=b'9' | b'-' | b'+' | b'.'));
-            self.complete = is_row || end > HEADER;
-            if self.complete || !line.ends_with(b"\n") {
-                break;
-            }
-            end += line.len();
-        }
-        if self.complete {
-            self.lines.truncate(end);
-        }
-    }
+    /// What a reader that begins again needs.
+    head: Option<Head>,
 }
 
 impl LogStream {
     pub(super) fn new(table: &str, source: usize, beginning: Vec<u8>, drive: &Drive) -> Self {
-        let is_text = match table {
-            IMU => matches!(drive.imu.1.source, ImuSource::Table { .. }),
-            GNSS => matches!(drive.gnss.1, GnssSource::Table(_)),
-            _ => true,
+        let format = match (table, &drive.imu.1.source, &drive.gnss.1) {
+            (IMU, ImuSource::Log(format, _), _) => Some(*format),
+            (GNSS, _, GnssSource::Log(log)) => Some(log.format),
+            _ => None,
         };
         let enough = ENOUGH[usize::from(table != IMU)];
         Self {
@@ -103,10 +70,10 @@ impl LogStream {
             source,
             clock: LogClock::new(enough, table == IMU),
             stream: stream(table, beginning.clone(), drive),
-            ends_with_the_next: table == GNSS && matches!(drive.gnss.1, GnssSource::Log(_)),
+            ends_with_the_next: table == GNSS && ends_with_the_next(&drive.gnss.1),
             before: None,
             beginning,
-            header: is_text.then(Header::default),
+            head: Head::new(format),
         }
     }
 
@@ -117,22 +84,23 @@ impl LogStream {
         drive: &Drive,
         take: &mut dyn FnMut(Record),
     ) -> Option<Option<ReadError>> {
-        if let Some(header) = &mut self.header {
-            header.add(bytes);
+        if let Some(head) = &mut self.head {
+            head.add(bytes);
         }
         let ended = self.stream.feed(bytes, take)?;
         self.stream = stream(&self.table, self.beginning.clone(), drive);
         self.clock.restart();
-        if let Some(header) = &self.header {
-            let whole = bytes
-                .iter()
-                .position(|byte| *byte == b'\n')
-                .map_or(bytes.len(), |end| end + 1);
-            let again = [&header.lines, bytes.get(whole..).unwrap_or_default()].concat();
-            let _ = self.stream.feed(&again, take);
+        if let Some(head) = &self.head {
+            let _ = self.stream.feed(&head.again(bytes), take);
         }
         Some(ended)
     }
+}
+
+/// Whether a fix is complete only when the next begins: messages of ROS are complete in themselves.
+fn ends_with_the_next(source: &GnssSource) -> bool {
+    let whole = [Format::Mcap, Format::RosBag];
+    matches!(source, GnssSource::Log(log) if !whole.contains(&log.format))
 }
 
 /// Records in a row behind the last one by which a clock was set back: more than overtake others.
@@ -170,21 +138,4 @@ pub(crate) fn records(
     let scalars = drive.read_scalars(log, opened)?.into_iter().flatten();
     let measured = move |scalar| Record::Measured(log.measurement(scalar));
     Ok(Box::new(scalars.map(move |scalar| scalar.map(measured))))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_header_is_what_comes_before_the_first_row() {
-        let mut header = Header::default();
-        for piece in ["# log", "ger\nt,g", "x\n", "0.1,2\n0.2,3\n"] {
-            header.add(piece.as_bytes());
-        }
-        assert_eq!(header.lines, b"# logger\nt,gx\n");
-        let mut header = Header::default();
-        header.add(b"0,1\n");
-        assert_eq!(header.lines, b"");
-    }
 }

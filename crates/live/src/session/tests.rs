@@ -22,6 +22,7 @@ lever_arm = "0, 0, 0 m"
 "#;
 
 mod faults;
+mod ros;
 
 /// A drive at 50 Hz with fixes each second.
 fn simulated(seed: u64, length: f64) -> undrift_simulate::Simulation {

@@ -6,7 +6,7 @@ use std::{
 };
 
 /// Every crate of the workspace with the crates of it that it may use.
-const ALLOWED: [(&str, &[&str]); 19] = [
+const ALLOWED: [(&str, &[&str]); 20] = [
     ("undrift-base", &[]),
     ("undrift-nav", &[]),
     ("undrift-noise", &["undrift-base", "undrift-nav"]),
@@ -115,9 +115,11 @@ const ALLOWED: [(&str, &[&str]); 19] = [
             "undrift-drive",
         ],
     ),
+    // DDS: bytes of topics as a source, rows of the solution as topics.
+    ("undrift-ros2", &["undrift-io", "undrift-live"]),
     (
         "undrift-cli",
-        &["undrift", "undrift-live", "undrift-report"],
+        &["undrift", "undrift-live", "undrift-report", "undrift-ros2"],
     ),
     ("undrift-py", &["undrift", "undrift-report"]),
     ("undrift-capi", &["undrift-nav", "undrift-engine"]),
@@ -174,6 +176,24 @@ fn crates_only_depend_downwards() {
             );
         }
     }
+}
+
+/// DDS takes a minute to compile: only who asks for feature `ros2` of the command has it, no build or test of the whole.
+#[test]
+fn only_a_feature_brings_dds() {
+    let command = include_str!("../../../cli/Cargo.toml");
+    for line in [
+        "default = [\"parquet\"]",
+        "ros2 = [\"dep:undrift-ros2\", \"undrift-ros2/dds\"]",
+        "undrift-ros2 = { workspace = true, optional = true }",
+    ] {
+        assert!(command.contains(line), "{line}");
+    }
+    let ros2 = include_str!("../../../ros2/Cargo.toml");
+    let dds = ros2.lines().find(|line| line.starts_with("rustdds"));
+    assert!(dds.unwrap().contains("optional = true"));
+    assert!(!ros2.contains("default ="));
+    assert!(include_str!("../../../ros2/src/lib.rs").contains("#![cfg(feature = \"dds\")]"));
 }
 
 #[test]

@@ -55,6 +55,7 @@ fn another_provider_can_be_asked_for() {
         position: Some(name.to_owned()),
         velocity: None,
         base: None,
+        at_once: false,
     };
     assert_eq!(all(entries, &bytes, &wanted("FLP")).0.len(), 15);
     let text = String::from_utf8(bytes).unwrap();

@@ -201,6 +201,7 @@ fn what_is_not_there_is_said_with_what_there_is() {
         position: Some("gnss".into()),
         velocity: Some("velocity".into()),
         base: None,
+        at_once: false,
     };
     assert!(refused("plain.mat", &apart).contains("gnss.velocity_topic"));
     let mut other = std::fs::read(golden("plain.mat")).unwrap();

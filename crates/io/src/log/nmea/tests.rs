@@ -221,6 +221,7 @@ fn streams_and_names() {
         position: None,
         velocity: Some("NMEA".into()),
         base: None,
+        at_once: false,
     };
     assert!(refused(velocity).contains("no stream of velocities"));
     let (poses, _) = all(

@@ -55,6 +55,7 @@ fn a_worse_stream_can_be_asked_for() {
         position: Some("PSRPOS".to_owned()),
         velocity: None,
         base: None,
+        at_once: false,
     };
     let (found, _) = all(entries, &golden("novatel/fixes.bin"), &wanted);
     let with_position = found.iter().filter(|entry| match entry.what {
@@ -170,6 +171,7 @@ fn the_inertial_systems_solutions_are_references() {
         position: Some("INSPVAX".to_owned()),
         velocity: None,
         base: None,
+        at_once: false,
     };
     let (found, _) = all(entries, &bytes, &wanted);
     assert_eq!(found.len(), 7);

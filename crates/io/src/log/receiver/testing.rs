@@ -27,6 +27,7 @@ pub(in crate::log) fn wanted_fixes(name: Option<&str>) -> Wanted {
         position: name.map(str::to_owned),
         velocity: None,
         base: None,
+        at_once: false,
     }
 }
 
@@ -37,6 +38,7 @@ pub(in crate::log) const FIXES: Wanted = Wanted::Fixes {
     position: None,
     velocity: None,
     base: None,
+    at_once: false,
 };
 
 pub(in crate::log) fn near(a: f64, b: f64) -> bool {

@@ -15,6 +15,24 @@ const WAITING: usize = 8;
 pub(super) struct Waiting(VecDeque<(u64, Fix)>);
 
 impl Waiting {
+    /// Takes the position or velocity of message `at` of a log that is read while it comes, and gives the earliest fix if it is
+    /// whole or something newer has come: a position alone where no topic has velocities.
+    pub(super) fn add_live(
+        &mut self,
+        at: u64,
+        fix: Fix,
+        has_velocities: bool,
+    ) -> Option<(u64, Fix)> {
+        let earliest = self.add(at, fix);
+        let is_whole = |fix: &Fix| fix.position.is_some() && fix.velocity.is_some();
+        let goes = self.0.len() > 1
+            || self
+                .0
+                .front()
+                .is_some_and(|(_, fix)| !has_velocities || is_whole(fix));
+        earliest.or_else(|| goes.then(|| self.next()).flatten())
+    }
+
     /// Takes the position or velocity of message `at`, and gives the earliest fix if enough wait.
     pub(super) fn add(&mut self, at: u64, fix: Fix) -> Option<(u64, Fix)> {
         let place = self.0.partition_point(|(_, other)| other.time < fix.time);
@@ -64,6 +82,22 @@ mod tests {
                 FixQuality::Unknown
             },
         }
+    }
+
+    /// A receiver's fix must not wait for those of the next eight seconds.
+    #[test]
+    fn live_a_fix_waits_for_its_velocity_alone() {
+        let times = |given: Option<(u64, Fix)>| given.map(|(_, fix)| fix.time);
+        let mut waiting = Waiting::default();
+        assert_eq!(times(waiting.add_live(1, fix(1.0, true), false)), Some(1.0));
+        // From here on there are velocities.
+        assert_eq!(times(waiting.add_live(2, fix(2.0, true), true)), None);
+        let (at, whole) = waiting.add_live(3, fix(2.0, false), true).unwrap();
+        assert!(at == 2 && whole.position.is_some() && whole.velocity.is_some());
+        // One that never comes costs its own fix an epoch.
+        assert_eq!(times(waiting.add_live(4, fix(3.0, true), true)), None);
+        assert_eq!(times(waiting.add_live(5, fix(4.0, true), true)), Some(3.0));
+        assert_eq!(times(waiting.next()), Some(4.0));
     }
 
     #[test]

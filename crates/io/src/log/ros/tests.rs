@@ -82,6 +82,7 @@ fn fixes(position: Option<&str>, velocity: Option<&str>) -> Wanted {
         position: position.map(str::to_owned),
         velocity: velocity.map(str::to_owned),
         base: None,
+        at_once: false,
     }
 }
 

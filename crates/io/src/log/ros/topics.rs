@@ -159,6 +159,11 @@ impl Choice {
         self.named.is_some()
     }
 
+    /// Whether a message of it has come.
+    pub(super) fn is_found(&self) -> bool {
+        self.taken.is_some()
+    }
+
     /// Whether a message of a topic is meant.
     pub(super) fn takes(&mut self, index: usize, topic: &Topic) -> bool {
         if topic.stream_kind() != self.kind {

@@ -128,6 +128,7 @@ fn the_inertial_solution_is_a_reference() {
         position: Some("INSNavGeod".to_owned()),
         velocity: None,
         base: None,
+        at_once: false,
     };
     let (found, _) = all(entries, &bytes, &wanted);
     for (entry, row) in found.iter().zip(&expected) {

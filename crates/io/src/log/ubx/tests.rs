@@ -255,6 +255,7 @@ fn receivers_before_nav_pvt_and_names_of_messages() {
         position: Some("NAV-PVT".into()),
         velocity: Some("NAV-VELNED".into()),
         base: None,
+        at_once: false,
     };
     let (entries, _) = all(entries, &golden("ubx/drive.ubx"), &wanted);
     let What::Fix(fix) = entries[0].what else {

@@ -183,6 +183,7 @@ fn what_is_not_there_is_said_with_what_there_is() {
         position: Some("sensor_gps".into()),
         velocity: Some("vehicle_gps_position".into()),
         base: None,
+        at_once: false,
     };
     assert!(refused(&apart).contains("gnss.velocity_topic"));
     let flags = [&[0; 8][..], &[2], &[0; 31]].concat();

@@ -10,45 +10,66 @@ const CHUNK: usize = 768 << 10;
 
 /// Fields one after the other, little-endian.
 #[derive(Default)]
-struct Fields(Vec<u8>);
+pub(super) struct Fields(Vec<u8>);
 
 impl Fields {
-    fn bytes(&mut self, bytes: &[u8]) -> &mut Self {
+    pub(super) fn bytes(&mut self, bytes: &[u8]) -> &mut Self {
         self.0.extend(bytes);
         self
     }
 
-    fn u8(&mut self, value: u8) -> &mut Self {
+    pub(super) fn u8(&mut self, value: u8) -> &mut Self {
         self.bytes(&[value])
     }
 
-    fn u16(&mut self, value: u16) -> &mut Self {
+    pub(super) fn u16(&mut self, value: u16) -> &mut Self {
         self.bytes(&value.to_le_bytes())
     }
 
-    fn u32(&mut self, value: u32) -> &mut Self {
+    pub(super) fn u32(&mut self, value: u32) -> &mut Self {
         self.bytes(&value.to_le_bytes())
     }
 
-    fn u64(&mut self, value: u64) -> &mut Self {
+    pub(super) fn u64(&mut self, value: u64) -> &mut Self {
         self.bytes(&value.to_le_bytes())
     }
 
     /// Bytes after their number: texts, lists and maps as well.
-    fn counted(&mut self, bytes: &[u8]) -> &mut Self {
+    pub(super) fn counted(&mut self, bytes: &[u8]) -> &mut Self {
         self.u32(bytes.len() as u32).bytes(bytes)
     }
 
-    fn text(&mut self, text: &str) -> &mut Self {
+    pub(super) fn text(&mut self, text: &str) -> &mut Self {
         self.counted(text.as_bytes())
     }
 
     /// As a record.
-    fn record(&self, kind: u8) -> Vec<u8> {
+    pub(super) fn record(&self, kind: u8) -> Vec<u8> {
         let mut record = Self::default();
         record.u8(kind).u64(self.0.len() as u64).bytes(&self.0);
         record.0
     }
+}
+
+/// The record of a type of ROS 2; zero means no schema.
+pub(super) fn schema(number: u16, type_name: &str, definition: &str) -> Vec<u8> {
+    Fields::default()
+        .u16(number)
+        .text(type_name)
+        .text("ros2msg")
+        .text(definition)
+        .record(op::SCHEMA)
+}
+
+/// The record of a channel.
+pub(super) fn channel(number: u16, schema: u16, topic: &str, encoding: &str) -> Vec<u8> {
+    Fields::default()
+        .u16(number)
+        .u16(schema)
+        .text(topic)
+        .text(encoding)
+        .counted(&[])
+        .record(op::CHANNEL)
 }
 
 /// First and last time of messages \[ns\], if there are any.
@@ -174,19 +195,8 @@ impl<W: Write> Container<W> {
         let number = self.channels.len() as u16;
         // Zero means no schema.
         let schema_number = number + 1;
-        let schema = Fields::default()
-            .u16(schema_number)
-            .text(type_name)
-            .text("ros2msg")
-            .text(definition)
-            .record(op::SCHEMA);
-        let channel = Fields::default()
-            .u16(number)
-            .u16(schema_number)
-            .text(topic)
-            .text("cdr")
-            .counted(&[])
-            .record(op::CHANNEL);
+        let schema = schema(schema_number, type_name, definition);
+        let channel = channel(number, schema_number, topic, "cdr");
         self.chunk.bytes(&schema).bytes(&channel);
         self.schema_records.add(&schema);
         self.channel_records.add(&channel);
@@ -197,13 +207,7 @@ impl<W: Write> Container<W> {
     /// Adds a channel of bytes that no schema describes, and gives its number.
     pub(in crate::write) fn channel_of_bytes(&mut self, topic: &str) -> u16 {
         let number = self.channels.len() as u16;
-        let channel = Fields::default()
-            .u16(number)
-            .u16(0)
-            .text(topic)
-            .text("bytes")
-            .counted(&[])
-            .record(op::CHANNEL);
+        let channel = channel(number, 0, topic, "bytes");
         self.chunk.bytes(&channel);
         self.channel_records.add(&channel);
         self.channels.push(Channel::default());

@@ -1,13 +1,18 @@
+use std::f64::consts::FRAC_PI_2;
 use std::io::Cursor;
 use std::path::PathBuf;
 
+use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position};
+use undrift_nav::{Matrix3, Quaternion, Vector3, attitude};
 
+use super::messages::ecef_from_ned;
 use super::*;
 use crate::Opened;
 use crate::epoch::ClockSource;
 use crate::format::Format;
 use crate::log::{StreamKind, Wanted, What};
+use crate::mcap_records::MAGIC;
 use crate::write::PendingFile;
 
 fn row(time: f64) -> SolutionRow {
@@ -46,6 +51,7 @@ fn what_is_written_is_read_again() {
         position: None,
         velocity: None,
         base: None,
+        at_once: false,
     };
     let mut log = Opened::open(&path)
         .unwrap()
@@ -107,8 +113,7 @@ fn a_clock_without_a_date_is_reported() {
 }
 
 /// The numbers of a message after its texts: they end it.
-fn last_numbers<const N: usize>(message: &Cdr) -> [f64; N] {
-    let bytes = message.bytes();
+fn last_numbers<const N: usize>(bytes: &[u8]) -> [f64; N] {
     let mut numbers = [0.0; N];
     let tail = &bytes[bytes.len() - 8 * N..];
     for (number, bytes) in numbers.iter_mut().zip(tail.chunks_exact(8)) {
@@ -118,9 +123,14 @@ fn last_numbers<const N: usize>(message: &Cdr) -> [f64; N] {
 }
 
 fn odometry(row: &SolutionRow, origin: &Geodetic) -> [f64; 85] {
-    let mut message = Cdr::default();
-    write_odometry(message.begin().i32(0).u32(0).text(MAP), row, origin);
-    last_numbers(&message)
+    let mut messages = Messages::new(None);
+    let first = SolutionRow {
+        position: *origin,
+        ..*row
+    };
+    messages.pose(&first);
+    let stamp = messages.stamp(row).unwrap();
+    last_numbers(messages.odometry(row, stamp))
 }
 
 fn quaternion(numbers: &[f64]) -> Quaternion {
@@ -197,9 +207,9 @@ fn unknown_deviations_and_what_is_refused() {
     let numbers = odometry(&unknown, &unknown.position.clone());
     assert!(numbers.iter().all(|number| number.is_finite()));
     assert_eq!(numbers[7..43], [0.0; 36]);
-    let mut message = Cdr::default();
-    write_fix(message.begin(), &unknown);
-    assert_eq!(message.bytes().last(), Some(&0));
+    let mut messages = Messages::new(None);
+    let stamp = messages.stamp(&unknown).unwrap();
+    assert_eq!(messages.fix(&unknown, stamp).last(), Some(&0));
 
     let mut writer = McapWriter::new(Vec::new(), None).unwrap();
     let mut bad = row(0.0);
@@ -214,6 +224,10 @@ fn unknown_deviations_and_what_is_refused() {
 #[test]
 fn stamps_keep_nanoseconds() {
     let dated = |unix| Epoch::of_unix(unix, 0.0, ClockSource::Gnss);
+    let stamp = |epoch, time| {
+        let stamp = Messages::new(epoch).stamp(&row(time));
+        stamp.map(|stamp| (stamp.seconds, stamp.nanoseconds))
+    };
     assert_eq!(
         stamp(dated(1_752_003_240.0), 0.004).unwrap(),
         (1_752_003_240, 4_000_000)
@@ -261,4 +275,90 @@ fn a_full_disk_is_an_error_and_no_panic() {
     writer.write(&row(0.0)).unwrap();
     drop(writer);
     assert!(!path.exists());
+}
+
+/// Fields at multiples of their size from the fifth byte on: OMG DDSI-RTPS 2.5, section 10, and the definitions of
+/// diagnostic_msgs.
+#[test]
+fn diagnostics_are_laid_out_as_ros_does() {
+    let mut messages = Messages::new(None);
+    let stamp = messages.stamp(&row(1.5)).unwrap();
+    let status = Status {
+        level: Level::Warn,
+        name: "a",
+        message: "bc",
+        values: vec![("x", 0.5)],
+    };
+    let bytes = messages.diagnostics(&[status], stamp).to_vec();
+    let mut expected = vec![0, 1, 0, 0];
+    // Stamp, frame "", one status.
+    expected.extend([1, 0, 0, 0]);
+    expected.extend(500_000_000u32.to_le_bytes());
+    expected.extend([1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0]);
+    // Level, name, message, hardware.
+    expected.extend([1, 0, 0, 0, 2, 0, 0, 0, b'a', 0, 0, 0]);
+    expected.extend([3, 0, 0, 0, b'b', b'c', 0, 0, 1, 0, 0, 0, 0, 0, 0, 0]);
+    // One value.
+    expected.extend([1, 0, 0, 0, 2, 0, 0, 0, b'x', 0, 0, 0, 4, 0, 0, 0]);
+    expected.extend(*b"0.5\0");
+    assert_eq!(bytes, expected);
+}
+
+#[test]
+fn a_stream_has_each_message_as_soon_as_it_is_there() {
+    let mut messages = Messages::new(None);
+    let mut stream = Stream::default();
+    let mut bytes = Stream::head();
+    let (number, declared) = stream.topic("/fix", "sensor_msgs/msg/NavSatFix");
+    bytes.extend(declared);
+    let begun = bytes.clone();
+    for k in 1..=3 {
+        let row = row(f64::from(k));
+        let stamp = messages.stamp(&row).unwrap();
+        let content = messages.fix(&row, stamp).to_vec();
+        bytes.extend(Stream::message(number, stamp.nanoseconds(), &content));
+    }
+    let wanted = Wanted::Fixes {
+        position: Some("/fix".into()),
+        velocity: None,
+        base: None,
+        at_once: false,
+    };
+    let opened = Opened::live("ros2:/fix".as_ref(), &begun, Cursor::new(bytes)).unwrap();
+    let mut log = opened.log(Format::Mcap, &wanted).unwrap();
+    for k in 1..=3 {
+        let What::Fix(fix) = log.next().unwrap().unwrap().what else {
+            panic!("no fix")
+        };
+        // 1 January 1970 was a Thursday, of the GPS week 1 s of UTC before is 345 600 s.
+        assert_eq!(fix.time.fract(), 0.0, "{k}");
+        assert!(fix.position.is_some() && fix.velocity.is_none());
+    }
+}
+
+/// Wherever it breaks off, what a reader gets again is what was declared and the message that has begun.
+#[test]
+fn a_reader_may_begin_in_the_middle_of_a_stream() {
+    let mut stream = Stream::default();
+    let (number, imu) = stream.topic("/imu", "sensor_msgs/msg/Imu");
+    let first = Stream::message(number, 7, b"first");
+    let (_, fix) = stream.topic("/fix", "sensor_msgs/msg/NavSatFix");
+    let second = Stream::message(number, 8, b"second, longer");
+    let bytes = [&Stream::head()[..], &imu, &first, &fix, &second].concat();
+    let before = bytes.len() - second.len();
+    for end in 0..=bytes.len() {
+        let mut declared = Declarations::default();
+        for piece in bytes[..end].chunks(5) {
+            declared.add(piece);
+        }
+        let again = declared.again();
+        if end == bytes.len() {
+            assert_eq!(again, [&MAGIC[..], &imu, &fix].concat());
+        } else if end >= before {
+            let begun = &second[..end - before];
+            assert_eq!(again, [&MAGIC[..], &imu, &fix, begun].concat(), "{end}");
+        } else {
+            assert!(again.len() <= end);
+        }
+    }
 }
