@@ -61,7 +61,7 @@ use nalgebra::{ComplexField, RealField};
 use rest::Rest;
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
-    attitude::{from_rotation_vector, from_rpy},
+    attitude::{from_rotation_vector, from_rpy, skew},
     earth::{Geodetic, LocalEarth},
     filter::{FilterError, Gate, InitialStd},
     mechanisation::NavState,
@@ -195,6 +195,10 @@ impl Aligner {
         };
         self.note_speed(&seen);
         if let Some((q_nb, std, source)) = self.known_attitude(fix, settings) {
+            let mut seen = seen;
+            if source == AttitudeSource::Pose {
+                self.doubt_pose(&mut seen, &q_nb, settings);
+            }
             let std = InitialStd {
                 position: Vector3::repeat(1.0),
                 velocity: Vector3::repeat(1.0),
@@ -244,20 +248,30 @@ impl Aligner {
             return Some((from_rpy(&rpy), std, AttitudeSource::Given));
         }
         let (q_rm, covariance) = fix.attitude?;
-        let prior = |kind| {
-            settings
-                .parameters
-                .prior(kind)
-                .map_or(0.0, |prior| prior.std)
-        };
-        let (turned, tilted) = (
-            prior(Parameter::MarkerRotation),
-            prior(Parameter::FrameTilt),
-        );
+        let q_nb = q_rm * settings.marker.inverse();
+        let prior = |kind| prior_std(settings, kind);
+        let turned = prior(Parameter::MarkerRotation);
+        let tilted = prior(Parameter::FrameTilt);
+        let late = q_nb * self.omega_b * prior(Parameter::TimeOffset);
         let variance = covariance.diagonal().add_scalar(turned * turned);
         let tilt = Vector3::new(tilted, tilted, 0.0);
-        let std = (variance + tilt.component_mul(&tilt)).map(|variance| variance.sqrt());
-        Some((q_rm * settings.marker.inverse(), std, AttitudeSource::Pose))
+        let variance = variance + tilt.component_mul(&tilt) + late.component_mul(&late);
+        let std = variance.map(|variance| variance.sqrt());
+        Some((q_nb, std, AttitudeSource::Pose))
+    }
+
+    /// Adds to position and velocity of a pose what the IMU's may differ by: a lever arm and a clock that are as certain as their priors,
+    /// and far less than poses are.
+    fn doubt_pose(&self, seen: &mut Seen, q_nb: &Quaternion, settings: &Settings) {
+        let lever = prior_std(settings, Parameter::LeverArm);
+        let late = prior_std(settings, Parameter::TimeOffset);
+        let (velocity, omega_n) = (seen.velocity.0, q_nb * self.omega_b);
+        let identity = Matrix3::identity();
+        seen.position.1 += identity * (lever * lever);
+        seen.position.1 += velocity * velocity.transpose() * (late * late);
+        let swung = skew(&omega_n) * lever;
+        seen.velocity.1 += swung * swung.transpose();
+        seen.velocity.1 += identity * (HAND * late).powi(2);
     }
 
     /// Position and velocity by a fix: the velocity given, measured, or from two positions.
@@ -435,6 +449,12 @@ fn aligned(
             force_excess,
         },
     }
+}
+
+/// Standard deviation of a parameter before the log; 0 where it is not estimated.
+fn prior_std(settings: &Settings, kind: Parameter) -> f64 {
+    let prior = settings.parameters.prior(kind);
+    prior.map_or(0.0, |prior| prior.std)
 }
 
 fn diagonal(std: &Vector3) -> Matrix3 {

@@ -203,7 +203,8 @@ fn known(known: &Known) -> String {
         Known::Accelerations => "from the accelerations of IMU and poses",
         Known::LeverArm { std_m } => {
             return format!(
-                "IMU to marker: forward, right, down; from the accelerations, ±{std_m:.3} m"
+                "IMU to marker: forward, right, down; from the accelerations, ±{} m",
+                short(*std_m)
             );
         }
         Known::Scatter => "from what the turns of the poses differ by from those of the gyros",

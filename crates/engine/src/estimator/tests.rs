@@ -31,12 +31,16 @@ fn std() -> InitialStd {
     }
 }
 
-/// Models of so many states together with the nine of navigation; with all parameters beyond what six axes hold.
+/// Models of so many states together with the nine of navigation; beyond what six axes hold with all parameters but those of poses.
 fn models(states: usize) -> ([ShapingFilter; AXES], Parameters) {
     let axes = AXES * undrift_nav::shaping::MAX_ORDER;
     let mut parameters = Parameters::none();
     if states - NAV > axes {
-        for kind in Parameter::ALL {
+        let of_poses = [Parameter::MarkerRotation, Parameter::FrameTilt];
+        for kind in Parameter::ALL
+            .into_iter()
+            .filter(|kind| !of_poses.contains(kind))
+        {
             parameters = parameters.with(kind, Prior::constant(0.1));
         }
     }
