@@ -21,6 +21,7 @@ pub(crate) enum Takes {
     Numbers,
     Column,
     ThreeColumns,
+    FourColumns,
     Quantity(Quantity),
     Quantities(Quantity),
     Vector(Quantity),
@@ -185,6 +186,9 @@ impl Tables<'_> {
             Takes::Positive => json!({"type": "number", "exclusiveMinimum": 0}),
             Takes::Numbers => json!({"type": "array", "items": {"type": "number"}}),
             Takes::Column => column(),
+            Takes::FourColumns => {
+                json!({"type": "array", "items": column(), "minItems": 4, "maxItems": 4})
+            }
             Takes::ThreeColumns => {
                 // Of places without a height two.
                 let least = if (name, key) == ("gnss", "position") {

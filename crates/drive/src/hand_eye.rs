@@ -122,3 +122,6 @@ fn of_each(poses: &[LocalPose], of: impl Fn(&Quaternion) -> Quaternion) -> Vec<L
     };
     poses.iter().map(turned).collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -45,6 +45,8 @@ const LEAST_SPEED: f64 = 0.05;
 const LEAST_SHARE: f64 = 0.003;
 /// Gyros whose turns are so many times another size are in another unit.
 const OTHER_UNIT: f64 = 2.0;
+/// Rounds in which marker and bias are found.
+const ROUNDS: usize = 12;
 /// Median of the absolute value of a normal variable, inverse.
 const MAD: f64 = 1.4826;
 
@@ -68,19 +70,23 @@ impl Turns {
                 rate_deg: speed.to_degrees(),
             });
         }
+        if second_axis(&turns) < LEAST_SHARE {
+            return Err(PoseFault::OneAxis);
+        }
         let mut path = Path::new(samples, Vector3::zeros());
         let coarse = clock(samples, &turns).ok_or(PoseFault::NoFit { correlation: 0.0 })?;
         let (mut clock, mut fit) = refined(&path, &turns, coarse);
         if (fit.ratio.ln()).abs() > OTHER_UNIT.ln() {
             return Err(PoseFault::GyroUnit { ratio: fit.ratio });
         }
-        // The turns show the gyros' bias once the marker is known, and then all of it again.
-        let bias = fit.bias;
+        // Marker and bias in turn, as each shows the other: where turns go one way on average, slowly. Then the clock again.
+        let mut bias = fit.bias;
+        for _ in 0..ROUNDS {
+            path = Path::new(samples, bias);
+            bias += self::fit(&path, &turns, clock).bias;
+        }
         path = Path::new(samples, bias);
         (clock, fit) = refined(&path, &turns, clock);
-        if fit.second < LEAST_SHARE {
-            return Err(PoseFault::OneAxis);
-        }
         Ok(Self {
             clock,
             marker: fit.marker,
@@ -114,6 +120,14 @@ fn turns(poses: &[LocalPose]) -> Vec<Turn> {
         }
     }
     turns
+}
+
+/// Share of the second axis in turns [–]: 0 of a turntable.
+fn second_axis(turns: &[Turn]) -> f64 {
+    let all: Matrix3<f64> = turns.iter().map(|(_, _, m)| m * m.transpose()).sum();
+    let mut axes: [f64; 3] = SymmetricEigen::new(all).eigenvalues.into();
+    axes.sort_by(f64::total_cmp);
+    axes[1] / all.trace()
 }
 
 /// Angular speeds every [`STEP`] from the first time on; NaN where there is none.
@@ -195,8 +209,6 @@ struct Fit {
     mirrored: f64,
     /// Size of the marker's turns over the body's [–].
     ratio: f64,
-    /// Share of the second axis in the turns [–].
-    second: f64,
 }
 
 /// The offset of the clocks at which the turns fit best, to a part of a millisecond, and how they fit there.
@@ -258,9 +270,6 @@ fn fit(path: &Path, turns: &[Turn], clock: f64) -> Fit {
     let scatter = MAD * quantile(&Vec::from_iter(off), 0.5);
     // How well the turns show each axis of the rotation.
     let shown = SymmetricEigen::new(Matrix3::identity() * own.trace() - own);
-    let turned = SymmetricEigen::new(own).eigenvalues;
-    let mut turned: [f64; 3] = turned.into();
-    turned.sort_by(f64::total_cmp);
     Fit {
         marker: Quaternion::from_matrix(&c_bm),
         std: scatter / shown.eigenvalues.min().max(f64::MIN_POSITIVE).sqrt(),
@@ -269,7 +278,6 @@ fn fit(path: &Path, turns: &[Turn], clock: f64) -> Fit {
         correlation,
         mirrored,
         ratio: (of_marker / of_body).sqrt(),
-        second: turned[1] / own.trace(),
     }
 }
 
@@ -285,6 +293,5 @@ impl Fit {
         correlation: 0.0,
         mirrored: 0.0,
         ratio: 1.0,
-        second: 0.0,
     };
 }

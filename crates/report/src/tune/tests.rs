@@ -142,7 +142,15 @@ fn parameters_are_in_the_units_of_data_sheets() {
     {
         assert_eq!(
             row,
-            [name, unit, "1.00", "2.00 to 3.00", "4.00", "5.00 to 6.00"]
+            [
+                name,
+                unit,
+                "1.00",
+                "2.00 to 3.00",
+                "4.00",
+                "4.00",
+                "5.00 to 6.00"
+            ]
         );
     }
 }

@@ -74,6 +74,8 @@ impl<'a> Section<'a> {
     /// # Errors
     /// If the value is no list of four, or as [`Section::column`] of one of them.
     pub fn four_columns(&self, key: &'a str) -> Result<Option<[Column; 4]>, ConfigError> {
+        #[cfg(test)]
+        self.note(key, Takes::FourColumns);
         let wrong = "must be a list of four columns such as [\"qx\", \"qy\", \"qz\", \"qw\"]";
         self.some_columns(key, wrong)
     }

@@ -1,0 +1,204 @@
+//! Hand and eye on simulated rooms with a known marker, frame and clock, and on what is wrong with poses.
+
+use super::*;
+use undrift_nav::{
+    attitude::{from_rotation_vector, from_rpy},
+    shaping::ShapingFilter,
+};
+use undrift_simulate::{GnssNoise, Pose, PoseNoise, Trajectory, simulate};
+
+const SECONDS: f64 = 40.0;
+
+/// What is true of the poses of [`room`].
+fn truth() -> PoseNoise {
+    PoseNoise {
+        marker: from_rpy(&Vector3::new(0.4, -0.3, 2.0)),
+        lever_arm: Vector3::new(0.1, -0.05, 0.2),
+        // z up, another heading.
+        frame: from_rpy(&Vector3::new(std::f64::consts::PI, 0.0, 1.0)),
+        clock: 0.037,
+        ..PoseNoise::default()
+    }
+}
+
+/// Samples of a cheap IMU in a hand at 100 Hz, and poses at 50 Hz.
+fn room(hand: &Trajectory, of: &PoseNoise) -> (Vec<ImuSample>, Vec<LocalPose>) {
+    let white = |density: f64, bias: f64| {
+        let constant = ShapingFilter::constant(bias, 0.01).unwrap();
+        ShapingFilter::white(density, 0.01)
+            .unwrap()
+            .plus(&constant)
+            .unwrap()
+    };
+    let (gyro, accel) = (white(3e-4, 0.01), white(5e-3, 0.2));
+    let sensors = [gyro, gyro, gyro, accel, accel, accel];
+    let log = simulate(hand, 100.0, Some(&sensors), &GnssNoise::default(), 4).unwrap();
+    let seen = of.measure(log.truth.into_iter().step_by(2), &hand.start, 4);
+    let pose = |Pose {
+                    time,
+                    position,
+                    attitude,
+                }| LocalPose {
+        time,
+        position: Some(position),
+        attitude: Some(attitude),
+        position_covariance: None,
+        attitude_covariance: None,
+    };
+    (log.imu, seen.into_iter().map(pose).collect())
+}
+
+fn hand() -> Trajectory {
+    Trajectory::handheld(SECONDS, 0.6, 4)
+}
+
+#[test]
+fn marker_lever_arm_gravity_clock_and_noise_are_those_of_the_room() {
+    let (samples, poses) = room(&hand(), &truth());
+    let found = hand_eye(&samples, &poses).unwrap();
+    assert_eq!(found.fault, None);
+    let turned = (found.marker.inverse() * truth().marker).angle();
+    assert!(
+        turned < 4.0 * found.marker_std && found.marker_std < 2e-3,
+        "{turned} {found:?}"
+    );
+    // A stamp of the samples is the end of their interval, and they hold in its middle: to a tenth of it.
+    assert!((found.clock - 0.037).abs() < 1e-3, "{}", found.clock);
+    let off = (found.lever_arm - truth().lever_arm).norm();
+    assert!(
+        off < 5.0 * found.lever_arm_std && found.lever_arm_std < 5e-3,
+        "{off} {found:?}"
+    );
+    let down = truth().frame * Vector3::z();
+    assert!(found.gravity.angle(&down) < 2e-3 && (found.gravity.norm() - 9.79).abs() < 0.02);
+    // From 400 turns and positions: a tenth.
+    let truth = truth();
+    assert!(
+        (found.position_std / truth.position_std - 1.0).abs() < 0.15,
+        "{found:?}"
+    );
+    assert!(
+        (found.attitude_std / truth.attitude_std - 1.0).abs() < 0.15,
+        "{found:?}"
+    );
+}
+
+#[test]
+fn another_reading_of_the_same_numbers_is_found_and_said() {
+    let (samples, poses) = room(&hand(), &truth());
+    let right = hand_eye(&samples, &poses).unwrap();
+    let w_first =
+        |q: &Quaternion| Quaternion::from_quaternion(nalgebra::Quaternion::new(q.k, q.w, q.i, q.j));
+    let millimetres = poses.iter().map(|pose| LocalPose {
+        position: pose.position.map(|position| position * 1e3),
+        ..*pose
+    });
+    for (fault, wrong) in [
+        (PoseFault::ScalarFirst, of_each(&poses, w_first)),
+        (PoseFault::Inverse, of_each(&poses, inverse)),
+        (PoseFault::Unit("mm"), millimetres.collect()),
+    ] {
+        let found = hand_eye(&samples, &wrong).unwrap();
+        assert_eq!(found.fault, Some(fault));
+        assert!(
+            (found.marker.inverse() * right.marker).angle() < 1e-3,
+            "{fault:?}"
+        );
+        assert!(
+            (found.lever_arm - right.lever_arm).norm() < 2e-3,
+            "{fault:?}"
+        );
+        assert!(
+            (found.position_std / right.position_std - 1.0).abs() < 0.05,
+            "{fault:?}"
+        );
+    }
+}
+
+#[test]
+fn the_clock_of_another_machine_is_found_wherever_it_is() {
+    let (samples, poses) = room(&hand(), &truth());
+    for off in [-1.7e9, -300.0, 12.0] {
+        // Only the middle of it was recorded.
+        let late = poses[300..1500].iter().map(|pose| LocalPose {
+            time: pose.time + off,
+            ..*pose
+        });
+        let found = hand_eye(&samples, &Vec::from_iter(late)).unwrap();
+        // Of a time of 1.7e9 s a microsecond is left.
+        assert!(
+            (found.clock + off - 0.037).abs() < 1e-3,
+            "{off}: {}",
+            found.clock
+        );
+    }
+}
+
+#[test]
+fn what_poses_lack_or_contradict_is_named() {
+    let (samples, poses) = room(&hand(), &truth());
+    let fault = |poses: &[LocalPose]| hand_eye(&samples, poses).unwrap_err();
+    let short = fault(&poses[..100]);
+    assert!(
+        matches!(short, PoseFault::TooShort { duration_s } if duration_s < 3.0),
+        "{short:?}"
+    );
+    // One axis of the positions and of the turns reversed.
+    let mirrored = poses.iter().map(|pose| {
+        let turn = pose.attitude.unwrap().scaled_axis();
+        LocalPose {
+            position: pose.position.map(|p| Vector3::new(p.x, -p.y, p.z)),
+            attitude: Some(from_rotation_vector(&Vector3::new(
+                -turn.x, turn.y, -turn.z,
+            ))),
+            ..*pose
+        }
+    });
+    assert_eq!(fault(&Vec::from_iter(mirrored)), PoseFault::Mirrored);
+    // Of another recording.
+    let (_, other) = room(&Trajectory::handheld(SECONDS, 0.6, 5), &truth());
+    let other = fault(&other);
+    assert!(matches!(other, PoseFault::NoFit { .. }), "{other:?}");
+    let wrong_unit: Vec<ImuSample> = samples
+        .iter()
+        .map(|sample| ImuSample {
+            dtheta: sample.dtheta * 1f64.to_radians(),
+            ..*sample
+        })
+        .collect();
+    match hand_eye(&wrong_unit, &poses) {
+        Err(PoseFault::GyroUnit { ratio }) => assert!((ratio / 57.3 - 1.0).abs() < 0.05, "{ratio}"),
+        other => panic!("{other:?}"),
+    }
+    // On a turntable, and lying still.
+    let table = Trajectory::constant_turn(0.0, 1.0, SECONDS);
+    let (turned, seen) = room(&table, &truth());
+    assert_eq!(hand_eye(&turned, &seen).unwrap_err(), PoseFault::OneAxis);
+    let exact = PoseNoise {
+        attitude_std: 1e-5,
+        ..truth()
+    };
+    let (still, seen) = room(&Trajectory::rest(SECONDS), &exact);
+    let still = hand_eye(&still, &seen).unwrap_err();
+    assert!(matches!(still, PoseFault::Still { .. }), "{still:?}");
+}
+/// Over twenty hands, half of them two minutes long: errors over the standard deviations stated. The noise of a pose is in two turns with
+/// opposite signs, so that the marker is known better than from turns that err by themselves.
+#[test]
+fn marker_and_lever_arm_are_as_good_as_stated() {
+    let mut squares = [0.0; 2];
+    for seed in 1..=20 {
+        let seconds = if seed % 2 == 0 { 40.0 } else { 120.0 };
+        let swing = 0.3 + 0.05 * (seed % 8) as f64;
+        let (samples, poses) = room(&Trajectory::handheld(seconds, swing, seed), &truth());
+        let found = hand_eye(&samples, &poses).unwrap();
+        let turned = (found.marker.inverse() * truth().marker).angle() / found.marker_std;
+        let off = (found.lever_arm - truth().lever_arm).norm() / found.lever_arm_std;
+        // Of three numbers each.
+        squares[0] += turned * turned / 60.0;
+        squares[1] += off * off / 60.0;
+    }
+    let [marker, lever] = squares;
+    assert!((0.1..1.3).contains(&marker), "{marker}");
+    assert!((0.5..1.5).contains(&lever), "{lever}");
+}
