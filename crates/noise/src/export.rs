@@ -7,6 +7,9 @@
 //! | `ros` | diagonal covariances of `sensor_msgs/Imu` | (rad/s)², (m/s²)² |
 //! | `px4` | EKF2 parameters as QGroundControl loads them | rad/s, m/s², rad/s², m/s³ |
 //! | `matlab` | `imuSensor` with `gyroparams`, `accelparams` | rad/s, m/s² and their densities |
+//! | `vins` | noise of a configuration of VINS-Mono or VINS-Fusion | rad/s, m/s², rad/s², m/s³ |
+//! | `openvins` | `kalibr_imu_chain.yaml` of OpenVINS | as `kalibr` |
+//! | `basalt` | noise of Basalt's calibration | rad/s/√Hz, rad/s²/√Hz; m/s²/√Hz, m/s³/√Hz |
 //! | `undrift` | the model file | see [`crate::model_file`] |
 //!
 //! Other programs know white noise and one slow process at most; comments of the
@@ -35,7 +38,7 @@ use equivalent::Equivalent;
 /// A format of noise models. Those of other programs have white noise and one slow process at most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ModelFormat {
-    /// `imu.yaml` of Kalibr, also read by VINS-Fusion, OpenVINS and others.
+    /// `imu.yaml` of Kalibr.
     Kalibr,
     /// `imunoise` of a KF-GINS configuration.
     KfGins,
@@ -45,18 +48,27 @@ pub enum ModelFormat {
     Px4,
     /// A MATLAB script that makes an `imuSensor`.
     Matlab,
+    /// Noise of a configuration of VINS-Mono or VINS-Fusion.
+    Vins,
+    /// `kalibr_imu_chain.yaml` of OpenVINS.
+    OpenVins,
+    /// Noise of Basalt's calibration, JSON.
+    Basalt,
     /// The model file of this project.
     Undrift,
 }
 
 impl ModelFormat {
     /// Every format, in the order of help texts.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 9] = [
         Self::Kalibr,
         Self::KfGins,
         Self::Ros,
         Self::Px4,
         Self::Matlab,
+        Self::Vins,
+        Self::OpenVins,
+        Self::Basalt,
         Self::Undrift,
     ];
 
@@ -68,6 +80,9 @@ impl ModelFormat {
             Self::Ros => "ros",
             Self::Px4 => "px4",
             Self::Matlab => "matlab",
+            Self::Vins => "vins",
+            Self::OpenVins => "openvins",
+            Self::Basalt => "basalt",
             Self::Undrift => "undrift",
         }
     }
@@ -75,7 +90,9 @@ impl ModelFormat {
 
 /// A name that is not that of a format of noise models; its message lists the names.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown format {0:?}; available: kalibr, kf-gins, ros, px4, matlab, undrift")]
+#[error(
+    "unknown format {0:?}; available: kalibr, kf-gins, ros, px4, matlab, vins, openvins, basalt, undrift"
+)]
 pub struct UnknownModelFormat(pub String);
 
 impl std::str::FromStr for ModelFormat {
@@ -132,6 +149,9 @@ impl ImuModel {
             ModelFormat::Ros => formats::ros(&imu, rate()?),
             ModelFormat::Px4 => formats::px4(&imu, rate_hz.unwrap_or(formats::PX4_RATE)),
             ModelFormat::Matlab => formats::matlab(&imu, rate()?),
+            ModelFormat::Vins => formats::vins(&imu, rate()?),
+            ModelFormat::OpenVins => formats::openvins(&imu, rate()?),
+            ModelFormat::Basalt => formats::basalt(&imu, rate()?),
             ModelFormat::Undrift => self.to_toml(),
         })
     }

@@ -90,7 +90,7 @@ const HEAD: &str = "\
 
 What goes wrong when a log is used for the first time, and the first line of the answer: the cause, and what to do. A test makes each mistake and compares this page.
 A result begins with its verdict: `usable`; `usable with care`, where the warning must be looked at first; or `not usable`, where a setting or a log is certainly wrong.
-The exit codes are those [without `--strict`](terminal.md#exit-codes). The last table has the kinds of logs that other programs write. What is noticed in general: [faults.md](faults.md).
+The exit codes are those [without `--strict`](terminal.md#exit-codes). The last table has the kinds of logs that other programs write. In general: [faults.md](faults.md).
 ";
 
 #[test]

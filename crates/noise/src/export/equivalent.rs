@@ -88,26 +88,35 @@ impl Equivalent {
         }
         let [gx, gy, gz, ax, ay, az] = axes;
         let (mut gyro, mut accel) = ([gx, gy, gz], [ax, ay, az]);
-        if format == ModelFormat::Kalibr {
+        if must_walk(format) {
             let record = length(model);
-            for (sensor, axis, axes) in [
-                ("gyros", "gyro_x", &mut gyro),
-                ("accelerometers", "accel_x", &mut accel),
-            ] {
-                if rms(axes, |axis| axis.slow.drive()) > 0.0 {
+            // What a number is of, the first axis of it, and all of them.
+            let groups: Vec<(_, _, &mut [EquivalentAxis])> = match format {
+                ModelFormat::Basalt => AXES
+                    .into_iter()
+                    .zip(gyro.iter_mut().chain(&mut accel))
+                    .map(|(name, axis)| (name, name, std::slice::from_mut(axis)))
+                    .collect(),
+                _ => vec![
+                    ("gyros", "gyro_x", &mut gyro),
+                    ("accelerometers", "accel_x", &mut accel),
+                ],
+            };
+            for (group, axis, axes) in groups {
+                if axes.iter().any(|axis| axis.slow.drive() > 0.0) {
                     continue;
                 }
                 let Some(length) = record else {
                     return Err(ModelError::Missing {
                         axis: Some(axis),
-                        model: "kalibr",
+                        model: format.name(),
                         needs: "a bias that moves: bias_instability with correlation_time, or random_walk",
                     });
                 };
                 for axis in axes.iter_mut() {
                     axis.slow.walk = Some(unseen_walk(axis.white, length));
                 }
-                remarks.push((sensor, Remark::Undetected { length }));
+                remarks.push((group, Remark::Undetected { length }));
             }
         }
         if has_only_a_walk(format) {
@@ -138,7 +147,13 @@ impl Equivalent {
 
 /// Whether a format's bias is a random walk and nothing else.
 fn has_only_a_walk(format: ModelFormat) -> bool {
-    matches!(format, ModelFormat::Kalibr | ModelFormat::Px4)
+    matches!(format, ModelFormat::Px4) || must_walk(format)
+}
+
+/// Whether a program divides by the variance of a bias's step, so that its random walk must not be 0.
+fn must_walk(format: ModelFormat) -> bool {
+    use ModelFormat::{Basalt, Kalibr, OpenVins, Vins};
+    matches!(format, Kalibr | Vins | OpenVins | Basalt)
 }
 
 /// Length of the record that a model was identified from \[s\].

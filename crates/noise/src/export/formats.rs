@@ -2,6 +2,7 @@
 
 use super::comments::comment;
 use super::equivalent::{Equivalent, EquivalentAxis, common_tau, driven, rms};
+use undrift_nav::earth::STANDARD_GRAVITY;
 
 /// EKF2's prediction, EKF2_PREDICT_US = 10000 unless changed \[Hz\].
 pub(super) const PX4_RATE: f64 = 100.0;
@@ -13,16 +14,112 @@ const HOUR: f64 = 3600.0;
 pub(super) fn kalibr(imu: &Equivalent, rate_hz: f64) -> String {
     let mut out = Text::about(imu, "#");
     out.comment("Each number is the root mean square of the three axes.");
-    for (sensor, axes, unit) in [
-        ("accelerometer", &imu.accel, "m/s²"),
-        ("gyroscope", &imu.gyro, "rad/s"),
-    ] {
-        let white = number(rms(axes, |axis| axis.white));
-        let walk = number(rms(axes, |axis| axis.walk));
-        out.body += &format!("{sensor}_noise_density: {white}  # {unit}/√Hz\n");
-        out.body += &format!("{sensor}_random_walk: {walk}  # {unit}/s/√Hz\n");
+    for line in densities(imu) {
+        out.body += &format!("{line}\n");
     }
     out.finish() + &format!("rostopic: /imu0\nupdate_rate: {}\n", number(rate_hz))
+}
+
+/// Kalibr's four keys and values.
+fn densities(imu: &Equivalent) -> impl Iterator<Item = String> {
+    let of_sensor = |(sensor, axes, unit): (&str, _, &str)| {
+        let white = number(rms(axes, |axis| axis.white));
+        let walk = number(rms(axes, |axis| axis.walk));
+        [
+            format!("{sensor}_noise_density: {white}  # {unit}/√Hz"),
+            format!("{sensor}_random_walk: {walk}  # {unit}/s/√Hz"),
+        ]
+    };
+    let sensors = [
+        ("accelerometer", &imu.accel, "m/s²"),
+        ("gyroscope", &imu.gyro, "rad/s"),
+    ];
+    sensors.into_iter().flat_map(of_sensor)
+}
+
+/// VINS-Mono and VINS-Fusion, `IntegrationBase::midPointIntegration` of
+/// `vins_estimator/src/factor/integration_base.h`: V·Q·Vᵀ has dt/2 for the noise of each end of a step, as if both
+/// were independent, so that a step adds (noise dt)²/2 to angle and velocity, and (bias noise dt)² to the bias.
+/// A sample is the end of one step and the start of the next: it adds (σ dt)², with σ = N/√dt. A density N is
+/// therefore N √(2/dt), a random walk K is K/√dt. Read by `readParameters` of `parameters.cpp`.
+pub(super) fn vins(imu: &Equivalent, rate_hz: f64) -> String {
+    let mut out = Text::about(imu, "#");
+    let rate = number(rate_hz);
+    out.comment(&format!(
+        "Each number is the root mean square of the three axes, for samples at {rate} Hz, dt = 1/{rate} s. The midpoint step of VINS adds (noise dt)²/2 to angle and velocity and (bias noise dt)² to the bias, so a density N is N √(2/dt) and a random walk K is K/√dt."
+    ));
+    let root = rate_hz.sqrt();
+    let twice = (2.0 * rate_hz).sqrt();
+    let white = |axes| number(rms(axes, |axis| axis.white * twice));
+    let walk = |axes| number(rms(axes, |axis| axis.walk * root));
+    let (gyro, accel) = (&imu.gyro, &imu.accel);
+    out.body += &format!("acc_n: {}  # m/s²\n", white(accel));
+    out.body += &format!("gyr_n: {}  # rad/s\n", white(gyro));
+    out.body += &format!("acc_w: {}  # m/s³\n", walk(accel));
+    out.body += &format!("gyr_w: {}  # rad/s²\n", walk(gyro));
+    let gravity = number(STANDARD_GRAVITY);
+    out.finish()
+        + &format!("g_norm: {gravity}  # m/s²; not part of a noise model: standard gravity\n")
+}
+
+/// OpenVINS, `Propagator::predict_and_compute` of `ov_msckf/src/state/Propagator.cpp`: σ²/dt of a sample's noise and,
+/// by dt in `G`, σ² dt of a step of the bias, so that all are the continuous-time densities of Kalibr. Its
+/// `YamlParser` reads with OpenCV, which wants the first line, and `print_and_load_state` of
+/// `VioManagerOptions.h` requires the model of the axes; `T_i_b`, `time_offset` and `update_rate` it does not read.
+pub(super) fn openvins(imu: &Equivalent, rate_hz: f64) -> String {
+    let mut out = Text::about(imu, "#");
+    out.comment("Each number is the root mean square of the three axes.");
+    out.comment("Matrices are those of ideal axes: keep yours if the axes were calibrated.");
+    let matrix = |name: &str, size: usize, diagonal: f64| {
+        let at = |i, j| if i == j { diagonal } else { 0.0 };
+        let rows = (0..size).map(|i| format!("    - {}\n", row((0..size).map(|j| at(i, j)))));
+        format!("  {name}:\n{}", String::from_iter(rows))
+    };
+    out.body += "imu0:\n";
+    out.body += &matrix("T_i_b", 4, 1.0);
+    for line in densities(imu) {
+        out.body += &format!("  {line}\n");
+    }
+    let rate = number(rate_hz);
+    out.body += &format!("  rostopic: /imu0\n  time_offset: 0.0\n  update_rate: {rate}\n");
+    out.body += "  model: \"kalibr\"\n";
+    for (name, diagonal) in [
+        ("Tw", 1.0),
+        ("R_IMUtoGYRO", 1.0),
+        ("Ta", 1.0),
+        ("R_IMUtoACC", 1.0),
+        ("Tg", 0.0),
+    ] {
+        out.body += &matrix(name, 3, diagonal);
+    }
+    format!("%YAML:1.0\n\n{}", out.finish())
+}
+
+/// Basalt, `Calibration` of `include/basalt/calibration/calibration.hpp`: continuous-time densities of each axis,
+/// times √`imu_update_rate` a sample (`dicrete_time_gyro_noise_std`); a step of the bias over dt weighs
+/// 1/(std √dt) (`ImuBlock::linearizeImu` of `include/basalt/linearization/imu_block.hpp`). The first member of the file is the
+/// calibration; in it cereal's `JSONInputArchive` finds names and skips others, unless they begin with one of its own.
+pub(super) fn basalt(imu: &Equivalent, rate_hz: f64) -> String {
+    let mut out = Text::about(imu, "");
+    out.comment("Noise alone: put these keys into the calibration of cameras and IMU.");
+    out.comment(
+        "Continuous-time densities of the axes x, y, z: rad/s/√Hz, m/s²/√Hz; of the biases rad/s²/√Hz, m/s³/√Hz.",
+    );
+    let quoted = |text: &String| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
+    let comments: Vec<String> = out.comments.iter().map(quoted).collect();
+    let comments = comments.join(",\n      ");
+    let white = |axes: &[EquivalentAxis; 3]| row(axes.iter().map(|axis| axis.white));
+    let walk = |axes: &[EquivalentAxis; 3]| row(axes.iter().map(|axis| axis.walk));
+    let members = [
+        ("comments", format!("[\n      {comments}\n    ]")),
+        ("imu_update_rate", number(rate_hz)),
+        ("accel_noise_std", white(&imu.accel)),
+        ("gyro_noise_std", white(&imu.gyro)),
+        ("accel_bias_std", walk(&imu.accel)),
+        ("gyro_bias_std", walk(&imu.gyro)),
+    ];
+    let members = members.map(|(name, value)| format!("    \"{name}\": {value}"));
+    format!("{{\n  \"value0\": {{\n{}\n  }}\n}}\n", members.join(",\n"))
 }
 
 /// KF-GINS, `dataset/kf-gins.yaml` and `loadConfig` of `src/kf_gins.cpp`: biases are Gauss-Markov
@@ -190,7 +287,7 @@ pub(super) fn matlab(imu: &Equivalent, rate_hz: f64) -> String {
 /// A text under comments.
 struct Text {
     mark: &'static str,
-    comments: String,
+    comments: Vec<String>,
     body: String,
 }
 
@@ -199,7 +296,7 @@ impl Text {
     fn about(imu: &Equivalent, mark: &'static str) -> Self {
         let mut text = Self {
             mark,
-            comments: String::new(),
+            comments: Vec::new(),
             body: String::new(),
         };
         text.comment(match imu.name.as_str() {
@@ -222,12 +319,14 @@ impl Text {
             .split(|c: char| c.is_whitespace() || is_break(c))
             .filter(|word| !word.is_empty())
             .collect();
-        self.comments += &format!("{} {}\n", self.mark, words.join(" "));
+        self.comments.push(words.join(" "));
     }
 
     /// The whole text, comments first.
     fn finish(self) -> String {
-        self.comments + &self.body
+        let lines = self.comments.iter();
+        let comments = lines.map(|line| format!("{} {line}\n", self.mark));
+        String::from_iter(comments) + &self.body
     }
 }
 

@@ -183,6 +183,185 @@ fn matlab_has_the_process_itself() {
     assert!(text.contains("'SampleRate', 100.0,"));
 }
 
+/// Kalibr's random walks at this rate: accelerometers [m/s²/√s], gyros [rad/s/√s].
+fn kalibr_walks(rate_hz: f64) -> [f64; 2] {
+    let text = model().export(ModelFormat::Kalibr, Some(rate_hz)).unwrap();
+    ["accelerometer_random_walk", "gyroscope_random_walk"].map(|key| numbers(&text, key)[0])
+}
+
+/// Two roundings to nine digits.
+fn near(ours: f64, expected: f64) {
+    assert!(
+        (ours / expected - 1.0).abs() < 1.2e-8,
+        "{ours:e} {expected:e}"
+    );
+}
+
+#[test]
+fn vins_has_what_its_midpoint_step_takes() {
+    let text = model().export(ModelFormat::Vins, Some(200.0)).unwrap();
+    let value = |key: &str| numbers(&text, key);
+    // N √(2/dt) with √(2 · 200) = 20, and K/√dt with √200.
+    close(&value("acc_n:"), &[0.02]);
+    close(&value("gyr_n:"), &[gyro_white() * 20.0]);
+    close(&value("acc_w:"), &[1e-4 * 200f64.sqrt()]);
+    near(value("gyr_w:")[0], kalibr_walks(200.0)[1] * 200f64.sqrt());
+    assert_eq!(value("g_norm:"), [9.80665]);
+    let slow = model().export(ModelFormat::Vins, Some(50.0)).unwrap();
+    close(&numbers(&slow, "acc_n:"), &[0.01]);
+    close(&numbers(&slow, "acc_w:"), &[1e-4 * 50f64.sqrt()]);
+    let of_outage = |outage_s| {
+        let text = model().export_for(ModelFormat::Vins, Some(200.0), outage_s);
+        numbers(&text.unwrap(), "gyr_w:")[0]
+    };
+    assert!(of_outage(30.0) > of_outage(300.0));
+    assert!(text.contains("gyro_x: its bias is not a random walk"));
+}
+
+/// `midPointIntegration` of VINS at rest without gravity, for one axis: position, velocity and the bias, with its F
+/// and V. What comes out after a second is the variance that white noise and a random walk have.
+#[test]
+fn the_covariance_that_vins_integrates_is_that_of_the_model() {
+    let rate = 200.0;
+    let text = model().export(ModelFormat::Vins, Some(rate)).unwrap();
+    let (noise, walk) = (numbers(&text, "acc_n:")[0], numbers(&text, "acc_w:")[0]);
+    let dt = 1.0 / rate;
+    let f = [[1.0, dt, -0.5 * dt * dt], [0.0, 1.0, -dt], [0.0, 0.0, 1.0]];
+    // Columns: the noise of both ends, the bias's.
+    let v = [
+        [0.25 * dt * dt, 0.25 * dt * dt, 0.0],
+        [0.5 * dt, 0.5 * dt, 0.0],
+        [0.0, 0.0, dt],
+    ];
+    let q = [noise * noise, noise * noise, walk * walk];
+    let mut p = [[0.0; 3]; 3];
+    for _ in 0..200 {
+        let mut next = [[0.0; 3]; 3];
+        for (i, j) in (0..9).map(|at| (at / 3, at % 3)) {
+            for (k, l) in (0..9).map(|at| (at / 3, at % 3)) {
+                next[i][j] += f[i][k] * p[k][l] * f[j][l];
+            }
+            next[i][j] += (0..3).map(|k| v[i][k] * q[k] * v[j][k]).sum::<f64>();
+        }
+        p = next;
+    }
+    let (white, walk) = (1e-3f64, 1e-4f64);
+    near(p[2][2], walk * walk);
+    // N² t + K² t³/3 of the velocity; a bias that is constant within a step makes the second a percent less.
+    let velocity = white * white + walk * walk / 3.0;
+    assert!((p[1][1] / velocity - 1.0).abs() < 1e-4, "{}", p[1][1]);
+}
+
+#[test]
+fn openvins_has_the_densities_of_kalibr_in_its_chain() {
+    let text = model().export(ModelFormat::OpenVins, Some(200.0)).unwrap();
+    let kalibr = model().export(ModelFormat::Kalibr, Some(200.0)).unwrap();
+    assert!(text.starts_with("%YAML:1.0\n"));
+    close(&numbers(&text, "gyroscope_noise_density"), &[gyro_white()]);
+    close(&numbers(&text, "accelerometer_noise_density"), &[1e-3]);
+    close(&numbers(&text, "accelerometer_random_walk"), &[1e-4]);
+    for line in kalibr
+        .lines()
+        .filter(|line| line.contains("_density:") || line.contains("_walk:"))
+    {
+        assert!(text.contains(&format!("\n  {line}\n")), "{line}");
+    }
+    close(&numbers(&text, "update_rate"), &[200.0]);
+    // What OpenVINS requires besides.
+    for key in [
+        "rostopic: /imu0",
+        "model: \"kalibr\"",
+        "Tw:",
+        "Ta:",
+        "R_IMUtoGYRO:",
+        "R_IMUtoACC:",
+        "Tg:",
+    ] {
+        assert!(text.contains(&format!("\n  {key}\n")), "{key}");
+    }
+    assert_eq!(text.matches("- [0.0, 0.0, 0.0]\n").count(), 3);
+    assert_eq!(text.matches("- [0.0, 1.0, 0.0]\n").count(), 4);
+}
+
+#[test]
+fn basalt_has_densities_of_each_axis() {
+    let text = model().export(ModelFormat::Basalt, Some(200.0)).unwrap();
+    let file: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let keys = |of: &serde_json::Value| Vec::from_iter(of.as_object().unwrap().keys().cloned());
+    // Basalt reads the first member whatever its name.
+    assert_eq!(keys(&file), ["value0"]);
+    let of = &file["value0"];
+    let vector = |key: &str| {
+        let of = of[key].as_array().unwrap().iter();
+        Vec::from_iter(of.map(|value| value.as_f64().unwrap()))
+    };
+    let x = 0.3 * DEG / 60.0;
+    close(&vector("gyro_noise_std"), &[x, x, 2.0 * x]);
+    close(&vector("accel_noise_std"), &[1e-3; 3]);
+    close(&vector("accel_bias_std"), &[1e-4; 3]);
+    // The root mean square of the three is Kalibr's.
+    let walks = vector("gyro_bias_std");
+    let rms = (walks.iter().map(|walk| walk * walk).sum::<f64>() / 3.0).sqrt();
+    near(rms, kalibr_walks(200.0)[1]);
+    assert_eq!(walks[0], walks[1]);
+    assert_eq!(of["imu_update_rate"], 200.0);
+    assert_eq!(of["comments"][0], "Test: \"IMU\" # 1");
+    // cereal takes a key that begins with one it looks for.
+    let names = keys(of);
+    for (name, other) in names
+        .iter()
+        .flat_map(|name| names.iter().map(move |other| (name, other)))
+    {
+        assert!(name == other || !name.starts_with(other.as_str()), "{name}");
+    }
+}
+
+/// All four divide by the random walk; Basalt by that of each axis.
+#[test]
+fn a_walk_of_zero_is_refused_by_each_axis_that_has_a_number() {
+    let mut model = model();
+    (model.accel[1].instability, model.accel[1].random_walk) = (Vec::new(), None);
+    let error = model.export(ModelFormat::Basalt, Some(200.0)).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("accel_y: the basalt model needs a bias that moves"),
+        "{error}"
+    );
+    let kalibr = model.export(ModelFormat::Kalibr, Some(200.0)).unwrap();
+    let walk = 1e-4 * (2f64 / 3.0).sqrt();
+    close(&numbers(&kalibr, "accelerometer_random_walk"), &[walk]);
+    // 10 √3 N/T.
+    (model.provenance.samples, model.provenance.rate_hz) = (Some(720_000), Some(200.0));
+    let text = model.export(ModelFormat::Basalt, None).unwrap();
+    let file: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let walks = &file["value0"]["accel_bias_std"];
+    near(walks[1].as_f64().unwrap(), 3f64.sqrt() * 1e-3 / 360.0);
+    assert_eq!(walks[0], 1e-4);
+    assert!(text.contains("accel_y: no slow bias was detected in 3600 s"));
+    for axis in &mut model.gyro {
+        (axis.instability, axis.random_walk) = (Vec::new(), None);
+    }
+    model.provenance.samples = None;
+    for (format, name) in [
+        (ModelFormat::Vins, "vins"),
+        (ModelFormat::OpenVins, "openvins"),
+    ] {
+        let error = model.export(format, Some(200.0)).unwrap_err().to_string();
+        assert!(
+            error.starts_with(&format!("gyro_x: the {name} model needs")),
+            "{error}"
+        );
+        model.provenance.samples = Some(720_000);
+        let text = model.export(format, Some(200.0)).unwrap();
+        assert!(
+            text.contains("# gyros: no slow bias was detected"),
+            "{text}"
+        );
+        model.provenance.samples = None;
+    }
+}
+
 #[test]
 fn undrift_reads_back() {
     let text = model().export(ModelFormat::Undrift, None).unwrap();
@@ -430,6 +609,9 @@ fn golden(format: ModelFormat) -> PathBuf {
         ModelFormat::Ros => "imu.ros.yaml",
         ModelFormat::Px4 => "imu.px4.params",
         ModelFormat::Matlab => "imu.m",
+        ModelFormat::Vins => "imu.vins.yaml",
+        ModelFormat::OpenVins => "imu.openvins.yaml",
+        ModelFormat::Basalt => "imu.basalt.json",
         ModelFormat::Undrift => "imu.toml",
     };
     let folder = concat!(

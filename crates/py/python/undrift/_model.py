@@ -232,8 +232,9 @@ class NoiseModel:
         return self._model.to_toml()
 
     def export(self, format: str, rate: float | None = None) -> str:
-        """The model as ``kalibr``, ``kf-gins``, ``ros``, ``px4`` or ``matlab`` read it (docs/export.md).
+        """The model as another program reads it (docs/export.md).
 
+        ``format``: ``kalibr``, ``kf-gins``, ``ros``, ``px4``, ``matlab``, ``vins``, ``openvins``, ``basalt``, ``undrift``.
         ``rate`` [Hz] is the rate of the samples, if not that of the identified record.
         """
         return self._model.export(format, rate)

@@ -20,8 +20,11 @@ type Failure = Box<dyn std::error::Error>;
 
 const RATE_HZ: f64 = 20.0;
 const SAMPLES: usize = 72_000;
-const FORMATS: [ModelFormat; 5] = [
+const FORMATS: [ModelFormat; 8] = [
     ModelFormat::Kalibr,
+    ModelFormat::Vins,
+    ModelFormat::OpenVins,
+    ModelFormat::Basalt,
     ModelFormat::Px4,
     ModelFormat::Ros,
     ModelFormat::KfGins,
@@ -90,9 +93,18 @@ fn read(axis: &AxisModel, format: ModelFormat) -> Result<Read, Failure> {
     let of = |key| after(&text, key);
     let (root, degree) = (RATE_HZ.sqrt(), 1f64.to_radians());
     Ok(match format {
-        ModelFormat::Kalibr => Read {
+        ModelFormat::Kalibr | ModelFormat::OpenVins => Read {
             white: of("gyroscope_noise_density:")?,
             walk: Some(of("gyroscope_random_walk:")?),
+        },
+        // A step adds (noise dt)²/2 and (bias noise dt)².
+        ModelFormat::Vins => Read {
+            white: of("gyr_n:")? / (2.0 * RATE_HZ).sqrt(),
+            walk: Some(of("gyr_w:")? / root),
+        },
+        ModelFormat::Basalt => Read {
+            white: of("\"gyro_noise_std\":")?,
+            walk: Some(of("\"gyro_bias_std\":")?),
         },
         ModelFormat::Px4 => Read {
             white: of("\tEKF2_GYR_NOISE\t")? / root,
