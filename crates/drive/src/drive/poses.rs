@@ -277,3 +277,128 @@ pub(super) fn beside_poses(parameters: Parameters) -> Parameters {
         None => parameters,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drive::Drive;
+    use undrift_nav::Vector3;
+
+    /// A drive of named columns with these keys beside them, and these tables behind.
+    fn drive(keys: &str, tables: &str) -> Result<Drive, String> {
+        let imu = "[imu]\nfile = \"imu.csv\"\ntime = 1\ngyro = [2, 3, 4]\naccel = [5, 6, 7]\n\
+                   gyro_unit = \"deg/s\"\naccel_unit = \"g\"\n";
+        let poses = "[poses]\nfile = \"poses.csv\"\ntime = 1\nposition = [2, 3, 4]\n";
+        let none = Path::new("none");
+        let text = format!("{imu}{poses}{keys}{tables}");
+        Drive::from_toml(&text, "room.toml", none, none).map_err(|error| error.to_string())
+    }
+
+    const STD: &str = "position_std = \"1 mm\"\nattitude_std = \"0.1 deg\"\n";
+    const ATTITUDE: &str = "attitude = [5, 6, 7, 8]\nattitude_order = \"w,x,y,z\"\n";
+
+    fn fixes(drive: &Drive) -> &PoseFixes {
+        match &drive.gnss.1 {
+            GnssSource::Poses(fixes) => fixes,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_room_has_no_north_and_no_vibration_of_an_engine() {
+        let room = drive(&format!("{STD}{ATTITUDE}"), "").unwrap();
+        let poses = room.poses.unwrap();
+        assert!(!poses.earth_rate && poses.marker == Quaternion::identity());
+        assert_eq!(
+            (room.vibration, room.align.heading),
+            (None, crate::align::Heading::Auto)
+        );
+        // z is up.
+        let up = fixes(&room).rotation * Vector3::z();
+        assert!((up + Vector3::z()).norm() < 1e-12);
+        let prior = |kind| {
+            room.parameters
+                .prior(kind)
+                .map(|prior| (prior.std, prior.walk))
+        };
+        assert_eq!(prior(Parameter::MarkerRotation), Some((0.5, 0.0)));
+        assert_eq!(prior(Parameter::FrameTilt), Some((0.01, 0.0)));
+        assert_eq!(prior(Parameter::TimeOffset), Some((0.1, 0.0)));
+        assert_eq!(prior(Parameter::VelocityTimeOffset), None);
+        let stated = "marker = \"1, 2, 3 deg\"\naxes = \"x,z,-y\"\ninterval = \"50 ms\"\n";
+        let states = "[states]\nframe_tilt = \"off\"\n[local]\nearth_rate = true\n";
+        let room = drive(&format!("{STD}{stated}"), states).unwrap();
+        assert!(room.poses.unwrap().earth_rate && fixes(&room).interval == 0.05);
+        // y is up.
+        let up = fixes(&room).rotation * Vector3::y();
+        assert!((up + Vector3::z()).norm() < 1e-12);
+        let prior = |kind| room.parameters.prior(kind).map(|prior| prior.std);
+        assert_eq!(prior(Parameter::MarkerRotation), Some(0.05));
+        assert_eq!(prior(Parameter::FrameTilt), None);
+    }
+
+    #[test]
+    fn gravity_is_that_of_a_latitude() {
+        let at =
+            |local: &str| drive(STD, &format!("[local]\n{local}")).map(|room| fixes(&room).base);
+        for value in [9.79, 9.806, 9.825] {
+            let base = at(&format!("gravity = \"{value} m/s^2\"\n")).unwrap();
+            assert!((gravity(base.lat, base.height) - value).abs() < 1e-9);
+        }
+        let base = at("latitude = \"-33 deg\"\n").unwrap();
+        assert!((base.lat.to_degrees() + 33.0).abs() < 1e-9);
+        let lunar = at("gravity = \"1.6 m/s^2\"\n").unwrap_err();
+        assert!(
+            lunar.contains("local.gravity: must lie between 9.781 and 9.832"),
+            "{lunar}"
+        );
+    }
+
+    #[test]
+    fn what_is_missing_or_too_much_is_said_with_its_key() {
+        for (keys, tables, said) in [
+            ("", "", "poses.position_std"),
+            (
+                "position_std = \"1 mm\"\nattitude = [5, 6, 7, 8]\n",
+                "",
+                "poses.attitude_order",
+            ),
+            (
+                &*format!("position_std = \"1 mm\"\n{ATTITUDE}"),
+                "",
+                "poses.attitude_std",
+            ),
+            (
+                &*format!("{STD}attitude = [5, 6, 7]\nattitude_order = \"x,y,z,w\"\n"),
+                "",
+                "a list of four columns",
+            ),
+            (
+                &*format!("{STD}velocity = [5, 6, 7]\n"),
+                "",
+                "poses.velocity",
+            ),
+            (&*format!("{STD}axes = \"x,y,-z\"\n"), "", "left-handed"),
+            (
+                STD,
+                "[gnss]\nfile = \"g.csv\"\n",
+                "set [gnss] or [poses], not both",
+            ),
+            (STD, "[local]\naltitude = \"3 m\"\n", "local.altitude"),
+        ] {
+            let error = drive(keys, tables).unwrap_err();
+            assert!(
+                error.contains(said) && error.contains("room.toml"),
+                "{said}: {error}"
+            );
+        }
+        let gnss = "[imu]\nfile = \"imu.csv\"\ntime = 1\ngyro = [2, 3, 4]\naccel = [5, 6, 7]\n\
+                    gyro_unit = \"deg/s\"\naccel_unit = \"g\"\n[gnss]\nfile = \"g.csv\"\ntime = 1\n\
+                    position = [2, 3, 4]\nposition_std = \"1 m\"\n[local]\nlatitude = \"3 deg\"\n";
+        let none = Path::new("none");
+        let error = Drive::from_toml(gnss, "car.toml", none, none)
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("local.latitude"), "{error}");
+    }
+}

@@ -16,6 +16,10 @@ const ENOUGH: [usize; 2] = [20, 3];
 
 /// A record of a log.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "passed on one by one, and not kept"
+)]
 pub enum Record {
     /// An inertial sample.
     Sample(ImuSample),
