@@ -52,7 +52,8 @@ fn the_commands_of_the_readme_run_as_printed() {
         run.push(command.split(' ').nth(1).unwrap_or_default().to_owned());
     }
     let expected = [
-        "sample", "identify", "model", "inspect", "outages", "tune", "live", "fleet",
+        "sample", "identify", "model", "inspect", "outages", "tune", "tune", "model", "live",
+        "fleet",
     ];
     assert_eq!(run, expected);
     fs::remove_dir_all(&folder).unwrap();
