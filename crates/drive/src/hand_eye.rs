@@ -1,6 +1,6 @@
 //! How a marker and its frame lie against an IMU, by the motion that poses and samples have in common.
 //!
-//! A rigid body turns by the same angles whoever watches: `δ_m = R_bmᵀ δ_b` for the turns between two poses, in the marker's axes and in the
+//! A rigid body turns by the same angles whoever watches: `δ_k = R_bkᵀ δ_b` for the turns between two poses, in the marker's axes and in the
 //! body's, gives the marker's rotation (Wahba 1965; Tsai & Lenz 1989 for hand and eye) and, by its fit, the offset between the clocks. With
 //! that the specific force can be turned into the frame of the poses, where a double difference of positions
 //!
@@ -28,7 +28,7 @@ pub(crate) const INTERVAL: f64 = 0.1;
 pub(crate) struct HandEye {
     /// What is to be added to the times of the poses \[s\].
     pub clock: f64,
-    /// Axes of the marker in the body, `q_bm`.
+    /// Axes of the marker in the body, `q_bk`.
     pub marker: Quaternion,
     /// Their standard deviation, each way \[rad\].
     pub marker_std: f64,

@@ -373,10 +373,10 @@ pub enum Aiding {
     Barometer(f64),
     /// Attitude of a marker.
     Attitude {
-        /// Attitude against the frame of the poses, `q_rm`, as measured.
-        q_rm: Quaternion,
+        /// Attitude against the frame of the poses, `q_rk`, as measured.
+        q_rk: Quaternion,
         /// The marker's axes in the body, as configured.
-        q_bm: Quaternion,
+        q_bk: Quaternion,
         /// Time at which it holds \[s\]; the filter is there or after it.
         due: f64,
     },
@@ -458,8 +458,8 @@ pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Op
             Observed::One(filter.observe_odometer(*speed, lever_arm))
         }
         Aiding::Barometer(height) => Observed::One(filter.observe_barometer(*height)),
-        Aiding::Attitude { q_rm, q_bm, due } => {
-            Observed::Three(pose::observe_attitude(filter, q_rm, q_bm, *due))
+        Aiding::Attitude { q_rk, q_bk, due } => {
+            Observed::Three(pose::observe_attitude(filter, q_rk, q_bk, *due))
         }
     })
 }

@@ -247,8 +247,8 @@ impl Aligner {
         if let Some((rpy, std)) = self.settings.attitude {
             return Some((from_rpy(&rpy), std, AttitudeSource::Given));
         }
-        let (q_rm, covariance) = fix.attitude?;
-        let q_nb = q_rm * settings.marker.inverse();
+        let (q_rk, covariance) = fix.attitude?;
+        let q_nb = q_rk * settings.marker.inverse();
         let prior = |kind| prior_std(settings, kind);
         let turned = prior(Parameter::MarkerRotation);
         let tilted = prior(Parameter::FrameTilt);

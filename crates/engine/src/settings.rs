@@ -106,7 +106,7 @@ pub struct Settings {
     /// IMU → antenna, body axes \[m\]: forward, right and down positive, so an antenna on the roof has a negative third component. It is
     /// estimated beside this value where [`Parameter::LeverArm`] is among the parameters.
     pub lever_arm: Vector3,
-    /// Axes of the marker in the body, `q_bm`, which turns vectors of the marker's axes into the body's: of poses, whose attitude is the
+    /// Axes of the marker in the body, `q_bk`, which turns vectors of the marker's axes into the body's: of poses, whose attitude is the
     /// marker's. It is estimated beside this value where [`Parameter::MarkerRotation`] is among the parameters.
     pub marker: Quaternion,
     /// Whether the navigation frame turns with the Earth; not in a room whose heading against north is unknown. `true` by default.

@@ -139,7 +139,7 @@ pub struct LocalPose {
     pub time: f64,
     /// Position of the marker, local axes \[m\].
     pub position: Option<Vector3>,
-    /// `q_wm`: turns vectors of the marker's axes into the local axes.
+    /// `q_wk`: turns vectors of the marker's axes into the local axes.
     pub attitude: Option<Quaternion>,
     /// Covariance of the position, local axes \[m²\], where the log states it.
     pub position_covariance: Option<Matrix3>,

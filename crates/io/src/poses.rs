@@ -1,6 +1,6 @@
 //! Poses of a marker, camera or body in a local Cartesian frame: motion capture, total stations, visual odometry, SLAM.
 //!
-//! The attitude is `q_wm`, which turns vectors of the marker's axes `m` into those of the local frame `w`, as TUM,
+//! The attitude is `q_wk`, which turns vectors of the marker's axes `k` into those of the local frame `w`, as TUM,
 //! EuRoC and the messages of ROS write it. A row without one usable number in any of its columns, as trackers write
 //! when they lose the marker, is skipped. A quaternion of four zeros is no attitude: the position is used without
 //! one, unless it is zero, too.

@@ -87,9 +87,9 @@ pub struct GnssFix {
     /// Velocity over ground north-east-down [m/s] with its covariance [(m/s)²].
     /// It is the antenna's velocity: in a turn the lever arm moves it against the IMU's.
     pub velocity: Option<(Vector3, Matrix3)>,
-    /// Attitude of the marker, `q_nm`, which turns vectors of the marker's axes into north, east, down, and the covariance of its
+    /// Attitude of the marker, `q_nk`, which turns vectors of the marker's axes into north, east, down, and the covariance of its
     /// error as a small rotation about north, east, down \[rad²\]. Motion capture, visual and laser odometry have one; how the marker's
-    /// axes lie in the body is the filter's [`Marker`](crate::aiding::Marker).
+    /// axes lie in the body is stated where it is used ([`Filter::observe_attitude`](crate::filter::Filter::observe_attitude)).
     pub attitude: Option<(Quaternion, Matrix3)>,
     /// Kind of solution as the receiver states it. The filter weighs a fix by its covariances alone; a navigator may be set to
     /// replace them by what is usual of the kind.
@@ -117,11 +117,11 @@ impl GnssFix {
         }
     }
 
-    /// This fix with an attitude `q_nm` of the marker and its standard deviations about north, east, down \[rad\]. An attitude it had is
+    /// This fix with an attitude `q_nk` of the marker and its standard deviations about north, east, down \[rad\]. An attitude it had is
     /// replaced.
-    pub fn with_attitude(self, q_nm: Quaternion, std: impl Into<Vector3>) -> Self {
+    pub fn with_attitude(self, q_nk: Quaternion, std: impl Into<Vector3>) -> Self {
         Self {
-            attitude: Some((q_nm, variances(std.into()))),
+            attitude: Some((q_nk, variances(std.into()))),
             ..self
         }
     }

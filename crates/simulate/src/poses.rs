@@ -20,7 +20,7 @@ pub struct PoseNoise {
     pub position_std: f64,
     /// Standard deviation of the attitude, about each axis \[rad\].
     pub attitude_std: f64,
-    /// Axes of the marker in the body, `q_bm`.
+    /// Axes of the marker in the body, `q_bk`.
     pub marker: Quaternion,
     /// IMU → marker, body axes \[m\].
     pub lever_arm: Vector3,

@@ -29,7 +29,7 @@ use undrift_nav::{
 /// What a drive by poses has beside its log of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Poses {
-    /// Axes of the marker in the body, `q_bm`.
+    /// Axes of the marker in the body, `q_bk`.
     pub marker: Quaternion,
     /// Whether the frame's heading is north, so that the Earth's rotation is taken into account.
     pub earth_rate: bool,

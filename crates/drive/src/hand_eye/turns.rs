@@ -12,7 +12,7 @@ use undrift_results::inspect::PoseFault;
 pub(super) struct Turns {
     /// What is to be added to the times of the poses \[s\].
     pub clock: f64,
-    /// Axes of the marker in the body, `q_bm`.
+    /// Axes of the marker in the body, `q_bk`.
     pub marker: Quaternion,
     pub marker_std: f64,
     /// Of the gyros [rad/s].
@@ -231,7 +231,7 @@ fn refined(path: &Path, turns: &[Turn], about: f64) -> (f64, Fit) {
     (best, fit(path, turns, best))
 }
 
-/// The rotation by the turns of both, `Σ δ_b δ_mᵀ` (Wahba; Markley 1988).
+/// The rotation by the turns of both, `Σ δ_b δ_kᵀ` (Wahba; Markley 1988).
 fn fit(path: &Path, turns: &[Turn], clock: f64) -> Fit {
     let both = turns.iter().filter_map(|(from, to, marker)| {
         let body = path.turn(from + clock, to + clock)?;
@@ -253,14 +253,14 @@ fn fit(path: &Path, turns: &[Turn], clock: f64) -> Fit {
     let det = u.determinant() * v_t.determinant();
     let s = svd.singular_values;
     let proper = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, det.signum()));
-    let c_bm = u * proper * v_t;
+    let c_bk = u * proper * v_t;
     let (correlation, mirrored) = (
         (s[0] + s[1] + det.signum() * s[2]) / sizes,
         (s[0] + s[1] - det.signum() * s[2]) / sizes,
     );
     let left: Vec<(f64, Vector3)> = both
         .iter()
-        .map(|(dt, body, m)| (*dt, body - c_bm * m))
+        .map(|(dt, body, m)| (*dt, body - c_bk * m))
         .collect();
     let time: f64 = left.iter().map(|(dt, _)| dt).sum();
     let bias: Vector3 = left.iter().map(|(_, left)| left).sum::<Vector3>() / time;
@@ -271,7 +271,7 @@ fn fit(path: &Path, turns: &[Turn], clock: f64) -> Fit {
     // How well the turns show each axis of the rotation.
     let shown = SymmetricEigen::new(Matrix3::identity() * own.trace() - own);
     Fit {
-        marker: Quaternion::from_matrix(&c_bm),
+        marker: Quaternion::from_matrix(&c_bk),
         std: scatter / shown.eigenvalues.min().max(f64::MIN_POSITIVE).sqrt(),
         bias,
         scatter,

@@ -22,11 +22,11 @@ const GATE: Gate = Gate {
 /// Observation of an attitude that holds at `due` \[s\]; the filter is there or after it.
 pub(super) fn observe_attitude<const N: usize>(
     filter: &Filter<N>,
-    q_rm: &Quaternion,
-    q_bm: &Quaternion,
+    q_rk: &Quaternion,
+    q_bk: &Quaternion,
     due: f64,
 ) -> Observation<3, N> {
-    let mut observed = filter.observe_attitude(q_rm, q_bm);
+    let mut observed = filter.observe_attitude(q_rk, q_bk);
     let late = filter.nav().time - due;
     if late > STAMP_ROUNDING {
         observed.innovation += filter.c_nb() * filter.omega_nb_b() * late;
@@ -42,9 +42,9 @@ pub(crate) fn update(
     settings: &Settings,
     summary: &mut Summary,
 ) -> Option<Result<Update, FilterError>> {
-    let (q_rm, noise) = fix.attitude?;
-    let q_bm = settings.marker;
-    let aiding = Aiding::Attitude { q_rm, q_bm, due };
+    let (q_rk, noise) = fix.attitude?;
+    let q_bk = settings.marker;
+    let aiding = Aiding::Attitude { q_rk, q_bk, due };
     let gate = if settings.gating { GATE } else { Gate::OPEN };
     let update = filter.update(&aiding, &noise, &gate).transpose()?;
     if let Ok(update) = update {

@@ -96,7 +96,7 @@ impl Default for FromFixes {
 pub struct FixErrors {
     /// Factor on the stated standard deviations of the position [–].
     pub position_factor: f64,
-    /// Factors on the stated standard deviations of the velocity, north, east, down [–].
+    /// Factors on the stated standard deviations of the velocity, north, east, down [–]; of a pose the first is that of the attitude.
     pub velocity_factor: Vector3,
     /// The time-correlated part of the position's error.
     pub correlated: Option<Correlated>,

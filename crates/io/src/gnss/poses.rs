@@ -64,9 +64,9 @@ impl Placed {
             let covariance = known(pose.position_covariance, self.fixes.position_std)?;
             Some((Position::Baseline { base, ned }, turned(covariance)))
         });
-        let attitude = pose.attitude.and_then(|q_wm| {
+        let attitude = pose.attitude.and_then(|q_wk| {
             let covariance = known(pose.attitude_covariance, self.fixes.attitude_std)?;
-            Some((q_rw * q_wm, turned(covariance)))
+            Some((q_rw * q_wk, turned(covariance)))
         });
         position.as_ref()?;
         // By the clock, so that the mean rate is the one asked for; from here on after a gap.

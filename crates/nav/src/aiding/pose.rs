@@ -5,23 +5,23 @@ use crate::{Matrix3, Quaternion, Vector3, attitude, filter::Filter, parameters::
 use nalgebra::SMatrix;
 
 impl<const N: usize> Filter<N> {
-    /// Predicted attitude `q_rm` of the marker against the frame r of the poses: the body's, the marker's axes in the body `q_bm` as
+    /// Predicted attitude `q_rk` of the marker against the frame r of the poses: the body's, the marker's axes in the body `q_bk` as
     /// configured with their estimated correction ([`Parameter::MarkerRotation`]), and the tilt of that frame ([`Parameter::FrameTilt`]).
-    pub fn marker_attitude(&self, q_bm: &Quaternion) -> Quaternion {
+    pub fn marker_attitude(&self, q_bk: &Quaternion) -> Quaternion {
         let turn = attitude::from_rotation_vector(&self.marker_turn());
-        let q_nm = self.nav().q_nb * q_bm * turn;
-        attitude::from_rotation_vector(&self.frame_tilt()) * q_nm
+        let q_nk = self.nav().q_nb * q_bk * turn;
+        attitude::from_rotation_vector(&self.frame_tilt()) * q_nk
     }
 
-    /// Observation of the attitude `q_rm` of a marker whose axes lie in the body as `q_bm` says. The innovation is the rotation vector of
-    /// `q_rm q̂_rm⁻¹` in the axes of r \[rad\], which for a small error is ψ.
+    /// Observation of the attitude `q_rk` of a marker whose axes lie in the body as `q_bk` says. The innovation is the rotation vector of
+    /// `q_rk q̂_rk⁻¹` in the axes of r \[rad\], which for a small error is ψ.
     ///
-    /// Rows `[0, 0, C_n^r, 0]` with C_n^r by the tilt, nearly `I`; `C_m^r J_r` for the marker's rotation, the first two columns of `J_l` for the
+    /// Rows `[0, 0, C_n^r, 0]` with C_n^r by the tilt, nearly `I`; `C_k^r J_r` for the marker's rotation, the first two columns of `J_l` for the
     /// tilt (Jacobians of the estimated turns), `C_b^r ω_nb^b` for the time offset. Solà 2017 (quaternion kinematics for the error-state
     /// filter), sections 4 and 6.
-    pub fn observe_attitude(&self, q_rm: &Quaternion, q_bm: &Quaternion) -> Observation<3, N> {
-        let predicted = self.marker_attitude(q_bm);
-        let miss = (q_rm * predicted.inverse()).scaled_axis();
+    pub fn observe_attitude(&self, q_rk: &Quaternion, q_bk: &Quaternion) -> Observation<3, N> {
+        let predicted = self.marker_attitude(q_bk);
+        let miss = (q_rk * predicted.inverse()).scaled_axis();
         let mut h = SMatrix::<f64, 3, N>::zeros();
         let tilt = self.frame_tilt();
         let c_nr = attitude::from_rotation_vector(&tilt).to_rotation_matrix();

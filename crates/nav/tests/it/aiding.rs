@@ -167,10 +167,10 @@ proptest! {
 
     #[test]
     fn attitude_of_a_marker(f in filter(), axes in vector(3.0)) {
-        let q_bm = from_rpy(&axes);
+        let q_bk = from_rpy(&axes);
         // At the innovation of zero; elsewhere the rows miss its own Jacobian.
-        let q_rm = f.marker_attitude(&q_bm);
-        check(&f, &nothing(), |f| f.observe_attitude(&q_rm, &q_bm))?;
+        let q_rk = f.marker_attitude(&q_bk);
+        check(&f, &nothing(), |f| f.observe_attitude(&q_rk, &q_bk))?;
     }
 
     #[test]
@@ -246,8 +246,8 @@ proptest! {
         // A filter that is later by d looks at a fix as if its stamp were d too early. The filter moves forwards
         // only: differences over a step, its half, quarter and eighth, extrapolated to none, leave the fourth order.
         let fix = Position::Geodetic(f.nav().position);
-        let q_bm = from_rpy(&v);
-        let q_rm = f.marker_attitude(&q_bm);
+        let q_bk = from_rpy(&v);
+        let q_rk = f.marker_attitude(&q_bk);
         let ahead = |part: f64| {
             let mut later = f.clone();
             later.advance(0.3 + 0.6 * part);
@@ -256,7 +256,7 @@ proptest! {
                 - f.observe_position(&fix, &lever).innovation;
             let velocity = later.observe_velocity(&v, &lever).innovation
                 - f.observe_velocity(&v, &lever).innovation;
-            let attitude = later.observe_attitude(&q_rm, &q_bm).innovation;
+            let attitude = later.observe_attitude(&q_rk, &q_bk).innovation;
             SMatrix::<f64, 3, 3>::from_columns(&[position / d, velocity / d, attitude / d])
         };
         let mut slopes = [1.0, 0.5, 0.25, 0.125].map(ahead);
@@ -281,7 +281,7 @@ proptest! {
         for (slope, h, by_design) in [
             (slopes[0].column(0), position.column(column).into_owned(), Vector3::zeros()),
             (slopes[0].column(1), velocity.column(of_velocity).into_owned(), omitted),
-            (slopes[0].column(2), f.observe_attitude(&q_rm, &q_bm).h.column(column).into_owned(), Vector3::zeros()),
+            (slopes[0].column(2), f.observe_attitude(&q_rk, &q_bk).h.column(column).into_owned(), Vector3::zeros()),
         ] {
             // A place over the least step of 7 ms, three times by the extrapolation: 1e-6 of a speed of a few m/s.
             let miss = (slope + h + by_design).norm();

@@ -167,9 +167,9 @@ fn room(
     };
     let mut off = [0.0; 7];
     let (turn, std) = get(Parameter::MarkerRotation)?;
-    let q_bm = drive.poses.ok_or("poses")?.marker
+    let q_bk = drive.poses.ok_or("poses")?.marker
         * UnitQuaternion::from_scaled_axis(Vector3::from_row_slice(&turn));
-    let miss = (q_bm.inverse() * marker).scaled_axis();
+    let miss = (q_bk.inverse() * marker).scaled_axis();
     let (arm, arm_std) = get(Parameter::LeverArm)?;
     let arm = drive.lever_arm + Vector3::from_row_slice(&arm) - lever;
     for i in 0..3 {
