@@ -169,3 +169,34 @@ def test_what_cannot_be_is_refused(
     for begin in (undrift.Filter.from_drive, undrift.Navigator.from_drive, lambda drive: drive.gnss):
         with pytest.raises(undrift.UndriftError, match="the drive has poses, not fixes"):
             begin(found)
+
+
+def test_simulated_poses_are_a_drive() -> None:
+    axes = undrift.NoiseModel.load("icm20602").axes
+    # Without turn-on constants, so that 40 s determine the clock and the marker.
+    noise = {name: {"white_noise": axis.white_noise} for name, axis in axes.items()}
+    sim = undrift.simulate("handheld", 40.0, 100.0, undrift.NoiseModel.of(**noise), seed=3)
+    marker, arm = (0.2, -0.1, 1.5), (0.05, 0.02, -0.1)
+    poses = sim.poses(25.0, marker=marker, lever_arm=arm, time_offset=0.02)
+    assert {name: rows.shape for name, rows in poses.items()} == {
+        "time": (1001,),
+        "position": (1001, 3),
+        "attitude": (1001, 4),
+    }
+    assert np.linalg.norm(poses["attitude"], axis=1) == pytest.approx(1.0)
+    assert poses["time"][:2] == pytest.approx([-0.02, 0.02])
+    # Up from where it begins.
+    climbed = sim.truth.height[::4] - sim.truth.height[0]
+    assert np.abs(poses["position"][:, 2] - climbed).max() < np.linalg.norm(arm) + 0.006
+    lines = dict(
+        line.partition(" #")[0].split(" = ", 1)
+        for line in undrift.inspect(sim.imu, poses).toml.partition("[poses]")[2].splitlines()
+        if " = " in line
+    )
+    found = [float(angle) for angle in lines["marker"].strip('"').removesuffix(" deg").split(",")]
+    # To a degree and 2 cm, as the accelerations of 40 s show it.
+    assert found == pytest.approx(np.degrees(marker).tolist(), abs=1.0)
+    place = [float(one) for one in lines["lever_arm"].strip('"').removesuffix(" m").split(",")]
+    assert place == pytest.approx(arm, abs=0.02)
+    with pytest.raises(undrift.UndriftError, match="position_std: must be above 0"):
+        sim.poses(position_std=0.0)

@@ -125,8 +125,8 @@ class Simulation(Result):
             "time_offset": number(time_offset, "time_offset"),
         }
         places = np.column_stack((at.lat, at.lon, at.height))
-        rows = (np.ascontiguousarray(part[every]) for part in (at.time, places, at.rpy))
-        return _undrift.simulate_poses(*rows, seen, self.seed)
+        time, place, rpy = (np.ascontiguousarray(part[every]) for part in (at.time, places, at.rpy))
+        return _undrift.simulate_poses(time, place, rpy, seen, self.seed)
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """Writes ``imu.csv``, ``gnss.csv``, ``truth.csv``, ``imu.toml`` and ``drive.toml``, which is returned.
