@@ -179,7 +179,7 @@ test("an IMU and poses are navigated, cut and tuned, and the tuned noise is save
   const files = new Map();
   for (const name of ["navigate", "smooth", "10", "tune"]) files.set(name, await result(page, page.locator(`#drive button[value="${name}"]`)));
   assert.ok(files.get("navigate").get("nav.csv").split("\n").length > 10000);
-  assert.equal(JSON.parse(files.get("10").get("outages.json")).outages[0].length_s, 10);
+  assert.ok(Math.abs(JSON.parse(files.get("10").get("outages.json")).outages[0].length_s - 10) < 1e-9);
   assert.match(files.get("tune").get("tuned.toml"), /^\[poses\]/m);
   assert.match(files.get("tune").get("imu.yaml"), /gyroscope_noise_density/);
   assert.deepEqual(troubles, []);
