@@ -41,17 +41,36 @@ def poses(room: Path) -> dict[str, Any]:
     return {"time": rows[:, 0], "position": rows[:, 1:4], "attitude": rows[:, 4:8]}
 
 
-#: What inspection finds of the room, in SI units.
+#: How the sample's marker lies, in SI units; the same as a drive file has it.
 KEYS: dict[str, Any] = {
     "attitude_order": "x,y,z,w",
     "axes": "x,-y,-z",
-    "marker": np.radians([11.51, -6.04, 85.92]),
-    "lever_arm": (0.049, 0.025, -0.1),
+    "marker": np.radians([11.5, -5.7, 85.9]),
+    "lever_arm": (0.05, 0.02, -0.1),
     "position_std": (1e-3, 1e-3, 1e-3),
     "attitude_std": np.radians([0.1, 0.1, 0.1]),
     "interval": 0.1,
     "time_offset": 0.02,
 }
+DRIVE = """
+model = "mpu6050"
+[imu]
+file = "imu.csv"
+time = "t_s"
+gyro = ["gx_radps", "gy_radps", "gz_radps"]
+gyro_unit = "rad/s"
+accel = ["fx_mps2", "fy_mps2", "fz_mps2"]
+accel_unit = "m/s^2"
+[poses]
+file = "poses.txt"
+axes = "x,-y,-z"
+marker = "11.5, -5.7, 85.9 deg"
+lever_arm = "5, 2, -10 cm"
+position_std = "1, 1, 1 mm"
+attitude_std = "0.1, 0.1, 0.1 deg"
+interval = "100 ms"
+time_offset = "20 ms"
+"""
 
 
 def columns_of(imu: dict[str, Any]) -> dict[str, Any]:
@@ -70,9 +89,10 @@ def equal(one: undrift.Navigation, other: undrift.Navigation, tolerance: float =
 
 
 def test_arrays_give_what_files_give(
-    found: undrift.Drive, imu: dict[str, Any], poses: dict[str, Any]
+    room: Path, imu: dict[str, Any], poses: dict[str, Any]
 ) -> None:
-    files = undrift.navigate(found)
+    (room / "drive.toml").write_text(DRIVE)
+    files = undrift.navigate(room / "drive.toml")
     drive = undrift.Drive(columns_of(imu), poses={"file": poses, **KEYS}, model="mpu6050")
     equal(undrift.navigate(drive), files)
     # The other order, as rows of a data frame, and keys of their own.
