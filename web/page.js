@@ -99,7 +99,7 @@ function offer(label, get) {
   $("downloads").hidden = false;
 }
 
-const buttons = () => document.querySelectorAll(".do, #sample-static, #sample-drive, #demo, #downloads button");
+const buttons = () => document.querySelectorAll(".do, #sample-static, #sample-drive, #sample-room, #demo, #downloads button");
 
 // Runs something while nothing else can be begun.
 async function working(task) {
@@ -194,8 +194,9 @@ async function opened() {
   });
   const tables = inspected.flatMap(file => file.parts.map(part => part.table));
   fillStatic();
-  tab(given.length || tables.includes("gnss") ? "drive" : "static");
-  if (!tables.includes("gnss") && !given.length && tables.includes("imu")) await identify();
+  const moving = given.length || tables.includes("gnss") || tables.includes("poses");
+  tab(moving ? "drive" : "static");
+  if (!moving && tables.includes("imu")) await identify();
 }
 
 $("choose").onchange = ({ target }) => { add(target.files).finally(() => { target.value = ""; }); };
@@ -217,6 +218,7 @@ async function sample(names) {
 }
 $("sample-static").onclick = () => sample(["static.csv"]);
 $("sample-drive").onclick = () => sample(["drive/imu.csv", "drive/gnss.csv"]);
+$("sample-room").onclick = () => sample(["room/imu.csv", "room/poses.txt"]);
 
 // Fewer drives than the command's, for patience.
 $("demo").onclick = () => working(async () => {
@@ -321,6 +323,17 @@ for (const id of ["columns", "gyro-unit", "accel-unit"]) $(id).oninput = preview
 const FORMATS = [["Kalibr", "kalibr", "imu.yaml"], ["PX4", "px4", "imu.params"], ["ROS", "ros", "imu-ros.yaml"], ["KF-GINS", "kf-gins", "kf-gins.yaml"], ["MATLAB", "matlab", "imu.m"],
   ["VINS", "vins", "vins.yaml"], ["OpenVINS", "openvins", "kalibr_imu_chain.yaml"], ["Basalt", "basalt", "basalt.json"]];
 
+// The model of a file for other programs.
+function offerFormats(model) {
+  for (const [label, name, file] of FORMATS) {
+    offer(label, async () => {
+      const done = await undrift(["model", model, "--to", name, "-o", file], [file]);
+      list(done.warnings);
+      return [file, done.files[file]];
+    });
+  }
+}
+
 async function identify() {
   const form = asked();
   await working(async () => {
@@ -335,13 +348,7 @@ async function identify() {
     offer("Report (HTML)", () => ["identify.html", found.files["identify.html"]]);
     offer("imu.toml", () => ["imu.toml", model]);
     offer("JSON", () => ["identify.json", found.files["identify.json"]]);
-    for (const [label, name, file] of FORMATS) {
-      offer(label, async () => {
-        const done = await undrift(["model", "imu.toml", "--to", name, "-o", file], [file]);
-        list(done.warnings);
-        return [file, done.files[file]];
-      });
-    }
+    offerFormats("imu.toml");
   });
 }
 $("static").onsubmit = event => { event.preventDefault(); identify(); };
@@ -376,6 +383,7 @@ async function tune() {
   const tuned = done.files["tuned.toml"];
   offer("Report (HTML)", () => ["tune.html", done.files["tune.html"]]);
   offer("tuned.toml", () => ["tuned.toml", tuned]);
+  offerFormats("tuned.toml");
   if (tuned) $("toml").value = await tuned.text();
 }
 

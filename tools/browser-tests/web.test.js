@@ -169,6 +169,23 @@ test("every button gives a result with the simulated drive", { skip: missing }, 
   await close();
 });
 
+test("an IMU and poses are navigated, cut and tuned, and the tuned noise is saved for Kalibr", { skip: missing }, async () => {
+  const { page, troubles, close } = await open();
+  await page.click("#sample-room");
+  await page.waitForFunction(() => document.getElementById("toml").value.includes("[poses]"), null, { timeout: 60000 });
+  await idle(page);
+  assert.equal(await page.getAttribute("#tab-drive", "aria-selected"), "true");
+  assert.match(await page.inputValue("#toml"), /^marker = /m);
+  const files = new Map();
+  for (const name of ["navigate", "smooth", "10", "tune"]) files.set(name, await result(page, page.locator(`#drive button[value="${name}"]`)));
+  assert.ok(files.get("navigate").get("nav.csv").split("\n").length > 10000);
+  assert.ok(Math.abs(JSON.parse(files.get("10").get("outages.json")).outages[0].length_s - 10) < 1e-9);
+  assert.match(files.get("tune").get("tuned.toml"), /^\[poses\]/m);
+  assert.match(files.get("tune").get("imu.yaml"), /gyroscope_noise_density/);
+  assert.deepEqual(troubles, []);
+  await close();
+});
+
 test("every button gives a result with another sensor and a drive file of one's own", { skip: missing || (existsSync(simulate) ? false : `${simulate} is missing`) }, async () => {
   const { page, troubles, close } = await open();
   const drive = path.join(scratch, "drive");

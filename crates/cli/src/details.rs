@@ -70,6 +70,7 @@ pub fn drive(source: &Source) {
 }
 
 /// Prints a file of settings unchanged.
+#[cfg(not(target_family = "wasm"))]
 pub fn text(file: &Path) {
     text_of(file, || std::fs::read_to_string(file).unwrap_or_default());
 }

@@ -1,14 +1,16 @@
-//! The undrift command: one file per verb.
+//! The undrift command: one file per verb; in the page of the browser without those that it does not run.
 
 mod demo;
 mod details;
 mod drives;
+#[cfg(not(target_family = "wasm"))]
 mod fleet;
 mod identify;
 mod inspect;
 #[cfg(not(target_family = "wasm"))]
 mod live;
 mod model;
+#[cfg(not(target_family = "wasm"))]
 mod montecarlo;
 mod navigate;
 mod outages;
@@ -19,6 +21,7 @@ mod print;
 mod progress;
 mod report;
 mod sample;
+#[cfg(not(target_family = "wasm"))]
 mod setup;
 mod signals;
 mod style;
@@ -82,20 +85,24 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Verb {
     Demo(demo::Arguments),
+    #[cfg(not(target_family = "wasm"))]
     Fleet(fleet::Arguments),
     Identify(identify::Arguments),
     Inspect(inspect::Arguments),
     #[cfg(not(target_family = "wasm"))]
     Live(live::Arguments),
     Model(model::Arguments),
+    #[cfg(not(target_family = "wasm"))]
     Montecarlo(montecarlo::Arguments),
     Navigate(navigate::Arguments),
     Outages(outages::Arguments),
     Report(report::Arguments),
     Sample(sample::Arguments),
     Tune(tune::Arguments),
+    #[cfg(not(target_family = "wasm"))]
     #[command(hide = true)]
     Completions(setup::Completions),
+    #[cfg(not(target_family = "wasm"))]
     #[command(hide = true)]
     Man(setup::Man),
 }
@@ -114,19 +121,23 @@ fn main() -> ExitCode {
     signals::watch();
     let result = match verb {
         Verb::Demo(arguments) => demo::run(&arguments),
+        #[cfg(not(target_family = "wasm"))]
         Verb::Fleet(arguments) => fleet::run(&arguments),
         Verb::Identify(arguments) => identify::run(&arguments),
         Verb::Inspect(arguments) => inspect::run(&arguments),
         #[cfg(not(target_family = "wasm"))]
         Verb::Live(arguments) => live::run(&arguments),
         Verb::Model(arguments) => model::run(&arguments),
+        #[cfg(not(target_family = "wasm"))]
         Verb::Montecarlo(arguments) => montecarlo::run(&arguments),
         Verb::Navigate(arguments) => navigate::run(&arguments),
         Verb::Outages(arguments) => outages::run(&arguments),
         Verb::Report(arguments) => report::run(&arguments),
         Verb::Sample(arguments) => sample::run(&arguments),
         Verb::Tune(arguments) => tune::run(&arguments),
+        #[cfg(not(target_family = "wasm"))]
         Verb::Completions(arguments) => setup::completions(&arguments, Arguments::command()),
+        #[cfg(not(target_family = "wasm"))]
         Verb::Man(arguments) => setup::man(&arguments, Arguments::command()),
     };
     match result {

@@ -1,7 +1,6 @@
 //! `undrift report`: results that were written as JSON, for reading.
 
 use crate::output::{Files, JsonOutput, make_folder};
-use crate::terminal::Invalid;
 use anyhow::{Context, Result};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -55,17 +54,20 @@ pub fn write_drawn(
 }
 
 /// Figures are written as SVG: another name is refused before the work begins.
+#[cfg(not(target_family = "wasm"))]
 pub fn svg_only(path: Option<&Path>) -> Result<()> {
     let Some(path) = path else { return Ok(()) };
     let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
     match ending.as_deref() {
-        Some(ending @ ("png" | "jpg" | "jpeg" | "pdf" | "eps")) => anyhow::bail!(Invalid(format!(
-            "cannot write {}: figures are written as SVG, not {}; name it {}, or use --report FILE.html \
+        Some(ending @ ("png" | "jpg" | "jpeg" | "pdf" | "eps")) => {
+            anyhow::bail!(crate::terminal::Invalid(format!(
+                "cannot write {}: figures are written as SVG, not {}; name it {}, or use --report FILE.html \
              and save the figure as PNG from the page",
-            path.display(),
-            ending.to_uppercase(),
-            path.with_extension("svg").display()
-        ))),
+                path.display(),
+                ending.to_uppercase(),
+                path.with_extension("svg").display()
+            )))
+        }
         _ => Ok(()),
     }
 }

@@ -75,6 +75,11 @@ pub enum SessionError {
     /// A log has no source.
     #[error("no source of [{0}]")]
     NoSource(String),
+    /// The drive file has poses.
+    #[error(
+        "live takes fixes, not poses: write [gnss] in the place of [poses], or navigate the recorded log by `undrift navigate`"
+    )]
+    Poses,
 }
 
 /// Something that the user of a session should know.

@@ -9,12 +9,18 @@ use crate::{
 use pyo3::{prelude::*, types::PyDict};
 use std::path::{Path, PathBuf};
 use undrift::{
+    columns::poses as poses_of_columns,
     drive, inspect,
-    io::Memory,
+    io::{
+        Memory,
+        poses::{AttitudeColumns, PoseFormat, QuaternionOrder},
+        table::{Column, Preview},
+    },
     nav::{
         Matrix3,
         earth::Geodetic,
         sample::{GnssFix, ImuSample, Position},
+        units::{Quantity, unit_factor},
     },
     navigate,
     noise::interrupt,
@@ -75,6 +81,12 @@ impl Drive {
     #[getter]
     fn file(&self) -> PathBuf {
         self.file.clone()
+    }
+
+    /// Whether it has poses in the place of fixes.
+    #[getter]
+    fn by_poses(&self) -> bool {
+        self.drive.poses.is_some()
     }
 
     /// The inertial samples in body axes, by the names of `undrift.ImuLog`.
@@ -144,20 +156,94 @@ fn antenna(at: Position) -> Geodetic {
     }
 }
 
-/// What the names of columns tell of a table of the drive file, `imu`, `gnss` or `truth`: keys and
-/// values as TOML writes them.
+/// Keys of a drive file's table and their values as TOML writes them.
+type Keys = Vec<(&'static str, String)>;
+
+/// What the names of columns show of a table of the drive file, `imu`, `gnss`, `poses` or `truth`.
 #[pyfunction]
-pub fn parts_by_names(names: Vec<String>) -> Vec<(&'static str, Vec<(&'static str, String)>)> {
-    inspect::by_names(&names)
-        .into_iter()
+pub fn parts_by_names(names: Vec<String>) -> Vec<(&'static str, Keys)> {
+    let table = Preview {
+        names: names.clone(),
+        ..Preview::default()
+    };
+    let poses = poses_of_columns(&table).and_then(|poses| keys_of(&poses));
+    let parts = inspect::by_names(&names).into_iter();
+    parts
+        .filter(|part| part.table != POSES)
         .map(|part| {
             let lines = part.lines.into_iter();
-            (
-                part.table,
-                lines
-                    .map(|line| (line.key, line.value.to_string()))
-                    .collect(),
-            )
+            let keys = lines.map(|line| (line.key, line.value.to_string()));
+            (part.table, keys.collect())
         })
+        .chain(poses.map(|keys| (POSES, keys)))
         .collect()
+}
+
+/// The table of poses.
+const POSES: &str = "poses";
+/// Units that names of columns may state.
+const TIMES: [&str; 4] = ["s", "ms", "us", "ns"];
+const LENGTHS: [&str; 6] = ["m", "mm", "cm", "km", "ft", "in"];
+
+/// The keys of `[poses]` that read such columns, without the order of a quaternion that no name states; `None` without a position, or in
+/// units that are not those above.
+fn keys_of(poses: &PoseFormat) -> Option<Keys> {
+    let time_unit = unit_of(poses.time_scale, Quantity::Time, &TIMES)?;
+    let length_unit = unit_of(poses.position_scale, Quantity::Length, &LENGTHS)?;
+    let list = |key, columns: &[Column]| (key, format!("[{}]", toml_of(columns)));
+    let one = |column| toml_of(std::slice::from_ref(column));
+    let mut keys = vec![("time", one(&poses.time))];
+    if poses.time_scale != 1.0 {
+        keys.push(("time_unit", time_unit));
+    }
+    keys.extend(poses.date.as_ref().map(|date| ("date", one(date))));
+    keys.push(list("position", poses.position.as_ref()?));
+    if poses.position_scale != 1.0 {
+        keys.push(("position_unit", length_unit));
+    }
+    let position_std = poses.position_std.as_ref();
+    keys.extend(position_std.map(|std| list("position_std_columns", std)));
+    match &poses.attitude {
+        Some(AttitudeColumns::Quaternion {
+            columns: four,
+            w_first,
+        }) => {
+            keys.push(list("attitude", four));
+            if poses.quaternion_order == QuaternionOrder::Stated {
+                let order = if *w_first { "w,x,y,z" } else { "x,y,z,w" };
+                keys.push(("attitude_order", text(order)));
+            }
+        }
+        Some(AttitudeColumns::Euler {
+            columns: three,
+            scale,
+        }) => {
+            keys.push(list("euler", three));
+            let unit = if *scale == 1.0 { "rad" } else { "deg" };
+            keys.push(("euler_unit", text(unit)));
+        }
+        Some(AttitudeColumns::Matrix(_)) | None => {}
+    }
+    Some(keys)
+}
+
+/// The unit of a factor to SI.
+fn unit_of(factor: f64, quantity: Quantity, units: &[&str]) -> Option<String> {
+    let mut units = units.iter();
+    let unit = units.find(|unit| unit_factor(unit, quantity) == Ok(factor));
+    unit.map(|unit| text(unit))
+}
+
+/// A text as TOML writes it.
+fn text(of: &str) -> String {
+    serde_json::Value::from(of).to_string()
+}
+
+/// Columns as TOML writes them, between commas.
+fn toml_of(columns: &[Column]) -> String {
+    let each = columns.iter().map(|column| match column {
+        Column::Number(number) => number.to_string(),
+        Column::Name(name) => text(name),
+    });
+    Vec::from_iter(each).join(", ")
 }

@@ -36,15 +36,16 @@ use undrift_report::say;
 
 /// The parameters that can be estimated; what fixes are wrong by is asked for in another way, and poses are a drive's.
 pub(crate) fn estimable() -> impl Iterator<Item = Parameter> {
-    let others = [
-        Parameter::MarkerRotation,
-        Parameter::FrameTilt,
-        Parameter::PositionError,
-        Parameter::VelocityError,
-    ];
+    let of_poses = [Parameter::MarkerRotation, Parameter::FrameTilt];
+    shown().filter(move |kind| !of_poses.contains(kind))
+}
+
+/// The parameters that a state shows.
+fn shown() -> impl Iterator<Item = Parameter> {
+    let of_fixes = [Parameter::PositionError, Parameter::VelocityError];
     Parameter::ALL
         .into_iter()
-        .filter(move |kind| !others.contains(kind))
+        .filter(move |kind| !of_fixes.contains(kind))
 }
 
 /// The filter; `undrift.Filter` wraps it.
@@ -389,7 +390,7 @@ impl Filter {
     /// Estimated parameters: name, values and standard deviations.
     fn parameters(&self, py: Python<'_>) -> Vec<(&'static str, Vec<f64>, Vec<f64>)> {
         self.locked(py, |held| {
-            estimable()
+            shown()
                 .filter_map(|kind| {
                     let (value, std) = held.estimator.parameter(kind)?;
                     let n = kind.width();

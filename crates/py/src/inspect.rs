@@ -63,7 +63,7 @@ fn drive_of(
     Ok((Drive { drive, file }, text, described.join("\n")))
 }
 
-/// A drive needs an IMU and fixes.
+/// A drive needs an IMU and fixes or poses.
 fn complete(found: &[Inspection]) -> Result<(), Failure> {
     let fixes = inspection::fixes_table(found);
     for (table, what) in [("imu", "inertial samples"), (fixes, "positions")] {
@@ -78,8 +78,9 @@ fn complete(found: &[Inspection]) -> Result<(), Failure> {
                 let names = found.iter().map(|log| log.file.display().to_string());
                 let names = Vec::from_iter(names).join(" and ");
                 let mend = report::unknown_log(found, table);
-                let mend =
-                    mend.unwrap_or_else(|| "specify their log too, inspect(imu, gnss)".into());
+                let mend = mend.unwrap_or_else(|| {
+                    "specify their log too, inspect(imu, gnss) or inspect(imu, poses)".into()
+                });
                 return Err(format!("no {what} in {names}: {mend}").into());
             }
         }

@@ -53,7 +53,7 @@ mod _undrift {
         navigator::Navigator,
         orders::{arma_pandit_wu, arma_select},
         report::make,
-        simulate::{simulate, write_csv},
+        simulate::{simulate, simulate_poses, write_csv},
         stationarity::{adf, kpss, phillips_perron, verdict},
         statistics::{
             acf, detrend, jarque_bera, normality_tests, pacf, portmanteau, psd, spectral_lines,

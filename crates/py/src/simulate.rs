@@ -1,19 +1,25 @@
 //! Simulated drives.
 
 use crate::{
-    columns::{Arrays, Named, array, coordinates, matrix_std},
+    columns::{Arrays, Named, array, coordinates, matrix_std, table},
     error::error,
     model::NoiseModel,
     work,
 };
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use undrift::{
     io::write::PendingFile,
-    nav::{Vector3, sample::Position},
-    simulate::{self as simulation, GnssNoise, Trajectory},
+    nav::{
+        Vector3,
+        attitude::from_rpy,
+        earth::Geodetic,
+        sample::{Position, TruthSample},
+    },
+    simulate::{self as simulation, GnssNoise, PoseNoise, Trajectory},
 };
 
 /// What moves how: the parameters that a trajectory does not have are not looked at.
@@ -29,6 +35,8 @@ pub struct Motion {
     course: f64,
     #[pyo3(item)]
     turn_rate: f64,
+    #[pyo3(item)]
+    swing: f64,
 }
 
 impl Motion {
@@ -38,6 +46,7 @@ impl Motion {
             speed,
             course,
             turn_rate,
+            swing,
             ..
         } = *self;
         if !(0.0..=simulation::MAX_DURATION).contains(&duration) {
@@ -49,12 +58,13 @@ impl Motion {
         Ok(match self.kind.as_str() {
             "car" => Trajectory::car(duration, seed),
             "flight" => Trajectory::flight(duration, seed),
+            "handheld" => Trajectory::handheld(duration, swing, seed),
             "rest" => Trajectory::rest(duration),
             "straight" => Trajectory::straight(speed, course, duration),
             "turn" => Trajectory::constant_turn(speed, turn_rate, duration),
             other => {
                 return Err(error(format!(
-                    "unknown trajectory \"{other}\"; available: car, flight, rest, straight, turn"
+                    "unknown trajectory \"{other}\"; available: car, flight, handheld, rest, straight, turn"
                 )));
             }
         })
@@ -141,6 +151,66 @@ pub fn simulate<'py>(
         .three("velocity", |at| at.v_n.map_or(unknown, |v| array(&v)))?
         .three("rpy", |at| at.rpy.map_or(unknown, |v| array(&v)))?;
     Ok([imu.dict(), gnss.dict(), truth.dict()])
+}
+
+/// A marker and how it is seen.
+#[derive(FromPyObject)]
+pub struct Marker {
+    #[pyo3(item)]
+    position_std: f64,
+    #[pyo3(item)]
+    attitude_std: f64,
+    #[pyo3(item)]
+    marker: [f64; 3],
+    #[pyo3(item)]
+    lever_arm: [f64; 3],
+    #[pyo3(item)]
+    time_offset: f64,
+}
+
+/// Poses of a marker by the truth at the IMU: times, places [rad, m] and roll, pitch, yaw [rad]; the frame begins at the first place, x
+/// north, z up.
+#[pyfunction]
+pub fn simulate_poses<'py>(
+    py: Python<'py>,
+    times: PyReadonlyArray1<'py, f64>,
+    places: PyReadonlyArray2<'py, f64>,
+    rpy: PyReadonlyArray2<'py, f64>,
+    marker: Marker,
+    seed: u64,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (times, places, rpy) = (times.as_array(), places.as_array(), rpy.as_array());
+    let truth = (0..times.len()).map(|k| TruthSample {
+        time: times[k],
+        position: Geodetic {
+            lat: places[(k, 0)],
+            lon: places[(k, 1)],
+            height: places[(k, 2)],
+        },
+        v_n: None,
+        rpy: Some(Vector3::new(rpy[(k, 0)], rpy[(k, 1)], rpy[(k, 2)])),
+    });
+    let truth: Vec<TruthSample> = truth.collect();
+    let seen = PoseNoise {
+        position_std: marker.position_std,
+        attitude_std: marker.attitude_std,
+        marker: from_rpy(&Vector3::from(marker.marker)),
+        lever_arm: Vector3::from(marker.lever_arm),
+        clock: marker.time_offset,
+        ..PoseNoise::default()
+    };
+    let origin = truth.first().map(|first| first.position);
+    let poses = origin.map_or_else(Vec::new, |origin| seen.measure(truth, &origin, seed));
+    let attitudes = poses
+        .iter()
+        .flat_map(|pose| <[f64; 4]>::from(pose.attitude.coords));
+    let attitudes = table(py, attitudes.collect(), 4)?;
+    let arrays = Arrays::new(py, &poses)
+        .one("time", |pose| pose.time)?
+        .three("position", |pose| array(&pose.position))?;
+    let poses = arrays.dict();
+    poses.set_item("attitude", attitudes)?;
+    Ok(poses)
 }
 
 /// Writes columns as CSV, every number with the digits that it takes to read it back as it is.

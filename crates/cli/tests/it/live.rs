@@ -291,11 +291,12 @@ fn a_mistake_is_said_before_anything_runs() {
     let wrong = text.replace("accel_unit", "acel_unit");
     fs::write(drive.join("wrong.toml"), wrong).unwrap();
     let line = format!("wrong.toml line {line}, imu.acel_unit");
+    fs::write(drive.join("poses.toml"), text.replace("[gnss]", "[poses]")).unwrap();
+    let poses = "live takes fixes, not poses: write [gnss] in the place of [poses]";
     for (arguments, words) in [
-        (
-            &["live", "wrong.toml", "--replay", "0"] as &[&str],
-            line.as_str(),
-        ),
+        (&["live", "poses.toml", "--replay", "0"] as &[&str], poses),
+        (&["live", "poses.toml", "--imu", "-", "--gnss", "-"], poses),
+        (&["live", "wrong.toml", "--replay", "0"], line.as_str()),
         (
             &[
                 "live",

@@ -11,6 +11,8 @@ use undrift_nav::sample::ImuSample;
 pub(super) const IMU: &str = "imu";
 /// The table of the fixes.
 pub(super) const GNSS: &str = "gnss";
+/// The table of poses, which are of logs only.
+pub(super) const POSES: &str = "poses";
 /// Records that show what a clock does: samples, and measurements.
 const ENOUGH: [usize; 2] = [20, 3];
 

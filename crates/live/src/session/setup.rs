@@ -26,9 +26,11 @@ pub(super) fn without_reference(text: &str, name: &str) -> Result<String, Sessio
 /// Whether each log has a source.
 pub(super) fn check(text: &str, logs: &[(String, usize)]) -> Result<(), SessionError> {
     let named = files_named(text).into_iter().map(|(table, _)| table);
-    let needed = [log::IMU, log::GNSS]
-        .into_iter()
-        .chain(named.filter(|table| *table != "model"));
+    let named = Vec::from_iter(named.filter(|table| *table != "model"));
+    if named.contains(&log::POSES) {
+        return Err(SessionError::Poses);
+    }
+    let needed = [log::IMU, log::GNSS].into_iter().chain(named);
     for table in needed {
         if !logs.iter().any(|(log, _)| log == table) {
             return Err(SessionError::NoSource(table.to_owned()));

@@ -354,6 +354,18 @@ fn what_cannot_be_is_said() {
         Options::default(),
     );
     assert_eq!(none.err().unwrap().to_string(), "no source of [gnss]");
+    // Whether or not somebody has a source for them.
+    for logs in [logs(), vec![("imu".into(), 0), ("poses".into(), 1)]] {
+        let posed = Session::new(
+            &DRIVE.replace("[gnss]", "[poses]"),
+            "drive.toml",
+            folder.path(),
+            logs,
+            Options::default(),
+        );
+        let said = posed.err().unwrap().to_string();
+        assert!(said.starts_with("live takes fixes, not poses"), "{said}");
+    }
     let mut wrong = Session::new(
         &DRIVE.replace("accel_unit", "acel_unit"),
         "drive.toml",

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from undrift import _toml, _undrift
-from undrift._errors import ArgumentError
+from undrift._errors import ArgumentError, UndriftError
 from undrift._logs import GnssLog, ImuLog
 from undrift._model import ModelLike, NoiseModel, compiled
 from undrift._solution import FilterState, filter_state
@@ -34,6 +34,16 @@ UNITS: dict[str, dict[str, str]] = {
         "velocity_std": "m/s",
         "time_offset": "s",
     },
+    "poses": {
+        "lever_arm": "m",
+        "position_std": "m",
+        "attitude_std": "rad",
+        "marker": "rad",
+        "frame": "rad",
+        "interval": "s",
+        "time_offset": "s",
+    },
+    "local": {"latitude": "rad", "gravity": "m/s^2"},
     "odometer": {"time_offset": "s", "speed_std": "m/s"},
     "barometer": {
         "time_offset": "s",
@@ -53,7 +63,13 @@ UNITS: dict[str, dict[str, str]] = {
         "course_min_speed": "m/s",
         **dict.fromkeys(_VEHICLE_LENGTHS, "m"),
     },
-    "states": {"misalignment": "rad", "lever_arm": "m", "time_offset": "s"},
+    "states": {
+        "misalignment": "rad",
+        "lever_arm": "m",
+        "time_offset": "s",
+        "marker": "rad",
+        "frame_tilt": "rad",
+    },
     "initial": {
         "attitude": "rad",
         "attitude_std": "rad",
@@ -95,7 +111,11 @@ _SHORT = {
         ),
         "gnss",
     ),
+    **dict.fromkeys(("marker", "attitude_order", "attitude_std", "interval"), "poses"),
 }
+
+#: Those of fixes that poses have, too.
+_OF_BOTH = ("lever_arm", "gate", "adapt", "position_std")
 
 #: What a log of columns by name is asked for.
 _TRUTH_KEYS = (
@@ -124,7 +144,11 @@ class Drive:
       ``lever_arm``, ``use``, ``gate``, ``adapt``, ``position_std``, ``velocity_std`` and their
       factors of GNSS;
     * ``odometer``, ``barometer``, ``truth`` are logs like these; ``vehicle`` is a profile or a dict,
-      ``states``, ``initial`` and ``span`` are dicts, ``span`` also (start, end);
+      ``states``, ``initial``, ``local`` and ``span`` are dicts, ``span`` also (start, end);
+    * ``poses`` of a camera, tracker or scanner in the place of ``gnss`` are a log with ``position`` (n × 3) and
+      ``attitude`` (n × 4, its ``attitude_order`` "x,y,z,w" or "w,x,y,z"); ``lever_arm``, ``gate``, ``adapt``,
+      ``position_std`` are then keys of the poses, and ``marker``, ``attitude_std``, ``attitude_order`` and
+      ``interval`` can stand alone, too;
     * a number with a dimension is a text with its unit, ``"0.1, 0, -1.2 m"``, or a number or three
       of them in SI units and radians, ``(0.1, 0, -1.2)``.
 
@@ -145,28 +169,41 @@ class Drive:
     def __init__(
         self,
         imu: Log,
-        gnss: Log,
+        gnss: Log = None,
         model: ModelLike | Mapping[str, Any] | None = None,
         *,
+        poses: Log = None,
         truth: Log = None,
         odometer: Log = None,
         barometer: Log = None,
         vehicle: str | Mapping[str, Any] | None = None,
         states: Mapping[str, Any] | None = None,
         initial: Mapping[str, Any] | None = None,
+        local: Mapping[str, Any] | None = None,
         span: tuple[float | None, float | None] | Mapping[str, Any] | None = None,
         name: str = "<drive>",
         **keys: Any,
     ) -> None:
-        logs = {"imu": imu, "gnss": gnss}
-        optional = {"truth": truth, "odometer": odometer, "barometer": barometer}
+        if (gnss is None) == (poses is None):
+            raise ArgumentError("a drive needs gnss or poses, and not both")
+        logs = {"imu": imu}
+        optional = {
+            "gnss": gnss,
+            "poses": poses,
+            "truth": truth,
+            "odometer": odometer,
+            "barometer": barometer,
+        }
         logs.update({table: log for table, log in optional.items() if log is not None})
-        short: dict[str, dict[str, Any]] = {"imu": {}, "gnss": {}}
+        short: dict[str, dict[str, Any]] = {"imu": {}, "gnss": {}, "poses": {}}
         for key, item in keys.items():
             if key not in _SHORT:
                 known = ", ".join(sorted(_SHORT))
                 raise ArgumentError(f"unknown key {key}; without their table there are {known}")
-            short[_SHORT[key]][key] = item
+            table = "poses" if key in _OF_BOTH and gnss is None else _SHORT[key]
+            if table not in logs:
+                raise ArgumentError(f"{key}: a key of {table}, which is not given")
+            short[table][key] = item
         memory: list[tuple[str, Columns]] = []
         text = ""
         if isinstance(model, Mapping):
@@ -178,7 +215,13 @@ class Drive:
             vehicle = {"profile": vehicle}
         if span is not None and not isinstance(span, Mapping):
             span = {"start": span[0], "end": span[1]}
-        tables = {"vehicle": vehicle, "states": states, "initial": initial, "span": span}
+        tables = {
+            "vehicle": vehicle,
+            "states": states,
+            "initial": initial,
+            "local": local,
+            "span": span,
+        }
         for table, stated in tables.items():
             if stated is not None:
                 text += _toml.table(table, stated, UNITS[table])
@@ -231,6 +274,7 @@ class Drive:
     @property
     def gnss(self) -> GnssLog:
         """The fixes as arrays, with the covariances that the filter is given: read from the log each time."""
+        self._needs_fixes("Drive.gnss")
         arrays = self._drive.gnss()
         for name in ("position_cov", "velocity_cov"):
             arrays[name] = arrays[name].reshape(-1, 3, 3)
@@ -239,6 +283,11 @@ class Drive:
     def align(self, bias_model: str = "arma") -> FilterState:
         """Where :func:`undrift.navigate` begins on this drive: the state at the end of the first sample of the solution."""
         return filter_state(_undrift.Filter.from_drive(self._drive, bias_model)[0])
+
+    def _needs_fixes(self, name: str) -> None:
+        """Refuses a drive by poses."""
+        if self._drive.by_poses:
+            raise UndriftError(f"{name}: the drive has poses, not fixes; navigate, outages and tune take it")
 
     @property
     def toml(self) -> str:
@@ -265,6 +314,12 @@ def _log(
         held = columns(log)
         memory.append((name, held))
         recognised = _recognised(table, stated_names(log, [column for column, _ in held]))
+        if "attitude" in keys or "euler" in keys:
+            for key in ("attitude", "attitude_order", "euler", "euler_unit"):
+                recognised.pop(key, None)
+        elif "attitude_order" in recognised:
+            # The columns are named x, y, z, w, whatever their order in the table.
+            keys.pop("attitude_order", None)
         missing = {key: item for key, item in recognised.items() if not _stated(key, keys)}
         lines = "".join(f"{key} = {item}\n" for key, item in missing.items())
         keys = {"file": name, "format": "csv", **keys}

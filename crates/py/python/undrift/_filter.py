@@ -115,6 +115,7 @@ class Filter:
         It is at the end of the sample in which the alignment was complete, with all that the drive asks it to
         estimate, the antenna's lever arm, and what the fixes are known to be wrong by.
         """
+        drive._needs_fixes("Filter")
         made = cls.__new__(cls)
         made._filter, made._lever_arm, made._interval = _undrift.Filter.from_drive(
             drive._drive, bias_model

@@ -22,7 +22,7 @@ def inspect(*logs: Any, vehicle: str | None = None, model: ModelLike | None = No
     Parameters
     ----------
     *logs : str, path or table
-        Logs of an IMU and of GNSS, or one that has both; of a reference, if there is one.
+        Logs of an IMU and of GNSS, or of poses, or one that has both; of a reference, if there is one.
     vehicle : str, optional
         Profile of the vehicle, such as car.
     model : str, path or NoiseModel, optional

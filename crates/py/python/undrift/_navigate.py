@@ -43,7 +43,7 @@ class Navigation(Solution, Judged):
     rmse: Mapping[str, float] | None
     """Root-mean-square error against the truth by component: [m], [m/s], [deg]; None without a truth."""
     nis: Mapping[str, float | None]
-    """NIS per degree of freedom of ``position`` and ``velocity``: 1 if the model is correct."""
+    """NIS per degree of freedom of ``position`` and ``velocity``, by poses also ``attitude``: 1 if the model is correct."""
     nees: Mapping[str, float | None]
     """NEES per degree of freedom against the truth, once a second: 1 when the covariance is right."""
     diverged: float | None
@@ -84,12 +84,12 @@ def drive_of(
     keys: Mapping[str, Any],
 ) -> Drive:
     """The drive that is meant by the arguments of ``navigate`` and ``outages``."""
-    if gnss is not None:
+    if gnss is not None or keys.get("poses") is not None:
         if data is not None:
             raise ArgumentError("data goes with a drive file: give the paths of the logs instead")
         return Drive(drive, gnss, model, **keys)
     if keys:
-        raise ArgumentError(f"{', '.join(keys)}: needs logs, but gnss is missing")
+        raise ArgumentError(f"{', '.join(keys)}: needs logs, but gnss is missing (or poses)")
     if isinstance(model, Mapping):
         raise ArgumentError("the model of a drive is a name, a file or a NoiseModel")
     if isinstance(drive, Simulation):
@@ -97,7 +97,7 @@ def drive_of(
     elif isinstance(drive, (str, os.PathLike)):
         drive = Drive.load(drive, data)
     elif not isinstance(drive, Drive):
-        raise ArgumentError(f"a {type(drive).__name__} is no drive: gnss is missing beside it")
+        raise ArgumentError(f"a {type(drive).__name__} is no drive: gnss is missing beside it (or poses)")
     return drive if model is None else drive.with_model(model)
 
 
@@ -123,7 +123,8 @@ def navigate(
 
     ``navigate("drive.toml")`` takes a drive file, with ``data`` as the folder of its logs if it is
     not its own; or a :class:`Drive`; or a :class:`Simulation`. ``navigate(imu, gnss, model, …)``
-    takes the logs themselves, in files or in memory, and all that :class:`Drive` takes.
+    takes the logs themselves, in files or in memory, and all that :class:`Drive` takes; ``poses=`` is then in the
+    place of ``gnss``.
 
     ``bias_model`` is white, paper, gauss-markov, random-walk, ar or arma. With ``smooth`` the
     solution is at every sample the best estimate given the whole log. ``output`` are files to write
@@ -212,10 +213,19 @@ def navigate(
         alignment=summary["alignment"],
         fixes=summary["fixes"],
         rmse=decoded["rms_error"],
-        nis={part: decoded[part]["nis_per_dof"] for part in ("position", "velocity")},
+        nis=_nis(decoded),
         nees=decoded["nees_per_dof"],
         diverged=summary["diverged"],
         verdict=verdict,
         warnings=tuple(map(_undrift.in_python, decoded["warnings"])),
     )
     return judged(done, line, strict)
+
+
+def _nis(decoded: Mapping[str, Any]) -> dict[str, float | None]:
+    """The NIS per degree of freedom of what was measured."""
+    found = {part: decoded[part]["nis_per_dof"] for part in ("position", "velocity")}
+    attitude = decoded["summary"]["attitude"]
+    if attitude["dof_sum"]:
+        found["attitude"] = attitude["nis_sum"] / attitude["dof_sum"]
+    return found

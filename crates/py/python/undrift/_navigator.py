@@ -118,6 +118,7 @@ class Navigator:
         clock: str | None = None,
     ) -> Navigator:
         """A navigator of a drive's settings, for a vehicle with the same sensors; the logs give the rate alone."""
+        drive._needs_fixes("Navigator")
         made = cls.__new__(cls)
         made._begin(drive, bias_model, horizon, clock)
         return made

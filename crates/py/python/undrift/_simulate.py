@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from undrift import _toml, _undrift
-from undrift._arguments import number, positive, whole
+from undrift._arguments import number, positive, three, whole
 from undrift._array import Floats
 from undrift._drive import UNITS, Drive
 from undrift._logs import GnssLog, ImuLog
@@ -98,6 +98,35 @@ class Simulation(Result):
         logs = {table: {"file": dict(log[0]), **log[1]} for table, log in self._logs(truth).items()}
         reference = {"truth": logs["truth"]} if truth else {}
         return Drive(logs["imu"], logs["gnss"], self.model, **reference, name="<simulation>", **keys)
+
+    def poses(
+        self,
+        rate: float = 50.0,
+        *,
+        position_std: float = 1e-3,
+        attitude_std: float = 1.75e-3,
+        marker: Three = (0.0, 0.0, 0.0),
+        lever_arm: Three = (0.0, 0.0, 0.0),
+        time_offset: float = 0.0,
+    ) -> dict[str, Floats]:
+        """Poses of a marker at about ``rate`` [Hz], with white noise [m, rad]: a log for ``poses`` of :class:`Drive`.
+
+        ``marker`` are roll, pitch, yaw of its axes in the body [rad], ``lever_arm`` leads from the IMU to it [m],
+        ``time_offset`` has to be added to the stamps [s]. The frame begins where the IMU did, x north, z up;
+        ``attitude`` is x, y, z, w.
+        """
+        every = slice(None, None, max(1, round(self.rate / positive(rate, "rate"))))
+        at = self.truth
+        seen = {
+            "position_std": positive(position_std, "position_std"),
+            "attitude_std": positive(attitude_std, "attitude_std"),
+            "marker": three(marker, "marker"),
+            "lever_arm": three(lever_arm, "lever_arm"),
+            "time_offset": number(time_offset, "time_offset"),
+        }
+        places = np.column_stack((at.lat, at.lon, at.height))
+        time, place, rpy = (np.ascontiguousarray(part[every]) for part in (at.time, places, at.rpy))
+        return _undrift.simulate_poses(time, place, rpy, seen, self.seed)
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """Writes ``imu.csv``, ``gnss.csv``, ``truth.csv``, ``imu.toml`` and ``drive.toml``, which is returned.
@@ -193,18 +222,19 @@ def simulate(
     speed: float = 10.0,
     course: float = 0.0,
     turn_rate: float = 0.1,
+    swing: float = 0.6,
 ) -> Simulation:
     """Simulates a drive of ``duration`` [s] with an IMU at ``rate`` [Hz].
 
-    ``trajectory`` is ``car``, ``flight`` (drawn from the seed, with a rest before), ``rest``,
-    ``straight`` (``speed`` [m/s], ``course`` [rad]) or ``turn`` (``speed``, ``turn_rate`` [rad/s]).
+    ``trajectory`` is ``car``, ``flight`` (drawn from the seed, with a rest before), ``handheld`` (in a room,
+    for :meth:`Simulation.poses`; turned by up to ``swing`` [rad]), ``rest``, ``straight`` (``speed`` [m/s], ``course`` [rad]) or ``turn`` (``speed``, ``turn_rate`` [rad/s]).
     The motion is analytic, so the increments are exact. ``model`` draws the sensors' errors, turn-on
     constants included, as its ``bias_model``; None leaves them out. One seed gives the same drive
     everywhere.
 
     Parameters
     ----------
-    trajectory : {"car", "flight", "rest", "straight", "turn"}
+    trajectory : {"car", "flight", "handheld", "rest", "straight", "turn"}
         What moves how.
     duration : float
         Length [s].
@@ -224,6 +254,8 @@ def simulate(
         Course of ``straight`` [rad].
     turn_rate : float
         Turn rate of ``turn`` [rad/s].
+    swing : float
+        Turns of ``handheld`` [rad].
 
     Returns
     -------
@@ -249,6 +281,7 @@ def simulate(
         "speed": number(speed, "speed"),
         "course": number(course, "course"),
         "turn_rate": number(turn_rate, "turn_rate"),
+        "swing": number(swing, "swing"),
     }
     imu, fixes, truth = _undrift.simulate(
         motion,

@@ -14,8 +14,8 @@ from undrift._solution import Series
 #: A column and its name.
 Columns: TypeAlias = list[tuple[str, npt.NDArray[np.float64]]]
 
-#: What the columns of an array with three of them are called.
-_THREE = ("x", "y", "z")
+#: What the columns of an array with three or four of them are called: a quaternion may have its w first or last.
+_PARTS = {3: ("x", "y", "z"), 4: ("0", "1", "2", "3")}
 
 
 def is_table(data: object) -> bool:
@@ -29,7 +29,7 @@ def columns(data: Any) -> Columns:
     """The columns of a table: numbers as ``float64``, without a copy where they are that already.
 
     Dates become seconds since 1970. An array of n × 3 in a dict is three columns, ``gyro`` then
-    ``gyro_x``, ``gyro_y``, ``gyro_z``. Of a data frame, an index of times or with a name is the last column.
+    ``gyro_x``, ``gyro_y``, ``gyro_z``; one of n × 4 four, ``attitude_0`` to ``attitude_3``. Of a data frame, an index of times or with a name is the last column.
     """
     return [found for name, column in _named(data) for found in _columns(name, column)]
 
@@ -92,9 +92,9 @@ def _columns(name: str, column: Any) -> Columns:
     array = column if isinstance(column, np.ndarray) else _array(column)
     if isinstance(array, np.ma.MaskedArray):
         array = np.ma.filled(array.astype(np.float64), np.nan)
-    if array.ndim == 2 and array.shape[1] == 3:
-        parts = zip(_THREE, array.T, strict=True)
-        return [(f"{name}_{axis}", _numbers(name, part)) for axis, part in parts]
+    if array.ndim == 2 and array.shape[1] in _PARTS:
+        parts = zip(_PARTS[array.shape[1]], array.T, strict=True)
+        return [(f"{name}_{part}", _numbers(name, column)) for part, column in parts]
     if array.ndim != 1:
         shape = " x ".join(map(str, array.shape))
         raise ArgumentError(f"column {name}: invalid shape {shape}")
