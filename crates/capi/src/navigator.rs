@@ -297,6 +297,7 @@ pub unsafe extern "C" fn undrift_navigator_fix(
         });
         let velocity = velocity.map(|v| (v.velocity.into(), v.covariance.into()));
         let in_time = navigator.inner.fix(GnssFix {
+            attitude: None,
             time,
             position,
             velocity,
