@@ -27,6 +27,7 @@ pub(crate) mod gnss;
 pub(crate) mod imu;
 mod logs;
 mod memory;
+mod named;
 pub(crate) mod poses;
 mod result;
 mod scalars;
@@ -42,6 +43,7 @@ pub(crate) use epoch::OTHER_CLOCK;
 pub use error::{ConfigError, DriveError};
 pub use imu::{ImuLog, load_imu};
 pub use logs::Logs;
+pub use named::{files_named, log_tables};
 pub use poses::Poses;
 pub use scalars::{ScalarLog, Scalars};
 pub(crate) use section::DEGREES_MINUTES;
@@ -471,35 +473,6 @@ fn fixes<'a>(top: &Section<'a>) -> Result<(Section<'a>, bool), ConfigError> {
         (true, true) => Err(top.error("poses", "set [gnss] or [poses], not both")),
         (_, posed) => Ok((if posed { poses } else { gnss }, posed)),
     }
-}
-
-/// The files that a drive file's text names, by their tables: "imu", "gnss" and so on, and "model", which
-/// may be a preset as well. Of a text that is not a valid drive file, those that can be found.
-///
-/// ```
-/// # use undrift_drive as undrift;
-/// let text = "model = \"imu.toml\"\n[imu]\nfile = \"flight.bin\"\n[gnss]\nfile = \"flight.bin\"\n";
-/// let named = undrift::drive::files_named(text);
-/// assert!(named.contains(&("imu", "flight.bin".to_owned())) && named.contains(&("model", "imu.toml".to_owned())));
-/// ```
-pub fn files_named(text: &str) -> Vec<(&'static str, String)> {
-    let Ok(table) = parse(text, "") else {
-        return Vec::new();
-    };
-    let top = Section::top(table.get_ref(), text, "");
-    let mut named: Vec<_> = log_tables()
-        .filter_map(|log| Some((log, top.section(log).ok()?.text("file").ok()??.to_owned())))
-        .collect();
-    let model = top.text("model").ok().flatten();
-    named.extend(model.map(|name| ("model", name.to_owned())));
-    named
-}
-
-/// Names of the tables of a drive file that name a log.
-pub fn log_tables() -> impl Iterator<Item = &'static str> {
-    let scalars = ScalarLog::ALL.map(ScalarLog::name);
-    let logs = ["imu", "gnss", "poses"].into_iter();
-    logs.chain(scalars).chain(["truth"])
 }
 
 /// Longest lever arm \[m\]: the largest ships are 400 m long.

@@ -124,6 +124,9 @@ fn first<'a>(files: &'a [Inspection], table: &str) -> Option<(&'a Inspection, &'
     parts.find(|(_, part)| part.table == table)
 }
 
+/// Keys that say how the IMU sits.
+const SITS: [&str; 2] = ["axes", "mounting"];
+
 /// The table that corrects the solution: "gnss", or "poses" where the files have poses and no fixes.
 pub fn fixes_table(inspections: &[Inspection]) -> &'static str {
     let has = |table| first(inspections, table).is_some();

@@ -7,6 +7,7 @@
 //! prediction still misses (truth less estimate), as in `docs/conventions.md`.
 
 mod lasting;
+mod motion;
 mod numbers;
 mod step;
 mod turned;
@@ -21,7 +22,6 @@ pub use update::{Gate, Outcome, Update};
 use crate::{
     Matrix3, Vector3,
     covariance::{AXES, NAV, Part, Sensors, Transition},
-    earth::LocalEarth,
     mechanisation::{Increments, NavState, RawIncrements},
     parameters::{Coupling, Parameter, Parameters, jerk},
     sample::ImuSample,
@@ -287,36 +287,6 @@ impl<const N: usize> Filter<N> {
     /// Angular rate of the body ω_ib^b [rad/s], the last sample's less its predicted error.
     pub fn omega_ib_b(&self) -> Vector3 {
         self.omega_ib_b
-    }
-
-    /// Angular rate of the body against the navigation frame ω_nb^b [rad/s], from the last sample.
-    pub fn omega_nb_b(&self) -> Vector3 {
-        let earth = self.earth();
-        let omega_in = earth.earth_rate() + earth.transport_rate(&self.nav.v_n);
-        self.omega_ib_b - self.c_nb.tr_mul(&omega_in)
-    }
-
-    /// Acceleration of the IMU over ground, north-east-down [m/s²], from the last sample; without the
-    /// Coriolis term.
-    pub fn acceleration(&self) -> Vector3 {
-        let gravity = crate::earth::LocalEarth::at(&self.nav.position).gravity;
-        self.c_nb * self.force_b + Vector3::new(0.0, 0.0, gravity)
-    }
-
-    /// Takes the navigation frame for one that does not turn with the Earth, from now on: a room whose heading is unknown. The gyros' biases
-    /// then have up to 15 °/h of it, [`EARTH_RATE`](crate::earth::EARTH_RATE).
-    pub fn without_earth_rate(&mut self) {
-        self.turns = false;
-    }
-
-    /// Radii, gravity and the Earth's rate at the present place.
-    #[inline]
-    pub(crate) fn earth(&self) -> LocalEarth {
-        let mut earth = LocalEarth::at(&self.nav.position);
-        if !self.turns {
-            earth.rate = 0.0;
-        }
-        earth
     }
 
     /// How the parameters act on the present sample's errors.

@@ -236,7 +236,7 @@ fn unit_of(factor: f64, quantity: Quantity, units: &[&str]) -> Option<String> {
 
 /// A text as TOML writes it.
 fn text(of: &str) -> String {
-    serde_json::Value::from(of).to_string()
+    serde_json::to_string(of).unwrap_or_default()
 }
 
 /// Columns as TOML writes them, between commas.

@@ -28,7 +28,7 @@ const SHORT: f64 = 0.1;
 const EVEN: f64 = 1.3;
 /// Double differences that it takes.
 const LEAST: usize = 60;
-/// Gravity that is none, as a share of it.
+/// What differs from gravity by more than this share is not gravity.
 const GRAVITY: f64 = 0.05;
 /// Units of positions in metres that people use.
 const UNITS: [(&str, f64); 4] = [("mm", 1e-3), ("cm", 1e-2), ("ft", 0.3048), ("in", 0.0254)];

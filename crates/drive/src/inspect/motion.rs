@@ -3,8 +3,8 @@
 mod axes;
 
 use super::{
-    Content, Inspection, Known, Line, Measured, Motion, Note, Part, clocks, logs, sensor::GUESS,
-    table, units::COUNTS_OF_RATE,
+    Content, Inspection, Known, Line, Measured, Motion, Note, Part, SITS, clocks, logs,
+    sensor::GUESS, table, units::COUNTS_OF_RATE,
 };
 use crate::{
     drive::{AXLE_STD, Drive, DriveError, Logs, OTHER_CLOCK, Section, Table},
@@ -193,8 +193,6 @@ fn angles(rpy: &Vector3, digits: usize) -> String {
     format!("{roll:.digits$}, {pitch:.digits$}, {yaw:.digits$} deg")
 }
 
-/// Keys that say how the IMU sits.
-pub(super) const SITS: [&str; 2] = ["axes", MOUNTING];
 const MOUNTING: &str = "mounting";
 
 /// Writes how the IMU sits into its part.

@@ -1,6 +1,6 @@
 //! How poses lie against the IMU, by the motion that both have in common.
 
-use super::{Inspection, Known, Line, Note, Part, logs, motion::SITS, table};
+use super::{Inspection, Known, Line, Note, Part, SITS, logs, table};
 use crate::{
     drive::{Drive, DriveError, Logs, Section, Table},
     hand_eye::{HandEye, INTERVAL, hand_eye},
