@@ -5,7 +5,7 @@
 //! vehicle's motion is used when [`crate::constraints`] says so. How to add one: `docs/lab/add-a-measurement.md`.
 
 mod gnss;
-pub(crate) mod pose;
+mod pose;
 
 use alloc::{string::String, vec::Vec};
 use core::ops::{Index, IndexMut};

@@ -3,6 +3,7 @@
 mod axes;
 mod end;
 mod fix;
+mod pose;
 
 use super::{
     aid::Measurement,

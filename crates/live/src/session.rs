@@ -76,9 +76,7 @@ pub enum SessionError {
     #[error("no source of [{0}]")]
     NoSource(String),
     /// The drive file has poses.
-    #[error(
-        "live takes fixes, not poses: write [gnss] in the place of [poses], or navigate the recorded log by `undrift navigate`"
-    )]
+    #[error("live takes fixes, not poses: write [gnss], or `undrift navigate` the recorded log")]
     Poses,
 }
 

@@ -292,7 +292,7 @@ fn a_mistake_is_said_before_anything_runs() {
     fs::write(drive.join("wrong.toml"), wrong).unwrap();
     let line = format!("wrong.toml line {line}, imu.acel_unit");
     fs::write(drive.join("poses.toml"), text.replace("[gnss]", "[poses]")).unwrap();
-    let poses = "live takes fixes, not poses: write [gnss] in the place of [poses]";
+    let poses = "live takes fixes, not poses: write [gnss]";
     for (arguments, words) in [
         (&["live", "poses.toml", "--replay", "0"] as &[&str], poses),
         (&["live", "poses.toml", "--imu", "-", "--gnss", "-"], poses),

@@ -1,8 +1,7 @@
 //! What a fix does to the navigator: it aligns, is studied, corrects the solution, or is judged.
 
-use super::{Run, begins, carries_velocity, part};
+use super::{Run, begins, carries_velocity, part, pose};
 use crate::{
-    aid::pose,
     course::CourseWatch,
     estimator::STAMP_ROUNDING,
     events::{Part, RestartCause},
