@@ -160,6 +160,27 @@ impl Epoch {
     }
 }
 
+/// Counts on from the GPS week of the first row of a table.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Weeks {
+    first: Option<f64>,
+}
+
+impl Weeks {
+    /// From the beginning of the first row's week to that of this row's \[s\]; 0 of a table without weeks.
+    pub(crate) fn since_first(&mut self, week: Option<f64>) -> f64 {
+        let first = *self.first.get_or_insert(week.unwrap_or(0.0));
+        WEEK * (week.unwrap_or(first) - first)
+    }
+
+    /// Their time zero, once there was a row.
+    pub(crate) fn epoch(&self) -> Option<Epoch> {
+        // 0 is what programs write that do not know it.
+        let week = self.first.filter(|week| (1.0..10_000.0).contains(week))?;
+        Some(Epoch::of_week(week as u32, ClockSource::Gnss))
+    }
+}
+
 impl WeekClock {
     /// What the seconds count from, once a time was given.
     pub(crate) fn epoch(&self, clock: ClockSource) -> Option<Epoch> {

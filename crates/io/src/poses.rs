@@ -14,7 +14,7 @@ use std::sync::Arc;
 use crate::ReadError;
 pub use crate::entry::LocalPose;
 use crate::entry::{Entry, Wanted, What};
-use crate::epoch::{ClockSource, Epoch};
+use crate::epoch::Epoch;
 use crate::format::Format;
 use crate::opened::Memory;
 use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
@@ -171,9 +171,7 @@ impl Kind for Poses {
         let Of::Columns(columns) = &self.0 else {
             return None;
         };
-        // 0 is what programs write that do not know it.
-        let week = columns.week.filter(|week| (1.0..10_000.0).contains(week))?;
-        Some(Epoch::of_week(week as u32, ClockSource::Gnss))
+        columns.weeks.epoch()
     }
 
     fn nothing(&self, _: &Skipped) -> ReadError {

@@ -7,7 +7,7 @@ use undrift_nav::sample::TruthSample;
 
 use crate::ReadError;
 use crate::entry::{Entry, Wanted, What};
-use crate::epoch::{ClockSource, Epoch};
+use crate::epoch::{Epoch, Weeks};
 use crate::fix::{VelocityAxes, on_earth};
 use crate::format::Format;
 use crate::opened::Memory;
@@ -127,8 +127,7 @@ pub type TruthReader = Reader<Truth>;
 /// Reference samples as a kind of record.
 pub struct Truth {
     source: TruthSource,
-    /// Of the first row.
-    week: Option<f64>,
+    weeks: Weeks,
 }
 
 impl Kind for Truth {
@@ -148,7 +147,7 @@ impl Kind for Truth {
         };
         let kind = Self {
             source: options.clone(),
-            week: None,
+            weeks: Weeks::default(),
         };
         Ok(Plan { kind, source, span })
     }
@@ -158,8 +157,7 @@ impl Kind for Truth {
             return None;
         };
         let week = format.week.as_ref().and(row.numbers.last().copied());
-        let first = *self.week.get_or_insert(week.unwrap_or(0.0));
-        let weeks = 604_800.0 * (week.unwrap_or(first) - first);
+        let weeks = self.weeks.since_first(week);
         placed(format.sample(row.numbers, weeks), row.line, skipped)
     }
 
@@ -209,9 +207,7 @@ impl Kind for Truth {
     }
 
     fn epoch(&self) -> Option<Epoch> {
-        // 0 is what programs write that do not know it.
-        let week = self.week.filter(|week| (1.0..10_000.0).contains(week))?;
-        Some(Epoch::of_week(week as u32, ClockSource::Gnss))
+        self.weeks.epoch()
     }
 
     fn nothing(&self, _: &Skipped) -> ReadError {

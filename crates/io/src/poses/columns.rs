@@ -4,6 +4,7 @@ use undrift_nav::{Matrix3, Quaternion, attitude};
 
 use super::LocalPose;
 use crate::ReadError;
+use crate::epoch::Weeks;
 use crate::fix::diagonal;
 use crate::reader::TableRow;
 use crate::rotation::{of_matrix, of_quaternion};
@@ -121,8 +122,7 @@ pub(super) struct PoseColumns {
     position_std: Option<usize>,
     attitude: Option<usize>,
     attitude_std: Option<usize>,
-    /// Of the first row.
-    pub(super) week: Option<f64>,
+    pub(super) weeks: Weeks,
 }
 
 impl PoseColumns {
@@ -175,7 +175,7 @@ impl PoseColumns {
                 format.attitude.as_ref().map(AttitudeColumns::columns),
             ),
             attitude_std: want("attitude_std", attitude_std.map(|c| &c[..])),
-            week: None,
+            weeks: Weeks::default(),
             format: format.clone(),
         };
         wanted.want("poses.week", &format.week);
@@ -206,8 +206,7 @@ impl PoseColumns {
         let attitude_covariance = covariance(self.attitude_std, format.attitude_std_scale)?;
         let stamp = numbers.first().copied().unwrap_or(f64::NAN);
         let week = format.week.as_ref().and(numbers.last().copied());
-        let first = *self.week.get_or_insert(week.unwrap_or(0.0));
-        let weeks = 604_800.0 * (week.unwrap_or(first) - first);
+        let weeks = self.weeks.since_first(week);
         Some(LocalPose {
             time: stamp * format.time_scale + weeks + format.time_offset,
             position: self
