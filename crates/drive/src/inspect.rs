@@ -77,10 +77,7 @@ fn of_log(path: &Path, held: Option<Memory>) -> Result<Inspection, ReadError> {
     };
     inspection.parts = match format {
         Format::Csv | Format::Parquet if poses::are_in(&mut opened) => vec![poses::part()],
-        Format::Csv | Format::Parquet => {
-            let opened = logs.open(path, &BytesRead::default())?;
-            columns::parts(opened, &mut inspection.found)?
-        }
+        Format::Csv | Format::Parquet => columns::parts(opened, &mut inspection.found)?,
         Format::Rtklib => {
             let assumed = opened.lacks_header().then_some(Note::NoHeader);
             inspection.found.extend(assumed);

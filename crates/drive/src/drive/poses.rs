@@ -185,10 +185,7 @@ fn known_layout(
     let mut opened = logs.open(path, &BytesRead::default())?;
     let found = match undrift_io::poses::detect(&mut opened, topic)? {
         Some(PoseSource::Table(format)) => Some(*format),
-        _ => {
-            let mut opened = logs.open(path, &BytesRead::default())?;
-            columns::poses(&opened.preview(ROWS)?)
-        }
+        _ => columns::poses(&opened.preview(ROWS)?),
     };
     let Some(mut format) = found.filter(|format| format.position.is_some()) else {
         let what = "the time column: no names of columns, and neither TUM, KITTI with times, EuRoC nor Motive, so time, position and attitude have to be named";
