@@ -45,7 +45,7 @@ const FIX: u8 = 1;
 const DIAGNOSTICS: u8 = 2;
 
 impl Publisher {
-    /// Publishes at a place, `/undrift?domain=0`; either may be left out. Rows are `every` \[s\] apart at least.
+    /// Publishes at a place, `/undrift?domain=0`; both parts are optional. Rows are `every` \[s\] apart at least.
     ///
     /// # Errors
     /// If the place is written otherwise, or there can be no participant in the domain.

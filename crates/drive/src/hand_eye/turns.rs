@@ -130,7 +130,7 @@ fn second_axis(turns: &[Turn]) -> f64 {
     axes[1] / all.trace()
 }
 
-/// Angular speeds every [`STEP`] from the first time on; NaN where there is none.
+/// Angular speeds every [`STEP`] from the first time on; NaN where nothing was measured.
 fn speeds(of: impl Iterator<Item = (f64, f64, f64)>) -> (f64, Vec<f64>) {
     let (mut first, mut sums): (Option<f64>, Vec<(f64, f64)>) = (None, Vec::new());
     for (from, to, speed) in of {

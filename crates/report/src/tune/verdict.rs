@@ -19,7 +19,7 @@ pub(super) enum Use {
 const HONEST: f64 = 0.9;
 /// The same at the lengths that do not decide, of fewer outages.
 const NEARLY: f64 = 0.8;
-/// The length that decides where the others do not differ \[s\]; of poses there is none so long, and the longest decides.
+/// The length that decides where the others do not differ \[s\]; drives by poses have no outages of that length: their longest decide.
 const DECIDES: f64 = 30.0;
 
 /// What to use and why, in a line: the first of what is printed of it.
