@@ -37,7 +37,7 @@ use undrift_io::{
     skipped::Skipped,
     write::solution::SolutionRow,
 };
-use undrift_nav::{Matrix3, Quaternion, Vector3, parameters::Parameters, sample::GnssFix};
+use undrift_nav::{Matrix3, Vector3, parameters::Parameters, sample::GnssFix};
 use undrift_noise::{BiasModel, ImuModel};
 
 /// A navigated drive: the run's summary, what reading the logs showed, and what was asked for in [`Wanted`]. Its findings are values
@@ -157,9 +157,7 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
         fix_errors,
         // A tracker's noise is stated, and its positions lie on no road.
         from_fixes: drive.poses.is_none().then_some(stated),
-        marker: drive
-            .poses
-            .map_or_else(Quaternion::identity, |poses| poses.marker),
+        marker: drive.poses.map(|poses| poses.marker),
         earth_rate: drive.poses.is_none_or(|poses| poses.earth_rate),
         rotation: drive.imu.1.rotation,
         find_mounting: drive.estimate_mounting,

@@ -248,7 +248,7 @@ impl Aligner {
             return Some((from_rpy(&rpy), std, AttitudeSource::Given));
         }
         let (q_rk, covariance) = fix.attitude?;
-        let q_nb = q_rk * settings.marker.inverse();
+        let q_nb = q_rk * settings.marker.unwrap_or_default().inverse();
         let prior = |kind| prior_std(settings, kind);
         let turned = prior(Parameter::MarkerRotation);
         let tilted = prior(Parameter::FrameTilt);
@@ -296,11 +296,7 @@ impl Aligner {
             let v = place.offset_to(&antenna) / span;
             // Two positions' errors, and half the span at a vehicle's acceleration, or at that of a hand or a copter.
             let covariance = covariance * (2.0 / (span * span));
-            let change = if fix.attitude.is_some() {
-                HAND * span
-            } else {
-                span
-            };
+            let change = if posed { HAND * span } else { span };
             Some((v, covariance + Matrix3::identity() * change * change))
         })?;
         Some(Seen {

@@ -106,9 +106,9 @@ pub struct Settings {
     /// IMU → antenna, body axes \[m\]: forward, right and down positive, so an antenna on the roof has a negative third component. It is
     /// estimated beside this value where [`Parameter::LeverArm`] is among the parameters.
     pub lever_arm: Vector3,
-    /// Axes of the marker in the body, `q_bk`, which turns vectors of the marker's axes into the body's: of poses, whose attitude is the
-    /// marker's. It is estimated beside this value where [`Parameter::MarkerRotation`] is among the parameters.
-    pub marker: Quaternion,
+    /// Axes of the marker in the body, `q_bk`, which turns vectors of the marker's axes into the body's, where the fixes are poses of a
+    /// marker. It is estimated beside this value where [`Parameter::MarkerRotation`] is among the parameters.
+    pub marker: Option<Quaternion>,
     /// Whether the navigation frame turns with the Earth; not in a room whose heading against north is unknown. `true` by default.
     pub earth_rate: bool,
     /// Parts of a fix that update the solution. Alignment takes the position in any case.
@@ -174,7 +174,7 @@ impl Settings {
             rotation: Matrix3::identity(),
             find_mounting: false,
             lever_arm: Vector3::zeros(),
-            marker: Quaternion::identity(),
+            marker: None,
             earth_rate: true,
             gnss_use: GnssUse::Both,
             align: AlignSettings::default(),

@@ -36,14 +36,6 @@ pub struct FitLog<'a> {
     pub until: f64,
 }
 
-/// Whether the fixes of a drive are poses.
-pub(crate) fn is_posed(log: &FitLog) -> bool {
-    log.aiding.iter().any(|measurement| match measurement {
-        Measurement::Gnss(fix) => fix.attitude.is_some(),
-        _ => false,
-    })
-}
-
 /// What the drives say.
 #[derive(Clone, Debug)]
 pub struct Fit {
@@ -169,9 +161,9 @@ impl<const N: usize> Linear<N> {
             Ok(Objective::new(
                 condense(receiver, followed.as_ref()),
                 fixed,
-                match is_posed(log) {
-                    true => Layout::OF_POSES,
-                    false => Layout::default(),
+                match log.settings.marker {
+                    Some(_) => Layout::OF_POSES,
+                    None => Layout::default(),
                 },
             ))
         };

@@ -1,6 +1,6 @@
 //! What a noise buys: drift on spans without fixes that the fit has not seen.
 
-use super::fit::{FitLog, is_posed};
+use super::fit::FitLog;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift_base::{order_statistics::quantile, parallel};
@@ -149,7 +149,9 @@ pub fn judge(drives: &[Unseen], gain: Option<f64>) -> Judgement {
     }
     let kept = gain.is_some_and(|gain| gain >= 0.0);
     let (mut judged, mut gains) = (Vec::new(), Vec::new());
-    let posed = drives.iter().any(|drive| is_posed(drive.log));
+    let posed = drives
+        .iter()
+        .any(|drive| drive.log.settings.marker.is_some());
     let lengths = if posed { POSED } else { LENGTHS };
     let reported = REPORTED[usize::from(posed)];
     for length in lengths {

@@ -11,7 +11,7 @@ use undrift_engine::{
     },
     vehicle::NonHolonomic,
 };
-use undrift_nav::{covariance::AXES, parameters::Parameter};
+use undrift_nav::covariance::AXES;
 
 /// Noise in a vehicle against noise at rest, the middle of what has been seen: 3 to 30 times, seldom less than once.
 const LOUDER: f64 = 5.0;
@@ -53,9 +53,7 @@ pub struct Prior {
 impl Prior {
     /// Of a sensor, in drives with these settings; of white noise that follows the vibration where they say so.
     pub fn new(start: &RestNoise, drives: &[&Settings]) -> Self {
-        let posed = drives
-            .iter()
-            .any(|s| s.parameters.prior(Parameter::FrameTilt).is_some());
+        let posed = drives.iter().any(|s| s.marker.is_some());
         let rule = drives.iter().find_map(|s| s.constraints.non_holonomic);
         let slip = rule.unwrap_or(NonHolonomic::CAR);
         let follows = drives.iter().any(|s| s.vibration.is_some());

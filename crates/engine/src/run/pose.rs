@@ -27,7 +27,7 @@ pub(super) fn update(
     summary: &mut Summary,
 ) -> Option<Result<Update, FilterError>> {
     let (q_rk, noise) = fix.attitude?;
-    let q_bk = settings.marker;
+    let q_bk = settings.marker.unwrap_or_default();
     let aiding = Aiding::Attitude { q_rk, q_bk, due };
     let gate = if settings.gating { GATE } else { Gate::OPEN };
     let update = filter.update(&aiding, &noise, &gate).transpose()?;

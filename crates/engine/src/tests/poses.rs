@@ -61,7 +61,7 @@ fn run(seed: u64, change: impl FnOnce(&mut Settings, &mut Vec<GnssFix>)) -> Ran 
     let poses = seen.measure(truth, &hand.start, seed);
     let mut fixes: Vec<GnssFix> = poses.into_iter().map(fix).collect();
     let mut settings = Settings {
-        marker: stated,
+        marker: Some(stated),
         lever_arm: lever + Vector3::new(0.03, 0.02, -0.03),
         parameters: Parameters::none()
             .with(Parameter::LeverArm, Prior::constant(0.05))
@@ -164,7 +164,7 @@ fn attitudes_far_off_are_rejected() {
     assert!(mean_square(&ran.solution) < 6.0, "{:?}", ran.solution);
 }
 
-/// A room does not turn with the Earth that is left out: what the solution then has of its rate is taken for a bias of the gyros.
+/// With the Earth's rotation left out, what the gyros measure of it is estimated as their bias.
 #[test]
 fn a_room_without_the_earth_s_rate_has_it_as_a_bias() {
     let still = run(7, |settings, _| settings.earth_rate = false);
