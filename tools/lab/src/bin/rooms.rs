@@ -27,7 +27,7 @@ use undrift::{
     noise::{BiasModel, ImuModel},
     replay::Settings,
     settings::fix_errors::StdFactors,
-    simulate::{GnssNoise, Trajectory, simulate},
+    simulate::{GnssNoise, PoseNoise, Trajectory, simulate},
     tune::{self, fit::under, noise::Noise, rest_noise::RestNoise},
 };
 use undrift_io::Memory;
@@ -51,11 +51,6 @@ struct Room {
     noise: Vec<(String, bool, f64, f64)>,
 }
 
-fn normal(dice: &mut Xoshiro256PlusPlus) -> f64 {
-    let (a, b): (f64, f64) = (dice.random_range(1e-12..1.0), dice.random_range(0.0..1.0));
-    (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
-}
-
 fn room(
     seed: u64,
     seconds: f64,
@@ -66,12 +61,16 @@ fn room(
     let (marker, lever) = (from_rpy(&vector(3.0)), vector(0.3));
     // Another heading, and a tilt of tenths of a degree.
     let tilt = vector(0.005);
-    let q_wr = from_rpy(&Vector3::new(
-        std::f64::consts::PI + tilt.x,
-        tilt.y,
-        vector(3.0).z,
-    ));
+    let rpy = Vector3::new(std::f64::consts::PI + tilt.x, tilt.y, vector(3.0).z);
     let clock = 0.05 * vector(1.0).x;
+    let seen = PoseNoise {
+        position_std: position,
+        attitude_std: attitude,
+        marker,
+        lever_arm: lever,
+        frame: from_rpy(&rpy),
+        clock,
+    };
     let interval = 1.0 / RATE;
     let model = ImuModel::preset("mpu6050").ok_or("a preset")?;
     let mut start = RestNoise::from_model(&model, interval).map_err(|e| e.to_string())?;
@@ -101,22 +100,12 @@ fn room(
         );
     }
     let mut poses = String::new();
-    let base = hand.start;
-    for row in log.truth.iter().step_by(every) {
-        let q_nb = from_rpy(&row.rpy.ok_or("an attitude")?);
-        let mut noise = |std: f64| Vector3::from_fn(|_, _| std * normal(&mut dice));
-        let p = q_wr * (base.ned_to(&row.position) + q_nb * lever) + noise(position);
-        let q = q_wr * q_nb * marker * UnitQuaternion::from_scaled_axis(noise(attitude));
+    let rows = log.truth.iter().step_by(every).copied();
+    for pose in seen.measure(rows, &hand.start, seed) {
+        let (p, q) = (pose.position, pose.attitude);
         poses += &format!(
             "{:.6} {:.6} {:.6} {:.6} {:.8} {:.8} {:.8} {:.8}\n",
-            row.time - clock,
-            p.x,
-            p.y,
-            p.z,
-            q.i,
-            q.j,
-            q.k,
-            q.w
+            pose.time, p.x, p.y, p.z, q.i, q.j, q.k, q.w
         );
     }
     let held = |text: String| Memory::Bytes(text.into_bytes().into());
