@@ -129,7 +129,9 @@ impl Source {
         };
         let names: Vec<_> = files.iter().map(|file| shown(file)).collect();
         note(format!("drive of {}; {keep}", names.join(" and ")));
-        report::guesses(&model, &inspections).iter().for_each(note);
+        report::guesses(&model, motion, &inspections)
+            .iter()
+            .for_each(note);
         Ok(Self {
             file: file.to_path_buf(),
             drive,

@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         files.write(file, &text)?;
         terminal::say(format!("drive file: {}", output::shown(file)))?;
         complete(&inspections, Some(file))?;
-        terminal::say(report::next(&model, file))?;
+        terminal::say(report::next(&model, motion, file))?;
     }
     if inspections.len() < arguments.files.len() {
         bail!("not every file could be read");

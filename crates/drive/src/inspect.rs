@@ -19,7 +19,7 @@ pub use motion::motion;
 pub use sensor::model;
 pub use undrift_results::inspect::{
     Comment, Content, CounterRestarts, Inspection, Known, Line, Measured, Model, Motion, Note,
-    Part, Start, about_gravity,
+    Part, Start, Wheels, about_gravity,
 };
 
 pub(crate) use topics::choose as choose_topic;

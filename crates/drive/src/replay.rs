@@ -9,7 +9,7 @@ pub use not_aligned::NotAligned;
 pub use undrift_engine::{
     Aid, ByAid, Contradiction, CovarianceHealth, Disagreement, FixMend, HeadingOff, Implausible,
     Innovations, LateSamples, Lean, Log, MOST_EVENTS, Measurement, Part, Restart, RestartCause,
-    SampleFault, Scalar, Summary, Window, WindowPart, Windows,
+    SampleFault, Scalar, SideSlip, Summary, Window, WindowPart, Windows,
     estimator::STAMP_ROUNDING,
     vibration::{self, Vibration},
 };

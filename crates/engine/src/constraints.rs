@@ -18,6 +18,7 @@ use crate::{
 };
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::{ComplexField, RealField};
+use non_holonomic::Slip;
 use undrift_nav::{
     Matrix3,
     filter::{Gate, Update},
@@ -38,6 +39,7 @@ pub(super) struct Vehicle {
     /// Whether it stood in the last block, or has begun to move as smoothly as it stood.
     stood: bool,
     positions: Positions,
+    slip: Slip,
 }
 
 impl Vehicle {
@@ -48,6 +50,7 @@ impl Vehicle {
             last_constraint: f64::NEG_INFINITY,
             stood: false,
             positions: Positions::default(),
+            slip: Slip::default(),
         }
     }
 
@@ -107,7 +110,9 @@ impl Vehicle {
             && filter.vehicle_velocity(&rule.lever).x.abs() > rule.min_speed
         {
             self.last_constraint = sample.time;
-            non_holonomic::update(filter, rule, summary);
+            let last = self.last_speed.map(|(time, _)| time);
+            let aided = last.is_some_and(|last| sample.time - last < SPEED_HOLDS);
+            non_holonomic::update(filter, rule, &mut self.slip, aided, summary);
         }
     }
 }

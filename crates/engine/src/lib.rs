@@ -99,5 +99,5 @@ pub use measurement::Scalar;
 pub use navigator::{EndError, Navigator, PushError};
 pub use not_aligned::NotAligned;
 pub use observer::Observer;
-pub use summary::{Innovations, LateSamples, MOST_EVENTS, Summary};
+pub use summary::{Innovations, LateSamples, MOST_EVENTS, SideSlip, Summary};
 pub use windows::{Agreement, Disagreement, Window, WindowPart, Windows};

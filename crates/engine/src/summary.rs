@@ -140,6 +140,17 @@ impl LateSamples {
     }
 }
 
+/// A vehicle that moves across its forward axis although the non-holonomic constraint says that it does not; the constraint holds
+/// as much less.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
+pub struct SideSlip {
+    /// Time at which it was seen first \[s\].
+    pub start: f64,
+    /// The greatest velocity across over a minute of motion, RMS of the components to the right and down [m/s].
+    pub speed: f64,
+}
+
 /// Counts and events of a run of the navigator, and what it has learnt on the way: [`Navigator::summary`](crate::Navigator::summary)
 /// while it runs, [`Navigator::end`](crate::Navigator::end) at last.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -167,6 +178,8 @@ pub struct Summary {
     pub repeated: u64,
     /// Time from which on \[s\] the vertical velocities, which were all 0, were taken as not measured.
     pub no_vertical_velocity: Option<f64>,
+    /// Where the vehicle moves across its forward axis more than the non-holonomic constraint has it.
+    pub side_slip: Option<SideSlip>,
     /// Statistics of the innovations, `innovations[Aid::Position]`.
     pub innovations: ByAid<Innovations>,
     /// Agreement of solution and fixes over time, window by window.

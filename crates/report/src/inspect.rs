@@ -5,8 +5,8 @@ use serde::Serialize;
 use std::path::Path;
 use undrift_io::visible;
 use undrift_results::inspect::{
-    Comment, Content, CounterRestarts, Inspection, Known, Measured, Model, Note, Part, PoseFault,
-    Start, about_gravity,
+    Comment, Content, CounterRestarts, Inspection, Known, Measured, Model, Motion, Note, Part,
+    PoseFault, Start, Wheels, about_gravity,
 };
 
 /// An inspection with its sentences, for JSON.
@@ -45,6 +45,8 @@ fn remarks(measured: &Measured) -> Vec<String> {
         .collect()
 }
 
+const WHEELS: &str = "no side slip beyond the solution's own error: the motion is that of wheels, which greatly reduces the drift without GNSS; remove it where they slide";
+
 /// A comment of a drive file.
 pub fn comment(of: Comment) -> String {
     match of {
@@ -59,8 +61,10 @@ pub fn comment(of: Comment) -> String {
         }
         Comment::Missing(table) => return format!("Missing: a file with the {table} data."),
         Comment::Heading => "from changes of velocity, which suffice in this drive",
-        Comment::Wheels => {
-            "The motion is that of a wheeled vehicle: these lines greatly reduce the drift without GNSS."
+        Comment::Wheels(Wheels::Shown) => WHEELS,
+        Comment::Wheels(_) => {
+            "The motion is too short, too straight or too slow to test whether it is that of wheels. For a\n\
+             wheeled vehicle these lines greatly reduce the drift without GNSS."
         }
         Comment::LeverArm => {
             "from the IMU to the antenna: forward, right, down; measured beats estimated"
@@ -237,6 +241,11 @@ fn note(note: &Note) -> String {
         Note::NoWheels => {
             "the IMU has no fixed direction of motion: not a wheeled vehicle, or the IMU is not fixed to it; assumes x forward".into()
         }
+        Note::Slips { right_ms, down_ms } => format!(
+            "no wheeled vehicle: moves by {} m/s to the side and {} m/s up and down beyond the solution's own error (RMS); no [vehicle] profile",
+            short(*right_ms),
+            short(*down_ms)
+        ),
         Note::Apart { offset_s } => format!(
             "the logs do not overlap; if both begin at the same moment, set time_offset = \"{offset_s:.2} s\" in [gnss]"
         ),
@@ -408,13 +417,20 @@ fn rate_and_gaps(m: &Measured) -> String {
 }
 
 /// The key `model` that a drive file begins with, for a terminal, and what to do next; `drive` is the drive file's name.
-pub fn next(model: &Model, drive: &Path) -> String {
+pub fn next(model: &Model, motion: Motion, drive: &Path) -> String {
     let file = drive.to_string_lossy();
     let file = visible(&file);
     format!(
-        "model = {model}   # {}\nnext: undrift tune {file} -o tuned.toml   # the noise of the sensor in its vehicle",
+        "{}model = {model}   # {}\nnext: undrift tune {file} -o tuned.toml   # the noise of the sensor in its vehicle",
+        vehicle(motion).map_or(String::new(), |line| line + "\n"),
         known(&model.known)
     )
+}
+
+/// The vehicle's profile where the motion shows it, as the drive file has it.
+fn vehicle(motion: Motion) -> Option<String> {
+    let shown = motion.wheels == Wheels::Shown;
+    shown.then(|| format!("vehicle.profile = \"car\"   # {WHEELS}"))
 }
 
 /// What to do about logs of which one shows nothing, where a drive needs such a table; `None` where all are known.
@@ -445,7 +461,7 @@ pub fn unknown_log(inspections: &[Inspection], table: &str) -> Option<String> {
 }
 
 /// What is guessed in the drive file, a line each.
-pub fn guesses(model: &Model, inspections: &[Inspection]) -> Vec<String> {
+pub fn guesses(model: &Model, motion: Motion, inspections: &[Inspection]) -> Vec<String> {
     let mut lines = vec![format!("  model = {model}: {}", known(&model.known))];
     let mut tables = Vec::new();
     for part in inspections.iter().flat_map(|file| &file.parts) {
@@ -463,23 +479,9 @@ pub fn guesses(model: &Model, inspections: &[Inspection]) -> Vec<String> {
             visible(&entry).into_owned()
         }));
     }
+    lines.extend(vehicle(motion).map(|line| format!("  {}", line.replace("   #", ":"))));
     lines
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn fixes_are_counted_by_the_kinds_that_there_are() {
-        let of = |kinds, velocities| content(&Content::Fixes { kinds, velocities });
-        assert_eq!(
-            of([30, 0, 2, 0, 1], 4),
-            "fixes: 30 fixed, 2 differential, 1 of unknown kind; 4 with a velocity"
-        );
-        assert_eq!(
-            of([0, 5, 0, 7, 0], 0),
-            "fixes: 5 float, 7 single; 0 with a velocity"
-        );
-    }
-}
+mod tests;

@@ -154,6 +154,7 @@ pub fn say(finding: &Finding) -> String {
         F::NoisyFixes { factor } => fixes::noisy(*factor),
         F::UnexplainedForce { excess } => start::unexplained_force(*excess),
         F::NoVerticalVelocity { start } => fixes::no_vertical_velocity(*start),
+        F::SideSlip { start, speed } => fixes::side_slip(*start, *speed),
         F::ModestVelocity { factor } => fixes::modest_velocity(*factor),
         F::VelocityBias { bias } => fixes::velocity_bias(*bias),
         F::BadCovariance { fixes } => fixes::bad_covariance(*fixes),

@@ -371,6 +371,13 @@ pub enum Finding {
         /// From when on \[s\].
         start: f64,
     },
+    /// The vehicle moves across its forward axis more than wheels do, which the non-holonomic constraint denies.
+    SideSlip {
+        /// From when on \[s\].
+        start: f64,
+        /// RMS over the worst minute of motion [m/s].
+        speed: f64,
+    },
     /// The velocity is wrong for the positions by a constant.
     VelocityBias {
         /// What it reads too much, north, east, down [m/s].

@@ -4,4 +4,6 @@ mod known;
 mod parts;
 
 pub use known::{Content, Known, Note, PoseFault, about_gravity};
-pub use parts::{Comment, CounterRestarts, Inspection, Line, Measured, Model, Motion, Part, Start};
+pub use parts::{
+    Comment, CounterRestarts, Inspection, Line, Measured, Model, Motion, Part, Start, Wheels,
+};

@@ -4,7 +4,7 @@ use super::{Finding, Log, Severity};
 use crate::{
     fixes::FixStudy,
     mounting::MountingError,
-    replay::{Aid, Disagreement, Innovations, Part, SampleFault, Summary, WindowPart},
+    replay::{Aid, Disagreement, Innovations, Part, SampleFault, SideSlip, Summary, WindowPart},
     settings::fix_errors::{Correlated, FixErrors},
 };
 use undrift_io::{
@@ -70,6 +70,8 @@ pub fn of_health(summary: &Summary) -> Vec<Finding> {
     found.extend(excess.map(|excess| Finding::UnexplainedForce { excess }));
     let vertical = summary.no_vertical_velocity;
     found.extend(vertical.map(|start| Finding::NoVerticalVelocity { start }));
+    let slip = summary.side_slip;
+    found.extend(slip.map(|SideSlip { start, speed }| Finding::SideSlip { start, speed }));
     if summary.bad_fixes > 0 {
         let fixes = summary.bad_fixes;
         found.push(Finding::BadCovariance { fixes });

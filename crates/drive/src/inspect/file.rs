@@ -1,6 +1,6 @@
 //! A starter `DRIVE.toml`.
 
-use super::{Comment, Inspection, Model, Motion, Part, first, fixes_table};
+use super::{Comment, Inspection, Model, Motion, Part, Wheels, first, fixes_table};
 use crate::vehicle::Profile;
 use std::path::Path;
 use toml::Value;
@@ -11,7 +11,7 @@ type Say<'a> = &'a dyn Fn(Comment) -> String;
 
 /// The drive file that reads the first IMU, the first fixes and the first reference of the files.
 /// `home` is the folder where it will lie: files below it are named relative to it. `vehicle` is its profile where that is
-/// known; where its `motion` is that of wheels the car's is proposed. `say` makes the comments.
+/// known; where its `motion` is that of wheels it is the car's, and where it may be, that is proposed. `say` makes the comments.
 pub fn drive_file(
     model: &Model,
     inspections: &[Inspection],
@@ -38,16 +38,20 @@ pub fn drive_file(
         let why = say(Comment::Heading);
         text += &format!("\n[initial]\nheading = \"auto\" # {why}\n");
     }
-    match vehicle {
-        Some(profile) => {
-            text += &format!("\n[vehicle]\nprofile = {}\n", Value::from(profile.name()));
+    let profile = |of: Profile| format!("profile = {}", Value::from(of.name()));
+    let car = profile(Profile::Car);
+    text += &match (vehicle, motion.wheels) {
+        (Some(given), _) => format!("\n[vehicle]\n{}\n", profile(given)),
+        (None, Wheels::Shown) => {
+            let why = say(Comment::Wheels(motion.wheels));
+            format!("\n[vehicle]\n{car} # {why}\n")
         }
-        None if motion.wheels => {
-            let why = above(Comment::Wheels);
-            text += &format!("\n{why}# [vehicle]\n# profile = \"car\"\n");
+        (None, Wheels::Likely) => {
+            let why = above(Comment::Wheels(motion.wheels));
+            format!("\n{why}# [vehicle]\n# {car}\n")
         }
-        None => {}
-    }
+        (None, Wheels::No) => String::new(),
+    };
     text
 }
 

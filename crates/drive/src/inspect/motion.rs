@@ -1,9 +1,10 @@
 //! How the IMU sits in its vehicle, by how it moves against the fixes.
 
 mod axes;
+mod wheels;
 
 use super::{
-    Content, Inspection, Known, Line, Measured, Motion, Note, Part, SITS, clocks, logs,
+    Content, Inspection, Known, Line, Measured, Motion, Note, Part, SITS, Wheels, clocks, logs,
     sensor::GUESS, table, units::COUNTS_OF_RATE,
 };
 use crate::{
@@ -26,6 +27,7 @@ use undrift_nav::{
     units::{Quantity, unit_factor},
 };
 use undrift_noise::BiasModel;
+use wheels::{SideSlip, side_slip};
 
 /// Looks at the first IMU and the first fixes of the files, and says how the IMU sits where a vehicle's motion shows it:
 /// in its part's lines, or why not in its notes.
@@ -48,7 +50,7 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         rate_of_rows(&mut inspections[imu.0].parts[imu.1], &fixes);
     }
     let logs = logs(inspections, Path::new(""));
-    let drive = |inspections: &[Inspection]| {
+    let read = |inspections: &[Inspection]| {
         let of = |(file, part): (usize, usize)| {
             (&*inspections[file].file, &inspections[file].parts[part])
         };
@@ -58,22 +60,22 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         inspections[imu.0].found.push(Note::NoGravity { ratio });
         return Motion::default();
     }
-    let mut found = drive(inspections);
+    let mut found = read(inspections);
     if let Ok(drive_so_far) = &found
         && let Some(note) = other_clock(&mut inspections[gnss.0].parts[gnss.1], drive_so_far)
     {
         inspections[gnss.0].found.extend(note);
-        found = drive(inspections);
+        found = read(inspections);
     }
     if let Ok(drive_so_far) = &found
         && other_unit(&mut inspections[imu.0].parts[imu.1], drive_so_far)
     {
-        found = drive(inspections);
+        found = read(inspections);
     }
     if let Ok(drive_so_far) = &found
         && other_sign(&mut inspections[imu.0].parts[imu.1], drive_so_far)
     {
-        found = drive(inspections);
+        found = read(inspections);
     }
     let fixes = &inspections[gnss.0].parts[gnss.1].measured;
     let fixes = fixes.as_ref().and_then(|fixes| fixes.content.as_ref());
@@ -109,8 +111,8 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         Some(mounting) => Ok(Some(mounting)),
         None => resolved.map(|(_, mounting)| mounting),
     };
-    match found {
-        Ok(None) => Motion::default(),
+    let (rotation, heading) = match found {
+        Ok(None) => return Motion::default(),
         Ok(Some(mounting)) => {
             let degrees = |angles: Vector3| angles.map(f64::to_degrees).into();
             let known = Known::Motion {
@@ -121,31 +123,43 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
             // A hundredth of a degree is far below what is known of it.
             let value = angles(&mounting.rpy(), 2);
             sits(&mut file.parts[imu.1], &value, known);
-            let wheels = true;
-            Motion { wheels, heading }
+            (mounting.matrix(), heading)
         }
         Err(NavigateError::Mounting(EstimateError::Mounting(MountingError::Wanders {
             ..
         }))) => {
             file.found.push(Note::NoWheels);
-            let wheels = false;
-            Motion { wheels, heading }
+            let wheels = Wheels::No;
+            return Motion { wheels, heading };
         }
         Err(error) => {
-            if let Some((rpy, std)) = by_force {
-                let (rpy, std) = refined(drive, &rpy, std).unwrap_or((rpy, std));
-                let value = angles(&rpy, 1);
-                let std_deg = std.to_degrees();
-                sits(&mut file.parts[imu.1], &value, Known::Forces { std_deg });
-            } else {
+            let Some((rpy, std)) = by_force else {
                 file.found.push(Note::NoMounting(error.to_string()));
-            }
-            Motion {
-                wheels: by_force.is_some(),
-                heading: false,
-            }
+                return Motion::default();
+            };
+            let (rpy, std) = refined(drive, &rpy, std).unwrap_or((rpy, std));
+            let value = angles(&rpy, 1);
+            let std_deg = std.to_degrees();
+            sits(&mut file.parts[imu.1], &value, Known::Forces { std_deg });
+            (from_rpy(&rpy).to_rotation_matrix().into_inner(), false)
         }
-    }
+    };
+    let mounted = read(inspections).map(|mut drive| {
+        drive.estimate_mounting = false;
+        drive.imu.1.rotation = rotation;
+        drive
+    });
+    let wheels = match mounted.ok().and_then(|drive| side_slip(&drive)) {
+        None => Wheels::Likely,
+        Some(slip) if slip.is_of_wheels() => Wheels::Shown,
+        Some(SideSlip { right, down }) => {
+            let (right_ms, down_ms) = (right, down);
+            let note = Note::Slips { right_ms, down_ms };
+            inspections[imu.0].found.push(note);
+            Wheels::No
+        }
+    };
+    Motion { wheels, heading }
 }
 
 /// Usual rates of inertial logs \[Hz\], and how near to one, as a share, a rate is that one.

@@ -216,7 +216,7 @@ fn wheels_hold_a_velocity_to_the_right_and_down() {
     };
     let built = || build(nav, &std, &sensors(), Parameters::none()).unwrap();
     let mut filter = built();
-    let update = non_holonomic::update(&mut *filter, &rule, &mut Summary::default()).unwrap();
+    let update = constrained(&mut *filter, &rule).unwrap();
     assert_eq!(update.dof, 2);
     let v = filter.nav().v_n;
     // Equal variances to the right, a fifth of the whole down.
@@ -288,7 +288,7 @@ fn wheels_slip_with_the_force_to_the_side() {
             dvel: Vector3::new(0.0, 10.0 * turn * 0.01, -0.0981),
         });
         filter.advance(None);
-        non_holonomic::update(&mut *filter, &rule, &mut Summary::default()).unwrap();
+        constrained(&mut *filter, &rule).unwrap();
         filter.nav().v_n.y
     };
     for turn in [0.5, -0.5] {
@@ -344,4 +344,39 @@ fn a_rest_measures_the_gyros_with_the_noise_of_its_mean() {
             found[axis]
         );
     }
+}
+
+/// One update of a vehicle that has not slipped so far.
+fn constrained(filter: &mut dyn Estimator, rule: &NonHolonomic) -> Option<Update> {
+    let (mut slip, mut summary) = (Slip::default(), Summary::default());
+    non_holonomic::update(filter, rule, &mut slip, false, &mut summary)
+}
+
+/// A velocity to the right of 0.6 m/s, which the filter is sure of, is three standard deviations: NIS 9 for one of two components.
+#[test]
+fn a_vehicle_that_slips_is_held_less_where_fixes_show_it() {
+    let rule = NonHolonomic {
+        slip: 0.0,
+        ..NonHolonomic::CAR
+    };
+    let sure = || moving(Vector3::new(10.0, 0.6, 0.0), Vector3::repeat(1e-4));
+    let after = |updates: usize, aided: bool| {
+        let (mut slip, mut summary) = (Slip::default(), Summary::default());
+        let mut last = 0.0;
+        for _ in 0..updates {
+            let update = non_holonomic::update(&mut *sure(), &rule, &mut slip, aided, &mut summary);
+            last = update.unwrap().nis;
+        }
+        (last, summary.side_slip)
+    };
+    let near = |found: f64, expected: f64| (found / expected - 1.0).abs() < 0.02;
+    assert!(near(after(1, true).0, 9.0) && near(after(900, false).0, 9.0));
+    // The mean of both components is 4.5 variances, 90 times that of wheels.
+    let (nis, seen) = after(900, true);
+    assert!(near(nis, 9.0 / 90.0), "{nis}");
+    let seen = seen.unwrap();
+    assert!(near(seen.speed, 0.2 * 4.5f64.sqrt()), "{seen:?}");
+    assert_eq!(after(900, false).1, None);
+    // Of a minute that begins, nothing is said.
+    assert_eq!(after(250, true).1, None);
 }

@@ -106,6 +106,14 @@ pub(super) fn no_vertical_velocity(start: f64) -> String {
     )
 }
 
+pub(super) fn side_slip(start: f64, speed: f64) -> String {
+    format!(
+        "from {} s on the vehicle moves across its forward axis by up to {} m/s (RMS of a minute): it does not move as wheels do, or the mounting is wrong; the constraint holds as much less, and without [vehicle] profile = \"car\" not at all",
+        at(start),
+        short(speed)
+    )
+}
+
 pub(super) fn rejected(fixes: &Contradiction) -> String {
     let (part, unit) = match (fixes.height, part(fixes.part)) {
         (true, (_, unit)) => ("height", unit),

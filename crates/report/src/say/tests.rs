@@ -283,6 +283,10 @@ fn every_finding_has_its_sentence() {
             "the vertical velocity of the fixes is always 0, in motion too: it is taken as not measured from 12.5 s on; \"20 m/s\" as the third number of gnss.velocity_std says so from the first fix on",
         ),
         (
+            Finding::SideSlip { start, speed: 0.834 },
+            "from 12.5 s on the vehicle moves across its forward axis by up to 0.834 m/s (RMS of a minute): it does not move as wheels do, or the mounting is wrong; the constraint holds as much less, and without [vehicle] profile = \"car\" not at all",
+        ),
+        (
             accuracy(Part::Position, 2.0, false, true),
             "stated position standard deviations are about 2.0 times too small for the innovations: multiply gnss.position_std_factor by 2.00, or set gnss.adapt = true; but the innovations are correlated from fix to fix, so the noise model, the mounting, the lever arm or the times may be wrong instead",
         ),

@@ -89,6 +89,7 @@ impl Finding {
             Self::WrongGravity { .. }
             | Self::WrongTurnRate { .. }
             | Self::NoTurns
+            | Self::SideSlip { .. }
             | Self::Late { .. }
             | Self::SlowSamples { .. }
             | Self::GuessedRate { .. }
@@ -158,6 +159,7 @@ impl Finding {
             | Self::SetBack { .. }
             | Self::VelocityBias { .. } => 2,
             Self::NoMounting { .. } | Self::LateSamples { .. } | Self::SlowSamples { .. } => 2,
+            Self::SideSlip { .. } => 2,
             Self::FixJitter { .. } | Self::RoundedFixes { .. } => 2,
             Self::Rejected(fixes) if is_jump(fixes) => 2,
             Self::OptimisticModel { .. } | Self::FarParameter { .. } => 3,

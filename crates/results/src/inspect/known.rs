@@ -178,6 +178,13 @@ pub enum Note {
     Nothing,
     /// The IMU moves along no one direction of its own: it is on no wheeled vehicle, or not fixed to it.
     NoWheels,
+    /// It has a forward direction, but moves across it more than wheels do.
+    Slips {
+        /// Velocity to the right beyond the solution's own error, RMS [m/s].
+        right_ms: f64,
+        /// Velocity down beyond it, RMS [m/s].
+        down_ms: f64,
+    },
     /// The logs have no time in common, and their turns do not show by how much the clocks differ.
     Apart {
         /// What is to be added to the times of the fixes if both begin at the same moment \[s\].

@@ -160,17 +160,29 @@ pub enum Comment<'a> {
     Missing(&'a str),
     /// The heading, where changes of velocity give it.
     Heading,
-    /// The profile of a wheeled vehicle.
-    Wheels,
+    /// The profile of a wheeled vehicle, and what the motion says of it.
+    Wheels(Wheels),
     /// The lever arm.
     LeverArm,
+}
+
+/// What the motion says of wheels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wheels {
+    /// It is not that of a wheeled vehicle, or shows nothing.
+    #[default]
+    No,
+    /// The craft has a forward direction; the motion is too short, too straight or too slow to test more.
+    Likely,
+    /// It is that of a wheeled vehicle.
+    Shown,
 }
 
 /// What the motion shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Motion {
-    /// It is that of a wheeled vehicle.
-    pub wheels: bool,
+    /// Whether it is that of a wheeled vehicle.
+    pub wheels: Wheels,
     /// The changes of the receiver's velocity give the heading.
     pub heading: bool,
 }

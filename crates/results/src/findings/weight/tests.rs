@@ -190,6 +190,14 @@ fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
         (Finding::FixJitter { std: 0.02 }, Note, 2),
         (Finding::RoundedFixes { step: 1.0 }, Note, 2),
         (Finding::NoVerticalVelocity { start: 1.0 }, Note, 7),
+        (
+            Finding::SideSlip {
+                start: 1.0,
+                speed: 0.5,
+            },
+            Warning,
+            2,
+        ),
         (of_model(late(9.0)), Warning, 5),
         (of_model(late(1.0)), Note, 5),
         (accuracy(1.5), Note, 4),
