@@ -36,6 +36,14 @@ use crate::model_file::{ImuModel, ModelError};
 use equivalent::Equivalent;
 
 /// A format of noise models. Those of other programs have white noise and one slow process at most.
+///
+/// ```
+/// use undrift_noise::ModelFormat;
+/// for format in ModelFormat::ALL {
+///     assert_eq!(format.name().parse(), Ok(format));
+/// }
+/// assert!("yaml".parse::<ModelFormat>().is_err_and(|error| error.to_string().contains("kalibr")));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ModelFormat {
     /// `imu.yaml` of Kalibr.
@@ -89,6 +97,8 @@ impl ModelFormat {
 }
 
 /// A name that is not that of a format of noise models; its message lists the names.
+///
+/// The name as it was given.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "unknown format {0:?}; available: kalibr, kf-gins, ros, px4, matlab, vins, openvins, basalt, undrift"

@@ -98,6 +98,19 @@ impl NoiseGenerator {
     }
 
     /// What can be predicted of the next sample, `h · x` [rad/s or m/s²]: the true bias.
+    ///
+    /// Asked for before [`Self::sample`], it is what a perfect estimator would subtract from that sample; what is left is `D w_k`.
+    ///
+    /// ```
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// use undrift_noise::synthesis::NoiseGenerator;
+    /// let turn_on = ShapingFilter::constant(0.02, 0.01)?; // Nothing white beside it: the sample is the bias.
+    /// let mut noise = NoiseGenerator::new(&turn_on, 1);
+    /// let bias = noise.bias();
+    /// assert!((0..5).all(|_| noise.sample() == bias));
+    /// assert_eq!(NoiseGenerator::new(&ShapingFilter::white(1e-3, 0.01)?, 1).bias(), 0.0);
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn bias(&self) -> f64 {
         (0..self.filter.order)
             .map(|i| self.filter.h[i] * self.state[i])

@@ -73,6 +73,9 @@ pub enum Term {
 }
 
 /// Remark on a fit, to be read beside its numbers.
+///
+/// `undrift-report` has their sentences. [`Flag::ShortMemory`] and [`Flag::LongCorrelation`] are about the record,
+/// not the fit: a sensor behind a low-pass filter has the first, a random walk fitted as a process the second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Flag {
     /// The likelihood does not want this term (removing it costs less than 0.01): it is 0 in the
@@ -150,6 +153,9 @@ impl CompositeFit {
 ///
 /// # Errors
 /// A record too short, constant or infinite; an empty set; no finite likelihood at any start.
+///
+/// The level is integrated out under a flat prior (the restricted likelihood), so that criteria compare sets of terms of one record, never
+/// records of different lengths or blocks. Correlation times are searched between a twentieth of a block and a thousand records.
 pub fn fit(
     record: &[f64],
     interval: f64,

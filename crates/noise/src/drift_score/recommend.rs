@@ -117,6 +117,24 @@ fn is_as_good(score: &HorizonScore, best: &HorizonScore) -> bool {
 /// then the first. The windows of a long horizon are few: where drift does not tell two models apart, the likelihood may.
 /// Where no candidate is as good as the best everywhere, the one whose worst ratio to the best is least. None of an empty list,
 /// or where scores are missing or not finite in every candidate.
+///
+/// ```
+/// use undrift_noise::drift_score::{Choice, HorizonScore, Scored, recommend};
+/// let scored = |name: &str, states, parameters, aic, rms: f64| {
+///     let standard_error = 0.05 * rms;
+///     let score = HorizonScore { horizon_s: 60.0, rms, standard_error, predicted_rms: rms, origins: 900, windows: 30.0, batches: vec![] };
+///     Scored { name: name.into(), states, parameters, aic, horizons: vec![score] }
+/// };
+/// // The walk drifts half a percent more than two processes, is as likely, and has three parameters less.
+/// let all = [
+///     scored("white", 0, 1, 900.0, 0.02),
+///     scored("white + random walk", 1, 2, 101.0, 0.01005),
+///     scored("white + 2 Gauss-Markov", 2, 5, 100.0, 0.01),
+/// ];
+/// let chosen = recommend(&all).expect("candidates");
+/// assert_eq!(all[chosen.index].name, "white + random walk");
+/// assert!(matches!(chosen.reason.choice, Choice::Simplest { excess_percent } if (excess_percent - 0.5).abs() < 1e-9));
+/// ```
 pub fn recommend(candidates: &[Scored]) -> Option<Recommendation> {
     let horizons = candidates.iter().map(|c| c.horizons.len()).max()?;
     let valid =
