@@ -52,6 +52,13 @@ pub enum Shape {
 }
 
 /// A disturbance of a level: a step, a warm-up or a slow cycle.
+///
+/// ```
+/// use undrift_noise::screening::{Disturbance, Shape};
+/// let warm_up = Disturbance { shape: Shape::WarmUp(10.0), coefficients: [2.0, 0.0], fall: 100.0 };
+/// assert_eq!(warm_up.size(), 2.0);
+/// assert!((warm_up.value(10.0) - 2.0 / std::f64::consts::E).abs() < 1e-12); // After one time constant.
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disturbance {
     /// Shape, with its times.
