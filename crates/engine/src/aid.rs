@@ -66,6 +66,11 @@ impl Aid {
     }
 
     /// Its field in results: the name with underscores for spaces and hyphens.
+    ///
+    /// ```
+    /// use undrift_engine::Aid;
+    /// assert_eq!((Aid::ZeroVelocity.key(), Aid::NonHolonomic.key()), ("zero_velocity".into(), "non_holonomic".into()));
+    /// ```
     pub fn key(self) -> String {
         self.name().replace([' ', '-'], "_")
     }

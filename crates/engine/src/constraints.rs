@@ -1,4 +1,15 @@
 //! What is known of the vehicle, and when it is used: rests, what it cannot do, and sensors of one number.
+//!
+//! | knowledge | when | covariance |
+//! |---|---|---|
+//! | rest on the ground | the sensors are quiet ([`crate::rest`]) | as configured; ten times the standard deviation where GNSS does not confirm it |
+//! | the Earth's rate | at the same time | white noise of the mean over the block, and what is configured |
+//! | no slip, no lift | at an interval, above a speed | as configured, and in proportion to the lateral acceleration |
+//! | course is heading | with each velocity of a fix, above a speed | of the course, and what is configured for slip |
+//! | wheel speed, height | as measured | as measured |
+//!
+//! All go past one gate: down-weighted from a NIS of 9, rejected from 100. A constraint that contradicts a solution by more is more likely to be wrong than
+//! the solution: a vehicle on a ferry, a wheel that spins.
 
 mod course;
 mod non_holonomic;

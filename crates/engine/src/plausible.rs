@@ -4,6 +4,17 @@
 //! which hides the cause. Three things are known whatever the noise model says: the specific force is
 //! gravity on the average; the course of a vehicle turns as its gyros say; positions move as velocities
 //! say. Streamed: sums and a bounded window are kept.
+//!
+//! | finding | from |
+//! |---|---|
+//! | gravity | the mean specific force of one-second blocks: fewer than a tenth between 0.7 and 1.4 of gravity |
+//! | down | its direction against body down, where axes are promised to be forward, right, down |
+//! | turns: scale, axis, late, none | regression of the course's turns on those of the gyros, at lags of −30 to 30 s |
+//! | pushes | regression of accelerations over ground on specific force along forward and right |
+//! | velocity | displacements against integrated velocity, and which of eleven mistakes explains the difference |
+//! | alternates | changes of the slope of positions that alternate: two receivers in one log |
+//!
+//! Each needs enough of what it judges by (turns, accelerations, ways); without it says nothing. None changes the solution: they are named beside it.
 
 mod alternation;
 mod moves;

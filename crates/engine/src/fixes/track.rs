@@ -1,4 +1,6 @@
 //! Fixes in order of time, as they are looked at.
+//!
+//! The study needs them of one kind: those with position and velocity, or where no fix has a velocity, all positions.
 
 use alloc::{vec, vec::Vec};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
