@@ -8,8 +8,8 @@
 //! | course is heading | with each velocity of a fix, above a speed | of the course, and what is configured for slip |
 //! | wheel speed, height | as measured | as measured |
 //!
-//! All go past one gate: down-weighted from a NIS of 9, rejected from 100. A constraint that contradicts a solution by more is more likely to be wrong than
-//! the solution: a vehicle on a ferry, a wheel that spins.
+//! All go past one gate: down-weighted from a NIS of 9, rejected from 100. A constraint that contradicts a
+//! solution by more is more likely to be wrong than the solution: a vehicle on a ferry, a wheel that spins.
 
 mod course;
 mod non_holonomic;

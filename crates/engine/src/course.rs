@@ -4,9 +4,10 @@
 //! course and heading usually are apart is learned; where that changes for good, it is the heading that went wrong (a
 //! gyro's bias that jumped, a scale factor), and its σ grows to what is seen.
 //!
-//! Differences are taken once a second, above 4 m/s, on a straight way, with a course known to 0.1 rad. The usual difference is the median of up to 120 of
-//! them, its spread 1.4826 times their median deviation; the present one is the median of eight. Where that has moved by four spreads and by two
-//! standard deviations of the heading, what the heading's variance lacks is added to it, and a share to that of gyro z.
+//! Differences are taken once a second, above 4 m/s, on a straight way, with a course known to 0.1 rad. The
+//! usual difference is the median of up to 120 of them, its spread 1.4826 times their median deviation; the
+//! present one is the median of eight. Where that has moved by four spreads and by two standard deviations of
+//! the heading, what the heading's variance lacks is added to it, and a share to that of gyro z.
 
 use super::summary::Summary;
 use crate::estimator::Estimator;

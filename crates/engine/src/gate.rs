@@ -15,7 +15,8 @@
 //! | unconfirmed: fewer than 3 fixes accepted since a start, a gap of 3 s or a reset | 5 times | 10.2 times: one right fix in a million |
 //! | NIS usually above 400 | never | never: there is nothing to judge by |
 //!
-//! The usual NIS is per degree of freedom, at least 1: 30 until ten innovations are known, then the median of the last 40 over that of χ²(3)/3.
+//! The usual NIS is per degree of freedom, at least 1: 30 until ten innovations are known, then the median of
+//! the last 40 over that of χ²(3)/3.
 
 use super::{
     events::{Contradiction, Part},
@@ -139,7 +140,8 @@ impl FixGate {
     /// What to do with a fix of this innovation and covariance; `patience` is for how long fixes that
     /// agree with each other are left out \[s\].
     ///
-    /// A fix agrees with the one before where their innovations differ by less than 0.3 of their size, or by less than two standard deviations of two fixes.
+    /// A fix agrees with the one before where their innovations differ by less than 0.3 of their size, or by
+    /// less than two standard deviations of two fixes.
     pub(super) fn judge(
         &mut self,
         time: f64,

@@ -6,9 +6,11 @@
 //! axis reads on the average. What an axis may have read meanwhile is in doubt by its usual spread: correlated
 //! over [`TURN_LASTS`], so that it grows with the time squared first and linearly then.
 //!
-//! The usual behaviour of an axis is learned from its sound values: how far nine samples in ten are from the mean of their neighbours (by stochastic
-//! approximation of that quantile), how many samples a value lasts, mean and variance over a minute, and the largest and smallest value so far. Until 500 values
-//! are known nothing is judged. A sensor that repeats all of its values at rest for 5 s is a simulated one without noise, of which repetitions say nothing.
+//! The usual behaviour of an axis is learned from its sound values: how far nine samples in ten are from the
+//! mean of their neighbours (by stochastic approximation of that quantile), how many samples a value lasts,
+//! mean and variance over a minute, and the largest and smallest value so far. Until 500 values are known
+//! nothing is judged. A sensor that repeats all of its values at rest for 5 s is a simulated one without noise,
+//! of which repetitions say nothing.
 
 use super::{checked::Checked, summary::Summary};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]

@@ -14,7 +14,8 @@
 //! | velocity | displacements against integrated velocity, and which of eleven mistakes explains the difference |
 //! | alternates | changes of the slope of positions that alternate: two receivers in one log |
 //!
-//! Each needs enough of what it judges by (turns, accelerations, ways); without it says nothing. None changes the solution: they are named beside it.
+//! Each needs enough of what it judges by (turns, accelerations, ways); without it says nothing. None changes
+//! the solution: they are named beside it.
 
 mod alternation;
 mod moves;

@@ -1,10 +1,13 @@
 //! A fix into the filter: gated, scaled, watched.
 //!
-//! Position and velocity are judged one by one, each by a [`FixGate`] of its own, the height by a third. What makes a fix wrong is not only its size:
+//! Position and velocity are judged one by one, each by a [`FixGate`] of its own, the height by a third. What
+//! makes a fix wrong is not only its size:
 //!
-//! - **frozen**: a receiver that repeats a position while the solution moves off, or keeps its velocity back again and again;
-//! - **contradicting**: fixes that are rejected one after the other and agree with each other. After a while the solution is reset to them, since it is
-//!   then the likelier one to be wrong. How long that takes depends on what contradicts:
+//! - **frozen**: a receiver that repeats a position while the solution moves off, or keeps its velocity back
+//!   again and again;
+//! - **contradicting**: fixes that are rejected one after the other and agree with each other. After a while
+//!   the solution is reset to them, since it is then the likelier one to be wrong. How long that takes depends
+//!   on what contradicts:
 //!
 //! | contradicts | patience |
 //! |---|---|
@@ -13,8 +16,8 @@
 //! | position alone, velocity agrees | 15 s |
 //! | a frozen receiver | 60 s |
 //!
-//! With the reset the covariance grows by what explains the contradiction: its size in position, its size over the time in velocity, and the tilt that
-//! makes such a velocity.
+//! With the reset the covariance grows by what explains the contradiction: its size in position, its size over
+//! the time in velocity, and the tilt that makes such a velocity.
 
 mod height;
 
@@ -271,8 +274,9 @@ impl Receiver {
 
     /// Whether the fix repeats a position that the solution has left.
     ///
-    /// Either the solution has moved by more than the fix's accuracy, faster than its own velocity is uncertain, or repeated fixes have pulled at its velocity
-    /// by more than its tilt explains. In the second case the pull is given back to the solution as uncertainty.
+    /// Either the solution has moved by more than the fix's accuracy, faster than its own velocity is
+    /// uncertain, or repeated fixes have pulled at its velocity by more than its tilt explains. In the second
+    /// case the pull is given back to the solution as uncertainty.
     fn is_frozen(&mut self, filter: &mut dyn Estimator, fix: &GnssFix, lever: &Vector3) -> bool {
         let Some((position, r)) = &fix.position else {
             return false;

@@ -2,13 +2,16 @@
 //!
 //! A sample goes through here in this order, and no other module decides it:
 //!
-//! 1. checked one sample late ([`crate::inertial`]), turned to body axes where the mounting is looked for, cut where it ends a gap of more than a minute;
+//! 1. checked one sample late ([`crate::inertial`]), turned to body axes where the mounting is looked for, cut
+//!    where it ends a gap of more than a minute;
 //! 2. shown to the watches that need no solution ([`crate::plausible`], [`crate::vibration`]);
-//! 3. taken up by the solution, which stops at each measurement that falls due within it ([`Queue::next_until`]), in order of their own times;
-//! 4. ended: doubts stated by the settings, constraints of the vehicle, the alignment that goes on, nodes of a smoother, the mounting.
+//! 3. taken up by the solution, which stops at each measurement that falls due within it
+//!    ([`Queue::next_until`]), in order of their own times;
+//! 4. ended: doubts stated by the settings, constraints of the vehicle, the alignment that goes on, nodes of a
+//!    smoother, the mounting.
 //!
-//! Everything that may not be known twice is in [`Run`]; a copy of it goes on exactly as the original would, which is how late measurements and
-//! checkpoints are made.
+//! Everything that may not be known twice is in [`Run`]; a copy of it goes on exactly as the original would,
+//! which is how late measurements and checkpoints are made.
 
 mod axes;
 mod end;
@@ -239,8 +242,8 @@ impl Run {
     /// Processes a sample and the measurements up to its end.
     ///
     /// # Errors
-    /// Where an alignment is complete and its filter cannot be built: more states than there is room for. A solution that diverges is no error; it
-    /// is noted in the summary, and an alignment begins.
+    /// Where an alignment is complete and its filter cannot be built: more states than there is room for. A
+    /// solution that diverges is no error; it is noted in the summary, and an alignment begins.
     pub(super) fn sample(
         &mut self,
         checked: Checked,
@@ -306,7 +309,8 @@ impl Run {
     }
 
     /// Delay of the fixes as estimated; none without a solution.
-    /// That of a failed solution beside which another alignment goes on is limited more tightly, see [`Solution::latency`].
+    /// That of a failed solution beside which another alignment goes on is limited more tightly, see
+    /// [`Solution::latency`].
     fn latency(&self) -> Latency {
         let solution = self.solution.as_ref();
         let failed = self.alignment.again;

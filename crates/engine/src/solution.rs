@@ -1,7 +1,8 @@
 //! The navigation state: a filter, and how far it has come within the present sample.
 //!
-//! Between two samples a solution is a filter and nothing else. Within one it may stop at the times of measurements, go through a gap in steps of the
-//! usual interval, and grow its covariance by two things that the linear model leaves out: motion in a long gap, and products of large errors.
+//! Between two samples a solution is a filter and nothing else. Within one it may stop at the times of
+//! measurements, go through a gap in steps of the usual interval, and grow its covariance by two things that
+//! the linear model leaves out: motion in a long gap, and products of large errors.
 
 use super::{
     bridge::Bridge, measurement::Latency, observer::Observer, summary::Summary, watch::FAR,

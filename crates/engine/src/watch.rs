@@ -2,9 +2,11 @@
 //!
 //! Two watches on innovations that pass every gate:
 //!
-//! - [`Streak`]: the NIS per degree of freedom over 20 updates. Above 25 the solution is suspect, and after 30 s of that an alignment begins beside it.
-//! - [`LeanWatch`]: the mean of 40 whitened innovations. Of white ones its square is a χ² of three; a receiver that is drawn away slowly, by multipath or on
-//!   purpose, leans to one side while each fix by itself looks right.
+//! - [`Streak`]: the NIS per degree of freedom over 20 updates. Above 25 the solution is suspect, and after 30
+//!   s of that an alignment begins beside it.
+//! - [`LeanWatch`]: the mean of 40 whitened innovations. Of white ones its square is a χ² of three; a receiver
+//!   that is drawn away slowly, by multipath or on purpose, leans to one side while each fix by itself looks
+//!   right.
 
 use super::{
     events::{Lean, Part},

@@ -10,8 +10,8 @@
 //! navigation frame `n` north-east-down, body frame `b` forward-right-down, attitude `q_nb`
 //! (rotates body to navigation).
 //!
-//! Where to begin: [`filter::Filter`] has an example of a whole run, [`shaping`] of the noise models it is made with, [`aiding`] of measurements. Without a
-//! filter, dead reckoning is a state and its steps:
+//! Where to begin: [`filter::Filter`] has an example of a whole run, [`shaping`] of the noise models it is made
+//! with, [`aiding`] of measurements. Without a filter, dead reckoning is a state and its steps:
 //!
 //! ```
 //! use undrift_nav::{Vector3, attitude, earth::Geodetic, mechanisation::{Increments, NavState}, sample::ImuSample};

@@ -35,8 +35,9 @@
 //! | a quick autoregression | [`burg`], [`yule_walker`], [`order_by_aicc`] |
 //! | is anything left of the record | [`ArmaFit::residuals`], then [`crate::whiteness`] |
 //!
-//! An ARMA describes the record at its own rate; [`crate::scales`] finds the slow part of block averages and takes it to the full
-//! rate, and [`crate::composite`] fits sums of continuous processes, which hold at every rate.
+//! An ARMA describes the record at its own rate; [`crate::scales`] finds the slow part of block averages and
+//! takes it to the full rate, and [`crate::composite`] fits sums of continuous processes, which hold at every
+//! rate.
 
 mod autoregressive;
 mod diagnosis;

@@ -64,8 +64,9 @@ pub enum DriftError {
 
 /// Drift score of a model at one horizon.
 ///
-/// A model is right where `rms` is `predicted_rms` within a few standard errors at every horizon. `rms` above it: an outage will drift
-/// farther than the filter says. Below: the filter is too cautious, and fixes after an outage pull harder than they should.
+/// A model is right where `rms` is `predicted_rms` within a few standard errors at every horizon. `rms` above
+/// it: an outage will drift farther than the filter says. Below: the filter is too cautious, and fixes after an
+/// outage pull harder than they should.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HorizonScore {
     /// Horizon h \[s\], rounded to whole samples.

@@ -116,8 +116,9 @@ fn jarque_bera_about(x: &[f64], mean: f64, squares: f64) -> JarqueBera {
 /// # Errors
 /// Fewer than 5 samples, a sample that is not finite, a constant record.
 ///
-/// A gyro at rest whose samples are rounded to steps of a tenth of their deviation is rejected by every test at 10⁶ samples, and no filter
-/// notices. So look at skewness and excess kurtosis first, then whether [`Normality::quantisation`] explains the rest.
+/// A gyro at rest whose samples are rounded to steps of a tenth of their deviation is rejected by every test at
+/// 10⁶ samples, and no filter notices. So look at skewness and excess kurtosis first, then whether
+/// [`Normality::quantisation`] explains the rest.
 ///
 /// ```
 /// use undrift_nav::shaping::ShapingFilter;

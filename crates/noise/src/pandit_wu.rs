@@ -76,8 +76,8 @@ impl Default for PanditWuOptions {
 
 /// One F test between two nested orders.
 ///
-/// Both sums are of exact prediction errors of the same samples, so that `sum_larger` is the smaller of the two but for the tolerance of the
-/// search and the weights V, which differ between the models.
+/// Both sums are of exact prediction errors of the same samples, so that `sum_larger` is the smaller of the two
+/// but for the tolerance of the search and the weights V, which differ between the models.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrderTest {
     /// The smaller order (p, q).
@@ -271,8 +271,9 @@ impl Fits<'_> {
 /// As [`crate::arma::fit`] where not even ARMA(2,1) can be fitted; [`ArmaError::BadOption`] for a
 /// level outside (0, 1) or n_max outside 1…12.
 ///
-/// Each order is fitted once by [`crate::arma::fit()`], with the optima of the orders inside it as further starts. Identification runs
-/// it on a record's first [`SEARCH_SAMPLES`](crate::identify::SEARCH_SAMPLES) and at reduced effort.
+/// Each order is fitted once by [`crate::arma::fit()`], with the optima of the orders inside it as further
+/// starts. Identification runs it on a record's first [`SEARCH_SAMPLES`](crate::identify::SEARCH_SAMPLES) and
+/// at reduced effort.
 ///
 /// ```
 /// use undrift_nav::shaping::ShapingFilter;

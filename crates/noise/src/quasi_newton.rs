@@ -2,11 +2,13 @@
 //! Wright 2006, chapters 3 and 6. What differs between the searches of [`crate::arma`] and of
 //! [`crate::composite`] is in [`Scales`].
 //!
-//! A search steps along −B∇f, B an estimate of the inverse Hessian that each step corrects by what the gradient changed (Broyden, Fletcher, Goldfarb,
-//! Shanno), and ends where the decrease that is predicted, ½ ∇fᵀB∇f, is below a tolerance: in log-likelihood, so that an end is judged by what it
-//! could still gain, not by how far the parameters moved along a flat direction.
+//! A search steps along −B∇f, B an estimate of the inverse Hessian that each step corrects by what the gradient
+//! changed (Broyden, Fletcher, Goldfarb, Shanno), and ends where the decrease that is predicted, ½ ∇fᵀB∇f, is
+//! below a tolerance: in log-likelihood, so that an end is judged by what it could still gain, not by how far
+//! the parameters moved along a flat direction.
 //!
-//! Likelihoods here are evaluated at several points for little more than one, so gradients by differences ask for all of theirs at once.
+//! Likelihoods here are evaluated at several points for little more than one, so gradients by differences ask
+//! for all of theirs at once.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -129,8 +131,9 @@ impl<'a> Objective<'a> {
     /// Gradient by forward differences, or central ones (twice the cost), and the metric to start from. A
     /// direction into an invalid region counts as flat.
     ///
-    /// The error of a forward difference is half the step times the curvature, that of a central one a sixth of the step squared times the third
-    /// derivative: forward ones lead a search to where the gradient is small, central ones end it.
+    /// The error of a forward difference is half the step times the curvature, that of a central one a sixth of
+    /// the step squared times the third derivative: forward ones lead a search to where the gradient is small,
+    /// central ones end it.
     pub(crate) fn differences(
         &mut self,
         z: &[f64],
@@ -317,7 +320,8 @@ const SUFFICIENT: f64 = 1e-4;
 /// `value`, by quadratic interpolation kept within a tenth and a half; gives the last value tried.
 /// `at` moves to a fraction of the direction and evaluates.
 ///
-/// Armijo's condition (Nocedal & Wright, section 3.1); the next fraction is the minimum of the parabola through value, slope and the value tried.
+/// Armijo's condition (Nocedal & Wright, section 3.1); the next fraction is the minimum of the parabola through
+/// value, slope and the value tried.
 fn backtrack(mut at: impl FnMut(f64) -> f64, value: f64, slope: f64, longest: f64) -> f64 {
     let mut t = longest;
     let mut next = f64::INFINITY;

@@ -119,8 +119,9 @@ impl ScaleFit {
 
 /// A record at several scales, and the scale that shows what drifts.
 ///
-/// Read `chosen` first: where it is `None`, no scale sees a slow part, and the record bounds the bias from above only. Where it is not the
-/// finest block, the samples have a short memory of their own, as of a low-pass filter, that an ARMA at the full rate would have fitted.
+/// Read `chosen` first: where it is `None`, no scale sees a slow part, and the record bounds the bias from
+/// above only. Where it is not the finest block, the samples have a short memory of their own, as of a low-pass
+/// filter, that an ARMA at the full rate would have fitted.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Scales {

@@ -99,7 +99,8 @@ impl NoiseGenerator {
 
     /// What can be predicted of the next sample, `h · x` [rad/s or m/s²]: the true bias.
     ///
-    /// Asked for before [`Self::sample`], it is what a perfect estimator would subtract from that sample; what is left is `D w_k`.
+    /// Asked for before [`Self::sample`], it is what a perfect estimator would subtract from that sample; what
+    /// is left is `D w_k`.
     ///
     /// ```
     /// use undrift_nav::shaping::ShapingFilter;

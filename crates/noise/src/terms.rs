@@ -22,7 +22,8 @@ pub const MAX_GAUSS_MARKOV: usize = 2;
 
 /// Why a composite model cannot be evaluated on a record or fitted to it.
 ///
-/// Too few samples, or all alike, are the recording's fault; [`CompositeError::BadTerms`] and [`CompositeError::Shaping`] the caller's.
+/// Too few samples, or all alike, are the recording's fault; [`CompositeError::BadTerms`] and
+/// [`CompositeError::Shaping`] the caller's.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CompositeError {
     /// Fewer samples than needed (missing ones not counted).
@@ -170,7 +171,8 @@ pub fn flicker(b: f64) -> ([GaussMarkov; FLICKER_TAUS.len()], f64) {
 
 impl CompositeTerms {
     /// All slow terms as Gauss-Markov processes and the coefficient of a random walk [unit/√s], flicker noise as the sum that approximates it.
-    /// Flicker noise adds the processes of [`FLICKER_TAUS`] and, in squares, the walk that stands for slower ones: see [`flicker`].
+    /// Flicker noise adds the processes of [`FLICKER_TAUS`] and, in squares, the walk that stands for slower
+    /// ones: see [`flicker`].
     pub fn slow(&self) -> (Vec<GaussMarkov>, f64) {
         let mut processes: Vec<GaussMarkov> = self.gauss_markov.to_vec();
         processes.retain(|process| process.sigma != 0.0);

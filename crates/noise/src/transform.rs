@@ -1,7 +1,8 @@
 //! Real FFTs of one length with the room that they need.
 //!
-//! A block of L samples is transformed in 2L, zeros after it, so that of a circular correlation the first L outputs are those of the linear one. Lengths
-//! are even; the inverse is not normalised, and `add_samples` divides.
+//! A block of L samples is transformed in 2L, zeros after it, so that of a circular correlation the first L
+//! outputs are those of the linear one. Lengths are even; the inverse is not normalised, and `add_samples`
+//! divides.
 
 use realfft::num_complex::Complex64;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};

@@ -65,7 +65,8 @@ pub struct WaveletVariance {
 /// # Errors
 /// Fewer than 16 samples present, an infinite or constant record, a bad interval.
 ///
-/// The noise type that [`WaveletPoint::edf`] takes is from the slope between the neighbouring scales, −1 − slope rounded.
+/// The noise type that [`WaveletPoint::edf`] takes is from the slope between the neighbouring scales, −1 −
+/// slope rounded.
 pub fn wavelet_variance(record: &[f64], interval: f64) -> Result<WaveletVariance, CompositeError> {
     // Checks the interval as every model will.
     undrift_nav::shaping::ShapingFilter::none(interval)?;

@@ -25,7 +25,8 @@ pub struct Stamps {
 
 /// The likeliest reason why an inertial and a GNSS log have no time in common.
 ///
-/// Found from the stamps alone: a factor between the spans that is a unit's, a first stamp that only Unix time has, a difference of whole hours.
+/// Found from the stamps alone: a factor between the spans that is a unit's, a first stamp that only Unix time
+/// has, a difference of whole hours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ClockFault {
     /// This log counts in this unit (`"ms"`, `"us"`, `"ns"`, `"d"`), not in seconds.

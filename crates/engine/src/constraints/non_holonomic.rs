@@ -1,7 +1,7 @@
 //! Wheels neither slip sideways nor hop: no velocity along the vehicle's right and down axes.
 //!
-//! Slip grows with the lateral acceleration, speed times yaw rate, by what the rule states of the tyres; the standard deviation to the right does, too. Groves
-//! 2013, section 15.4.1.
+//! Slip grows with the lateral acceleration, speed times yaw rate, by what the rule states of the tyres; the
+//! standard deviation to the right does, too. Groves 2013, section 15.4.1.
 
 use super::constrain;
 use crate::{

@@ -1,7 +1,8 @@
 //! A vehicle at rest: no velocity, and no rate but the Earth's.
 //!
-//! A vehicle that starts so softly that its sensors stay quiet is the case that hurts: a rest that GNSS does not confirm has ten times the standard deviation,
-//! and one after which the solution already moves by more than chance (χ² of three at 10⁻⁴) is taken for a start and not used.
+//! A vehicle that starts so softly that its sensors stay quiet is the case that hurts: a rest that GNSS does
+//! not confirm has ten times the standard deviation, and one after which the solution already moves by more
+//! than chance (χ² of three at 10⁻⁴) is taken for a start and not used.
 
 use super::{constrain, isotropic};
 use crate::{

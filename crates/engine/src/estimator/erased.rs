@@ -1,7 +1,8 @@
 //! The filter at each of its sizes, and which one holds so many states.
 //!
-//! The filter is generic in its number of states; a navigator is not. Each size is compiled once, and the smallest that holds the states is chosen, since the time of
-//! an update grows with the square of the size: 16 hold navigation and one state an axis.
+//! The filter is generic in its number of states; a navigator is not. Each size is compiled once, and the
+//! smallest that holds the states is chosen, since the time of an update grows with the square of the size: 16
+//! hold navigation and one state an axis.
 
 use super::{Adjoint, Channel, Estimator, LogTo, Logged, LoggedUpdate};
 use crate::aid::{Aiding, Observed, STAMP_ROUNDING, observe};

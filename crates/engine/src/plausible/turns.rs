@@ -1,11 +1,12 @@
 //! Turns and accelerations: what the fixes show of them and what the sensors do.
 //!
-//! Windows of 0.9 to 2.5 s between two velocities give the turn of the course, and the gain of speed. Samples for the longest lag come later, so that a
-//! window waits until it can be compared at all lags. Turns of the gyros are about the mean direction of the specific force, so that a mounting that is unknown does
-//! not matter to them.
+//! Windows of 0.9 to 2.5 s between two velocities give the turn of the course, and the gain of speed. Samples
+//! for the longest lag come later, so that a window waits until it can be compared at all lags. Turns of the
+//! gyros are about the mean direction of the specific force, so that a mounting that is unknown does not matter
+//! to them.
 //!
-//! A lag is believed where its regression explains the turns (r² above 0.8) and leaves a quarter of what no lag leaves. Then the scale is judged, or another axis
-//! that explains nine tenths of the turns.
+//! A lag is believed where its regression explains the turns (r² above 0.8) and leaves a quarter of what no lag
+//! leaves. Then the scale is judged, or another axis that explains nine tenths of the turns.
 
 use crate::events::Implausible;
 use alloc::collections::VecDeque;

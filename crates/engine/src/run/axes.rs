@@ -1,7 +1,8 @@
 //! Body axes that turn from the sensor's to the vehicle's while the navigator runs.
 //!
-//! The first turn is from the sensor's axes to the vehicle's, later ones are corrections by some degrees. State, covariance, past samples and watches turn; what
-//! was learned of single axes begins again, since it is of other axes now.
+//! The first turn is from the sensor's axes to the vehicle's, later ones are corrections by some degrees.
+//! State, covariance, past samples and watches turn; what was learned of single axes begins again, since it is
+//! of other axes now.
 
 use super::Run;
 use crate::{course::CourseWatch, mounting::Turned, observer::Observer, settings::Settings};

@@ -1,11 +1,13 @@
 //! What a fix does to the navigator: it aligns, is studied, corrects the solution, or is judged.
 //!
-//! What is done with a fix, in this order: what its quality usually means replaces its covariances; a vertical velocity that nobody measured is left
-//! open; the fixes' own errors are studied and applied; an outage withholds it; an alignment that goes on sees it; the solution is moved to the
-//! time at which it holds; [`crate::receiver`] judges its position and velocity, [`super::pose`] its attitude; the watches see the innovations; and what
-//! they found may start another alignment.
+//! What is done with a fix, in this order: what its quality usually means replaces its covariances; a vertical
+//! velocity that nobody measured is left open; the fixes' own errors are studied and applied; an outage
+//! withholds it; an alignment that goes on sees it; the solution is moved to the time at which it holds;
+//! [`crate::receiver`] judges its position and velocity, [`super::pose`] its attitude; the watches see the
+//! innovations; and what they found may start another alignment.
 //!
-//! A fix with a latency of its own for the velocity comes twice, position and velocity each at its time: what counts fixes counts the first of the two.
+//! A fix with a latency of its own for the velocity comes twice, position and velocity each at its time: what
+//! counts fixes counts the first of the two.
 
 use super::{Run, begins, carries_velocity, part, pose};
 use crate::{
@@ -26,7 +28,8 @@ use undrift_nav::{
 impl Run {
     /// Shows the aligner a fix; whether it completes the alignment and navigation begins.
     ///
-    /// What comes of a second alignment replaces the solution that failed; the receiver keeps what it has learned of its accuracy, the other watches begin anew.
+    /// What comes of a second alignment replaces the solution that failed; the receiver keeps what it has
+    /// learned of its accuracy, the other watches begin anew.
     /// # Errors
     /// The filter of a complete alignment cannot be built.
     fn align(
@@ -214,7 +217,8 @@ impl Run {
     }
 
     /// Notes whether a fix was used, weakened or rejected.
-    /// A measurement that would move the solution off the Earth counts as neither; one whose covariance is no covariance counts as bad.
+    /// A measurement that would move the solution off the Earth counts as neither; one whose covariance is no
+    /// covariance counts as bad.
     fn note_updates(
         &mut self,
         fix: &GnssFix,

@@ -95,7 +95,8 @@ impl<const N: usize> Filter<N> {
     /// Adds uncertainty to the heading \[rad\] and to the error of gyro z [rad/s], one standard deviation each: for a
     /// heading that the course over ground contradicts.
     ///
-    /// The gyro's part enters along its output row, so that the error `h · x` gets the variance `gyro²` and no other direction of its states does.
+    /// The gyro's part enters along its output row, so that the error `h · x` gets the variance `gyro²` and no
+    /// other direction of its states does.
     pub fn inflate_heading(&mut self, heading: f64, gyro: f64) {
         self.p[(8, 8)] += heading * heading;
         let (sensor, at) = (self.sensors.axis(2), self.sensors.start(2));

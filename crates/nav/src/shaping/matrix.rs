@@ -1,7 +1,8 @@
 //! Small matrices of one axis: products, Cholesky factor, inverse, square root, logarithm, exponential.
 //! Higham 2008, Functions of Matrices, chapters 6, 10 and 11. Only the leading n × n block counts.
 //!
-//! Sizes are at most [`MAX_ORDER`], so plain loops over arrays do: no allocation, and every function has a result or says that there is none.
+//! Sizes are at most [`MAX_ORDER`], so plain loops over arrays do: no allocation, and every function has a
+//! result or says that there is none.
 
 use super::{AxisMatrix, AxisVector, MAX_ORDER};
 use libm::sqrt;
@@ -102,7 +103,8 @@ fn square_root(a: &AxisMatrix, n: usize) -> Option<AxisMatrix> {
 /// Principal logarithm by square roots until near 1, then the series of 2 artanh. None where
 /// there is no real one.
 ///
-/// Each root halves the logarithm; what the series gives is multiplied by two for each at the end (inverse scaling and squaring, Higham 2008, chapter 11).
+/// Each root halves the logarithm; what the series gives is multiplied by two for each at the end (inverse
+/// scaling and squaring, Higham 2008, chapter 11).
 pub(super) fn logarithm(a: &AxisMatrix, n: usize) -> Option<AxisMatrix> {
     let one = identity(n);
     let mut near = *a;

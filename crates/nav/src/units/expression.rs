@@ -8,8 +8,8 @@
 //! exponent = number | "(" number [ "/" number ] ")"                    halves at most: ^0.5, ^(1/2)
 //! ```
 //!
-//! Exponents are kept doubled, so that a root of a dimension is a whole number; a fourth root is refused. Depth, exponents and lengths are bounded:
-//! whatever the text, reading ends.
+//! Exponents are kept doubled, so that a root of a dimension is a whole number; a fourth root is refused.
+//! Depth, exponents and lengths are bounded: whatever the text, reading ends.
 
 use super::{UnitErrorKind, Word};
 use crate::earth::STANDARD_GRAVITY;

@@ -12,7 +12,8 @@ use undrift_base::parallel;
 /// no other. The others are for a look: the modified one where quantisation hides what is slower, Hadamard's where
 /// the bias drifts in a straight line, the total one for averaging times near the record's length.
 ///
-/// Of quantisation, whose rate errors are the differences of white noise, the modified deviation falls as τ^−3/2, the Allan deviation as 1/τ:
+/// Of quantisation, whose rate errors are the differences of white noise, the modified deviation falls as
+/// τ^−3/2, the Allan deviation as 1/τ:
 ///
 /// ```
 /// use undrift_noise::allan::{DeviationKind, deviations_at};

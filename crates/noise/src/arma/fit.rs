@@ -57,8 +57,8 @@ impl Default for FitOptions {
 /// A record too short, constant or infinite; coefficients that are not stationary, or not inside the
 /// invertible region (the likelihood of the invertible twin is the same: pass that).
 ///
-/// Of an AR(1) the first sample has the variance σ²/(1 − φ²) of the process, and a sample after a missing one that of a prediction
-/// over two steps, σ² (1 + φ²):
+/// Of an AR(1) the first sample has the variance σ²/(1 − φ²) of the process, and a sample after a missing one
+/// that of a prediction over two steps, σ² (1 + φ²):
 ///
 /// ```
 /// use undrift_noise::arma::{Mean, log_likelihood};

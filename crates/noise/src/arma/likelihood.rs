@@ -33,9 +33,9 @@ pub enum Mean {
 
 /// The likelihood at given coefficients, with σ² (and the mean) at their best values for them.
 ///
-/// Concentrated: what is left to vary are φ and θ. Two models of one record are compared by twice the difference of their log-likelihoods,
-/// which for nested models has a χ² distribution with as many degrees of freedom as coefficients were added, as long as no root
-/// cancels and none is on the unit circle.
+/// Concentrated: what is left to vary are φ and θ. Two models of one record are compared by twice the
+/// difference of their log-likelihoods, which for nested models has a χ² distribution with as many degrees of
+/// freedom as coefficients were added, as long as no root cancels and none is on the unit circle.
 ///
 /// ```
 /// use undrift_noise::arma::{Mean, log_likelihood};

@@ -10,8 +10,9 @@ const NEAR_ONE: f64 = 0.1;
 
 /// An ARMA model `x_t − φ1 x_{t−1} − … = a_t − θ1 a_{t−1} − …` fitted to a record.
 ///
-/// An ARMA(1,1) with 1 ≥ φ > θ > 0 is an AR(1) of driving variance `(1 − φθ)(φ − θ)/φ · σ²` under white noise of variance `θ/φ · σ²` a
-/// sample (docs/theory.md, section 1): what a bias model needs. [`crate::model_file::Arma`] takes the coefficients as they are.
+/// An ARMA(1,1) with 1 ≥ φ > θ > 0 is an AR(1) of driving variance `(1 − φθ)(φ − θ)/φ · σ²` under white noise
+/// of variance `θ/φ · σ²` a sample (docs/theory.md, section 1): what a bias model needs.
+/// [`crate::model_file::Arma`] takes the coefficients as they are.
 ///
 /// ```
 /// use undrift_nav::shaping::ShapingFilter;
@@ -129,8 +130,8 @@ impl ArmaFit {
 
 /// What should be said with a fitted model.
 ///
-/// None of them makes the fit an error: a filter predicts as well with a pair of roots that cancels. They say what not to read into the
-/// coefficients and their standard errors.
+/// None of them makes the fit an error: a filter predicts as well with a pair of roots that cancels. They say
+/// what not to read into the coefficients and their standard errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Warning {
     /// An AR root and an MA root cannot be distinguished.

@@ -154,8 +154,9 @@ impl CompositeFit {
 /// # Errors
 /// A record too short, constant or infinite; an empty set; no finite likelihood at any start.
 ///
-/// The level is integrated out under a flat prior (the restricted likelihood), so that criteria compare sets of terms of one record, never
-/// records of different lengths or blocks. Correlation times are searched between a twentieth of a block and a thousand records.
+/// The level is integrated out under a flat prior (the restricted likelihood), so that criteria compare sets of
+/// terms of one record, never records of different lengths or blocks. Correlation times are searched between a
+/// twentieth of a block and a thousand records.
 pub fn fit(
     record: &[f64],
     interval: f64,

@@ -1,8 +1,9 @@
 //! What is done to a record before anything is identified of it: its trend, its outliers, whether it rests.
 //!
-//! In this order: a dead band and coarse rounding, which hide the noise, end identification; the effect of temperature or a line is removed, then
-//! the mean; outliers become missing; what is missing is bridged by straight lines for the statistics that cannot do without it, while
-//! likelihoods see the gaps. Motion, saturation and frozen stretches are reported, not repaired.
+//! In this order: a dead band and coarse rounding, which hide the noise, end identification; the effect of
+//! temperature or a line is removed, then the mean; outliers become missing; what is missing is bridged by
+//! straight lines for the statistics that cannot do without it, while likelihoods see the gaps. Motion,
+//! saturation and frozen stretches are reported, not repaired.
 
 use super::{IdentifyError, Options, SHORTEST};
 use crate::normality::{self, Quantisation};

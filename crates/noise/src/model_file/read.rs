@@ -1,11 +1,13 @@
 //! Reading of model files.
 //!
-//! Text to [`DeTable`], whose keys know their place, to [`Table`], several layers of which lie one over the other: the axis' own table, then that
-//! of its group, then both of the preset. A key is looked for from the top, so that an axis may override one number of its group and a file one
-//! number of its preset. Numbers come with their units and leave in SI; nothing is guessed from a bare number.
+//! Text to [`DeTable`], whose keys know their place, to [`Table`], several layers of which lie one over the
+//! other: the axis' own table, then that of its group, then both of the preset. A key is looked for from the
+//! top, so that an axis may override one number of its group and a file one number of its preset. Numbers come
+//! with their units and leave in SI; nothing is guessed from a bare number.
 //!
-//! Refused with file, line and key: a key that is not known (with the nearest that is), a value without unit, of another quantity or
-//! out of its range, an ARMA that makes no filter, and what is recognisably another file, a log or a drive file.
+//! Refused with file, line and key: a key that is not known (with the nearest that is), a value without unit,
+//! of another quantity or out of its range, an ARMA that makes no filter, and what is recognisably another
+//! file, a log or a drive file.
 
 use super::table::Table;
 use super::{
@@ -124,8 +126,8 @@ pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> 
 
 /// Reads a model from its tables: a preset beneath, the axes over the groups.
 ///
-/// At least one axis must have a noise model; the axes that have none are left at [`AxisModel::default`] and are an error only
-/// where a filter is asked of them.
+/// At least one axis must have a noise model; the axes that have none are left at [`AxisModel::default`] and
+/// are an error only where a filter is asked of them.
 pub(super) fn model(top: &Table<'_>) -> Result<ImuModel, ModelError> {
     top.only(&TOP_KEYS)?;
     if let Some(format) = top.text("format")?

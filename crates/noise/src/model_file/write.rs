@@ -1,7 +1,8 @@
 //! Writing of model files, in the units of data sheets and in as few digits as carry what is known.
 //!
-//! What [`super::read`] reads gives the same model to six digits, and written again the same text. Units are those of data sheets: deg/√h, deg/h, mg,
-//! m/s/√h. Coefficients of an ARMA get as many digits as their roots need ([`round`]). Three axes that are alike are one table.
+//! What [`super::read`] reads gives the same model to six digits, and written again the same text. Units are
+//! those of data sheets: deg/√h, deg/h, mg, m/s/√h. Coefficients of an ARMA get as many digits as their roots
+//! need ([`round`]). Three axes that are alike are one table.
 
 mod round;
 mod value;
@@ -49,7 +50,8 @@ const SECONDS: (&str, Quantity) = ("s", Quantity::Time);
 
 /// The text of a model file.
 ///
-/// The order is that of the documentation: head, provenance, gyros, accelerometers. Axes of which nothing is known are left out.
+/// The order is that of the documentation: head, provenance, gyros, accelerometers. Axes of which nothing is
+/// known are left out.
 pub(super) fn to_text(model: &ImuModel) -> String {
     let mut out = String::new();
     line(&mut out, "format", &text("format", FORMAT));

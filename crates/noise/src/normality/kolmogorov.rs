@@ -1,8 +1,9 @@
 //! Distribution of the Kolmogorov-Smirnov distance: of a known distribution, and of a fitted normal.
 //!
-//! D is the largest distance between the empirical distribution of n samples and the one they are compared with. Against a distribution
-//! known beforehand its law depends on n alone (Kolmogorov 1933); with mean and deviation taken from the same samples D is smaller by
-//! about a third, and Lilliefors' law holds (J. American Statistical Association 62, 1967). Both assume independent samples.
+//! D is the largest distance between the empirical distribution of n samples and the one they are compared
+//! with. Against a distribution known beforehand its law depends on n alone (Kolmogorov 1933); with mean and
+//! deviation taken from the same samples D is smaller by about a third, and Lilliefors' law holds (J. American
+//! Statistical Association 62, 1967). Both assume independent samples.
 
 /// Samples up to which p of the plain test is exact.
 const EXACT: usize = 500;
@@ -55,8 +56,9 @@ fn limit_p(z: f64) -> f64 {
 /// P(D_n < distance): the centre element of the n-th power of a matrix of factorials, times n!/nⁿ.
 /// Powers are rescaled by 10^±140 as they grow.
 ///
-/// With nD = k − h, 0 ≤ h < 1, the matrix is of order 2k − 1: ones on and below the first superdiagonal, less the
-/// powers of h in the first column and last row, each entry over a factorial. Marsaglia, Tsang & Wang 2003, procedure `K`.
+/// With nD = k − h, 0 ≤ h < 1, the matrix is of order 2k − 1: ones on and below the first superdiagonal, less
+/// the powers of h in the first column and last row, each entry over a factorial. Marsaglia, Tsang & Wang 2003,
+/// procedure `K`.
 fn exact_probability(distance: f64, samples: usize) -> f64 {
     let scaled = distance * samples as f64;
     let k = scaled.floor() as usize + 1;

@@ -1,7 +1,7 @@
 //! The grid that samples of a sensor lie on.
 //!
-//! A grid matters twice: tests of normality see it, and a slow error much smaller than the step shows only through the noise that
-//! dithers it ([`crate::screening::rounding`]).
+//! A grid matters twice: tests of normality see it, and a slow error much smaller than the step shows only
+//! through the noise that dithers it ([`crate::screening::rounding`]).
 
 /// Steps off the grid that a sample may lie, for steps written with few digits.
 const OFF_GRID: f64 = 0.1;

@@ -1,7 +1,8 @@
 //! What every statistic asks of a record first: length, finite values, mean and variance.
 //!
-//! Sums are made in eight lanes of blocks of 64 samples, and blocks are added with Neumaier's compensation: the error of a mean or a variance is a
-//! few units in the last place whatever the length of the record, and the same on every machine.
+//! Sums are made in eight lanes of blocks of 64 samples, and blocks are added with Neumaier's compensation: the
+//! error of a mean or a variance is a few units in the last place whatever the length of the record, and the
+//! same on every machine.
 
 /// Why a statistic cannot be computed from a record.
 ///

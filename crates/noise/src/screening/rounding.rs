@@ -1,8 +1,9 @@
 //! What rounding to coarse steps leaves of the noise.
 //!
-//! A slow error smaller than a step shows only through noise that carries samples over an edge: with σ above half a step nearly in full, with σ
-//! below a fifth only while the mean is near an edge. A record in which nearly all samples are equal may hide any noise up to
-//! [`largest_hidden`]; identification refuses it below [`FEWEST_OFF`] samples off the mode or [`LEAST_SHOWN`] of the noise.
+//! A slow error smaller than a step shows only through noise that carries samples over an edge: with σ above
+//! half a step nearly in full, with σ below a fifth only while the mean is near an edge. A record in which
+//! nearly all samples are equal may hide any noise up to [`largest_hidden`]; identification refuses it below
+//! [`FEWEST_OFF`] samples off the mode or [`LEAST_SHOWN`] of the noise.
 
 use super::record::mean_and_squares;
 use statrs::distribution::{ContinuousCDF, Normal};

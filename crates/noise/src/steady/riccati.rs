@@ -1,7 +1,7 @@
 //! The steady state of a shaping filter's prediction.
 //!
-//! The recursion of the covariance over one sample is a linear fractional map; two of them in a row are one of the same form, so that k
-//! doublings give 2ᵏ samples: 22 are half a day at 100 Hz.
+//! The recursion of the covariance over one sample is a linear fractional map; two of them in a row are one of
+//! the same form, so that k doublings give 2ᵏ samples: 22 are half a day at 100 Hz.
 
 use super::Innovations;
 use super::matrix::{Matrix, Vector, add, apply, dot, identity, product, solve, transposed};
@@ -25,7 +25,8 @@ pub(crate) struct Steps<const N: usize> {
 impl<const N: usize> Steps<N> {
     /// One sample; none where the filter has no noise of a sample's own.
     ///
-    /// The driving noise is freed of its correlation s with the sample's own first: `F − s H/r` and `q − s sᵀ/r` (Anderson & Moore 1979, section 5.3).
+    /// The driving noise is freed of its correlation s with the sample's own first: `F − s H/r` and
+    /// `q − s sᵀ/r` (Anderson & Moore 1979, section 5.3).
     fn one(filter: &ShapingFilter) -> Option<Self> {
         let r = filter.r;
         if !(r > 0.0 && r.is_finite()) {

@@ -17,8 +17,9 @@ const POINTS: usize = 64;
 /// Spectrum \[unit²\] at sin²(πf), f in cycles a sample; its mean over −½…½ is the variance. `slow`: the terms'
 /// [`CompositeTerms::slow`].
 ///
-/// White noise is flat, N²/T; quantisation rises as 4 sin²(πf) (a difference of white noise); a walk falls as 1/(4 sin²(πf)); an AR(1) of
-/// φ = e^{−a} has σ²(1 − φ²)/((1 − φ)² + 4φ sin²(πf)), whose small differences are taken by `exp_m1`.
+/// White noise is flat, N²/T; quantisation rises as 4 sin²(πf) (a difference of white noise); a walk falls as
+/// 1/(4 sin²(πf)); an AR(1) of φ = e^{−a} has σ²(1 − φ²)/((1 − φ)² + 4φ sin²(πf)), whose small differences are
+/// taken by `exp_m1`.
 fn spectrum(
     terms: &CompositeTerms,
     slow: &(Vec<GaussMarkov>, f64),
