@@ -14,6 +14,7 @@ const MOST_SAMPLES: usize = 100_000;
 const MARGIN: f64 = 0.02;
 
 /// Search coordinates of given coefficients: φ's, then θ's.
+/// Partial autocorrelations beyond 1 − `margin` are drawn in to it.
 pub(super) fn encode(phi: &[f64], theta: &[f64], margin: f64) -> Vec<f64> {
     let mut z = to_search(phi, margin);
     z.extend(to_search(theta, margin));

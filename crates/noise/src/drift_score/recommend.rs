@@ -95,6 +95,8 @@ pub(super) fn standard_error(batches: &[f64]) -> f64 {
 /// Whether a score is within the sampling error of the best: the difference of their mean squares is
 /// within three standard errors, from the differences batch by batch (both saw the same record), and the RMS
 /// within 5 %, or two sampling errors of as many independent windows; or the RMS is within 1 % anyway.
+///
+/// Paired, since both models saw the same record: what moves both scores is no difference between them.
 fn is_as_good(score: &HorizonScore, best: &HorizonScore) -> bool {
     if score.rms <= (1.0 + SAME) * best.rms {
         return true;

@@ -1,4 +1,8 @@
 //! The texts of the formats.
+//!
+//! Each function documents the equations of the program that reads the file, with the place in its source, and
+//! how a density N or a random walk K is turned into its numbers, of nine digits. Comments name the sensor, its
+//! source and the remarks.
 
 use super::comments::comment;
 use super::equivalent::{Equivalent, EquivalentAxis, common_tau, driven, rms};

@@ -1,5 +1,9 @@
 //! Generalised least squares on block averages: regressors under the covariance of a composite model, which is fitted
 //! with them by restricted maximum likelihood (Patterson & Thompson 1971; Harville 1974).
+//!
+//! With whitened level and regressors X and record y the coefficients are `(XᵀX)⁻¹ Xᵀy`, and −2 log of the
+//! restricted likelihood is `log|V| + log|XᵀX| + yᵀy − yᵀX(XᵀX)⁻¹Xᵀy` up to a constant. One pass of one filter
+//! whitens all four signals: what it needs of the model, gain and variance, does not depend on the data.
 
 use crate::composite::predictor::{Predictor, dot};
 use crate::composite::{CompositeTerms, GaussMarkov, TermSet, block_average};

@@ -1,4 +1,8 @@
 //! The loops over the rows of a block.
+//!
+//! A row holds the same place of every piece. All loops go over rows, lane by lane, so that the feedback of the
+//! recursion waits once a row, not once a sample. Each [`Task`] is compiled for plain and for wide vectors
+//! ([`crate::vector`]).
 
 use super::{LANES, PIECE, Row};
 use crate::vector::{Task, add_products, multiply_add};
@@ -124,6 +128,8 @@ impl Task for Block<'_> {
 }
 
 /// The history before every piece, from what each makes of zeros.
+///
+/// One piece after the other, q values each: the only part of a block that is serial.
 #[inline(always)]
 fn propagate(responses: &[[f64; PIECE]], rows: &[Row], history: &mut [f64], starts: &mut [Row]) {
     let q = responses.len();
@@ -143,6 +149,7 @@ fn propagate(responses: &[[f64; PIECE]], rows: &[Row], history: &mut [f64], star
 }
 
 /// `u_k = x_k − φ1 x_{k−1} − … − φp x_{k−p}`, x after its first p rows.
+/// The moving-average part of the whitening filter, without feedback.
 #[inline(always)]
 fn autoregress<const FUSED: bool>(phi: &[f64], x: &[Row], u: &mut [Row]) {
     let p = phi.len();

@@ -1,4 +1,10 @@
 //! The periodogram of a whole record, and the peaks of it that chance does not make.
+//!
+//! White noise gives bins that are exponential, so the ratio of one to the mean of others has an F distribution
+//! with 2 and twice their number degrees of freedom. Medians in place of means are blind to a second line
+//! nearby, at the price of some efficiency, which counts as fewer neighbours. The level is divided by the
+//! number of all bins and bands that are looked at (Bonferroni), so that the false-alarm probability is one of
+//! the whole record.
 
 use crate::screening::record::mean;
 use realfft::RealFftPlanner;

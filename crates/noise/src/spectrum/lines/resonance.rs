@@ -1,4 +1,12 @@
 //! A narrow resonance: its spectrum by Whittle's likelihood, and the notch filter that takes it out.
+//!
+//! A second-order system that noise drives has nearly this spectrum about its centre. Its four numbers are
+//! found by Fisher's scoring of Whittle's likelihood, in which each ordinate of the periodogram is exponential
+//! about the spectrum.
+//!
+//! The notch has its zeros on the poles of the resonance and poles that are broader by √(1 + H/B), so that what
+//! comes out has the level beside it. Its state begins where the start of the record varies least: no transient
+//! is left in the record.
 
 use super::Line;
 use super::periodogram::{Peak, Periodogram};
