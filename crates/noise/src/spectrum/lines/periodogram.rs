@@ -45,9 +45,9 @@ pub(super) struct Periodogram {
 pub(super) struct Peak {
     /// Frequency \[1/sample\].
     pub(super) frequency: f64,
-    /// Power [unit²], the mean over its band.
+    /// Power \[unit²\], the mean over its band.
     pub(super) power: f64,
-    /// Power beside it [unit²].
+    /// Power beside it \[unit²\].
     pub(super) background: f64,
     /// Width of its band \[1/sample\].
     pub(super) width: f64,
@@ -186,7 +186,7 @@ impl Periodogram {
         })
     }
 
-    /// Where between its neighbours a bin's peak is, by the parabola through the logarithms of three [bins].
+    /// Where between its neighbours a bin's peak is, by the parabola through the logarithms of three \[bins\].
     fn offset(&self, bin: usize) -> f64 {
         let [a, b, c] = [bin - 1, bin, bin + 1].map(|k| self.power[k].max(f64::MIN_POSITIVE).ln());
         let bend = a - 2.0 * b + c;
@@ -228,7 +228,7 @@ impl Periodogram {
     }
 }
 
-/// Most power of a sine at a distance [bins] from its peak, of the peak's: a Hann window's lobes fall as
+/// Most power of a sine at a distance \[bins\] from its peak, of the peak's: a Hann window's lobes fall as
 /// 1/(π d³), and between two bins the peak itself is 0.85 of its height.
 fn lobe(peak: f64, distance: f64) -> f64 {
     0.15 * peak / distance.powi(6)

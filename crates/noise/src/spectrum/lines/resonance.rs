@@ -33,9 +33,9 @@ pub(super) struct Resonance {
     frequency: f64,
     /// w, its full width at half its height \[1/sample\].
     width: f64,
-    /// H, its height [unit²].
+    /// H, its height \[unit²\].
     height: f64,
-    /// B, the level beside it [unit²].
+    /// B, the level beside it \[unit²\].
     background: f64,
 }
 
@@ -88,7 +88,7 @@ impl Resonance {
         (peak.frequency - self.frequency).abs() < (WIDTHS * self.width).max(BINS * step)
     }
 
-    /// Spectrum at a frequency \[1/sample\], [unit²].
+    /// Spectrum at a frequency \[1/sample\], \[unit²\].
     fn density(&self, frequency: f64) -> f64 {
         let u = 2.0 * (frequency - self.frequency) / self.width;
         self.background + self.height / (1.0 + u * u)

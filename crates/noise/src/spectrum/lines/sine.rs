@@ -22,7 +22,7 @@ pub(super) struct Sine {
     cosine: f64,
     /// Coefficient b of the sine \[unit\].
     sine: f64,
-    /// Variance of the white noise, from the power near the line [unit²].
+    /// Variance of the white noise, from the power near the line \[unit²\].
     pub(super) background: f64,
 }
 
