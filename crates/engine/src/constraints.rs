@@ -68,6 +68,9 @@ impl Vehicle {
     }
 
     /// A fix that was shown to the filter: its speed, and its course where that is the heading.
+    ///
+    /// Without a measured velocity positions show at least how fast it was: twice the error of the derived
+    /// velocity, and what a vehicle may have braked by since, are taken off.
     pub(super) fn fix(&mut self, filter: &mut dyn Estimator, fix: &GnssFix, settings: &Settings) {
         let Some((v_n, covariance)) = &fix.velocity else {
             let least = self.positions.add(fix).map(|derived| {
@@ -156,6 +159,8 @@ fn isotropic(std: f64) -> Matrix3 {
 }
 
 /// Updates with something that is known of the vehicle.
+///
+/// `None` where the filter refuses it.
 fn constrain(filter: &mut dyn Estimator, aiding: &Aiding, noise: &Matrix3) -> Option<Update> {
     filter.update(aiding, noise, &GATE).ok()?
 }

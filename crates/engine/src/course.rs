@@ -69,6 +69,8 @@ impl CourseWatch {
     }
 
     /// Looks at a fix that the filter was shown.
+    ///
+    /// It may inflate the covariance of heading and gyro z; the heading itself it leaves to the fixes that follow.
     pub(super) fn fix(&mut self, filter: &mut dyn Estimator, fix: &GnssFix, summary: &mut Summary) {
         let Some((v, r)) = fix.velocity else { return };
         let speed = v.xy().norm();

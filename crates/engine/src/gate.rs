@@ -276,6 +276,10 @@ impl FixGate {
 /// The factor between stated and actual covariance of one kind of measurement, by recursive maximum
 /// likelihood of the innovations (Ljung & Söderström 1983, section 3.6): a step along the score over
 /// the information.
+///
+/// A factor of ten in the variance is one standard deviation of what is expected at first; 300 units of
+/// information are remembered, so that it follows a receiver whose accuracy changes. One outlier moves its
+/// logarithm by at most a half.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Scale {

@@ -98,6 +98,9 @@ struct AxisWatch {
 
 impl AxisWatch {
     /// Takes in a value; whether the axis holds it for longer than it can.
+    ///
+    /// Frozen: for half a second and 20 times the usual number of samples. Saturated: at the largest or
+    /// smallest value so far, four standard deviations from the mean, for four times the usual number.
     fn is_stuck(&mut self, (time, dt): (f64, f64), value: f64) -> bool {
         // Of a log of increments those repeat, while the rounding of its times changes the rates.
         if is_same(value, self.value) || is_same(value * dt, self.value * self.dt) {
@@ -160,6 +163,9 @@ impl AxisWatch {
     }
 
     /// Whether a value is a spike between its neighbours.
+    ///
+    /// 25 times the usual distance from the mean of its neighbours and `least`, while these agree to 0.3 of
+    /// that; any other sample is learned from.
     fn is_spike(&mut self, least: f64, around: [f64; 2], value: f64) -> bool {
         let off = (value - 0.5 * (around[0] + around[1])).abs();
         let apart = (around[1] - around[0]).abs();

@@ -132,6 +132,9 @@ impl Plausible {
     }
 
     /// What cannot be, at the end of the log.
+    ///
+    /// Where positions and velocities do not belong together, turns and pushes are not judged: the course would
+    /// be no measure of the sensors.
     pub(super) fn findings(&mut self) -> Vec<Implausible> {
         self.turns.finish();
         let mut found = Vec::new();

@@ -131,6 +131,7 @@ impl Receiver {
     }
 
     /// Starts for a new solution, but keeps what is known of the receiver's accuracy.
+    /// What is open is noted first.
     pub(super) fn forget_solution(&mut self, time: f64, summary: &mut Summary) {
         let scales = (self.position.scale, self.velocity.scale);
         self.close(summary);
@@ -140,6 +141,9 @@ impl Receiver {
 
     /// Whether a fix may serve to align: its velocity and its way from the fix before are the same to
     /// what their standard deviations and a vehicle's acceleration allow.
+    ///
+    /// True where there is nothing to compare: without velocity or position, of the first fix, after a gap of
+    /// 2.5 s or of another kind of position.
     pub(super) fn is_consistent(&mut self, fix: &GnssFix) -> bool {
         let before = self.before.replace(*fix);
         let (Some((to, r)), Some((v, r_v))) = (&fix.position, &fix.velocity) else {

@@ -160,6 +160,7 @@ impl Run {
     }
 
     /// How many measurements were taken in.
+    /// Those before it are no longer needed by this run; a copy that is older may need them.
     pub(super) fn taken(&self) -> u64 {
         self.queue.taken()
     }
@@ -211,6 +212,7 @@ impl Run {
     }
 
     /// Whether the solution diverged and no other is to begin.
+    /// Without gating a divergence ends the run; with it an alignment begins.
     pub(super) fn has_ended(&self) -> bool {
         self.summary.diverged.is_some()
     }
@@ -358,6 +360,9 @@ impl Run {
 
     /// The sample as it is, or after a gap too long for anything to be known behind it the last interval
     /// of it alone, with which the log begins as if there was nothing before.
+    ///
+    /// The flag is true where the log begins anew; a solution that there was is lost with the attitude, and the
+    /// alignments with it.
     fn after_gap(&mut self, sample: ImuSample) -> (ImuSample, bool) {
         if sample.dt <= crate::solution::LONGEST_GAP {
             return (sample, false);

@@ -72,6 +72,8 @@ impl Solution {
 
     /// Delay of the fixes against their stamps, as estimated, within ten prior standard deviations; of a solution that `failed`
     /// one beyond five is an error of it, which the next start must not inherit.
+    ///
+    /// A delay beyond that is no delay of a receiver but an error of the sensors that looks like one.
     pub(super) fn latency(&self, failed: bool) -> Latency {
         let offset = |kind| {
             let std = self.filter.parameters().prior(kind)?.std;

@@ -46,6 +46,9 @@ pub(super) enum Initial<'a> {
 }
 
 /// A filter of the smallest size that holds so many states.
+///
+/// # Errors
+/// [`FilterError::TooManyStates`] beyond 73 states; as [`Filter::new`] and [`Filter::with_lasting`].
 pub(super) fn sized(states: usize, start: Initial) -> Result<Box<dyn Estimator>, FilterError> {
     match states {
         // Four columns go at a time: one that is left costs nearly as much.
