@@ -32,6 +32,16 @@ pub struct NoiseGenerator {
 
 impl NoiseGenerator {
     /// A generator with the state drawn from the filter's `p0`, from xoshiro256++ seeded with `seed`.
+    ///
+    /// ```
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// use undrift_noise::synthesis::NoiseGenerator;
+    /// // A thousand switch-ons: the constants scatter by the turn-on's standard deviation.
+    /// let turn_on = ShapingFilter::constant(0.02, 0.01)?;
+    /// let squares: f64 = (0..1000).map(|seed| NoiseGenerator::new(&turn_on, seed).bias().powi(2)).sum();
+    /// assert!(((squares / 1000.0).sqrt() / 0.02 - 1.0).abs() < 0.1);
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn new(filter: &ShapingFilter, seed: u64) -> Self {
         Self::with_rng(filter, Xoshiro256PlusPlus::seed_from_u64(seed))
     }

@@ -168,6 +168,18 @@ pub fn fit(
 ///
 /// # Errors
 /// As [`fit`].
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{arma::{FitOptions, fit, fit_from}, synthesis::NoiseGenerator};
+/// let process = ShapingFilter::arma(&[0.99], &[0.9], 1e-3, 0.01)?;
+/// let record: Vec<f64> = NoiseGenerator::new(&process, 1).take(1000).collect();
+/// let quick = FitOptions { effort: 0.05, ..FitOptions::default() };
+/// // A start more cannot make the optimum worse.
+/// let helped = fit_from(&record, 1, 1, &quick, &[(vec![0.99], vec![0.9])])?;
+/// assert!(helped.log_likelihood > fit(&record, 1, 1, &quick)?.log_likelihood - 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn fit_from(
     samples: &[f64],
     p: usize,

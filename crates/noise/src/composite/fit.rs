@@ -139,6 +139,20 @@ impl CompositeFit {
     ///
     /// # Errors
     /// A bad interval.
+    ///
+    /// The interval need not be that of the record.
+    ///
+    /// ```
+    /// use undrift_noise::composite::{CompositeTerms, FitOptions, TermSet, fit};
+    /// use undrift_noise::synthesis::NoiseGenerator;
+    /// let noise = CompositeTerms { white: 0.01, ..CompositeTerms::default() }.to_shaping(0.1)?;
+    /// let record: Vec<f64> = NoiseGenerator::new(&noise, 1).take(2000).collect();
+    /// let found = fit(&record, 0.1, TermSet { white: true, ..TermSet::default() }, &FitOptions::default())?;
+    /// // White noise has its density at any rate: a tenth of the interval, ten times the variance of a sample.
+    /// let (here, there) = (found.to_shaping(0.1)?, found.to_shaping(0.01)?);
+    /// assert!((there.r / here.r - 10.0).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn to_shaping(&self, interval: f64) -> Result<ShapingFilter, ShapingError> {
         self.terms.to_shaping(interval)
     }
