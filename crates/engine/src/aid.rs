@@ -192,6 +192,13 @@ impl ScalarLog {
     }
 
     /// `scalar`, in SI units, as the measurement that a [`Navigator`](crate::Navigator) is pushed.
+    ///
+    /// ```
+    /// use undrift_engine::{Aid, Scalar, ScalarLog};
+    /// let row = Scalar { time: 3.0, value: 412.0, std: 1.0 };
+    /// assert_eq!(ScalarLog::Barometer.measurement(row).time(), 3.0);
+    /// assert_eq!((ScalarLog::Barometer.aid(), ScalarLog::Odometer.name()), (Aid::Barometer, "odometer"));
+    /// ```
     pub fn measurement(self, scalar: Scalar) -> Measurement {
         match self {
             Self::Odometer => Measurement::Odometer(scalar),

@@ -239,6 +239,9 @@ pub fn critical_value(added: usize, remaining: usize, level: f64) -> Option<f64>
 }
 
 /// Fits of one record, each order once.
+///
+/// A smaller model is a start of each larger one, so that a test between them is not decided by a search that
+/// missed the optimum.
 struct Fits<'a> {
     samples: &'a [f64],
     options: &'a FitOptions,

@@ -166,6 +166,9 @@ impl<'a> Objective<'a> {
 
     /// Hessian by second differences of a point, its value, a step for each coordinate and the values at plus and
     /// minus that step; `None` where it is not finite.
+    ///
+    /// 2n values beside the point are given; n (n − 1) more, at the corners of each pair of coordinates, are
+    /// computed here.
     pub(crate) fn second_differences(
         &mut self,
         z: &[f64],
@@ -217,6 +220,8 @@ impl<'a> Objective<'a> {
 }
 
 /// The best end of the searches from the `count` best of the starts, if any has a finite value.
+///
+/// `None` where no start has a finite value. Ends at which the tolerance was not met count as well.
 pub(crate) fn best_of(
     objective: &mut Objective,
     starts: Vec<Vec<f64>>,

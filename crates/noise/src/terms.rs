@@ -133,6 +133,8 @@ fn listed<'de, D: Deserializer<'de>, const N: usize>(
 
 /// The shaping filter of quantisation Q [unit·s] at a sample interval \[s\], see
 /// [`CompositeTerms::quantisation`].
+///
+/// One state, the rounding before: `x_{k+1} = −w_k`, `ε_k = x_k + w_k`, w of standard deviation Q/T.
 pub(crate) fn quantisation(q: f64, interval: f64) -> Result<ShapingFilter, ShapingError> {
     if !(q >= 0.0 && q.is_finite()) {
         return Err(ShapingError::BadParameter("the quantisation"));
@@ -287,6 +289,7 @@ impl TermSet {
 
     /// Search coordinates: the logarithms of N, Q, K, B, of each process's drive σ√(2/τ), then of each
     /// τ. The drive, unlike σ, stays determined when τ is beyond the record.
+    /// A term of 0 has the coordinate −∞, and is not in a set that is fitted.
     pub(crate) fn coordinates(&self, terms: &CompositeTerms) -> Vec<f64> {
         let mut z = Vec::with_capacity(self.parameters());
         if self.white {

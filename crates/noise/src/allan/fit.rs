@@ -334,6 +334,9 @@ impl Problem {
 
     /// Iteratively reweighted non-negative least squares. `ieee`: the shapes are those of the IEEE
     /// terms, which give the scatter of the points as they are found.
+    ///
+    /// Each round divides points and shapes by the fitted level, whitens by the Cholesky factor of the relative
+    /// covariance, solves for the squares, and takes level and covariance from what was found.
     fn solve_with(&self, shapes: &DMatrix<f64>, ieee: bool) -> Solution {
         let mut level = self.measured.clone();
         let mut relative = self.relative.clone();

@@ -21,6 +21,8 @@ const EQUAL_AIC: f64 = 2.0;
 const FEWEST: usize = 4;
 
 /// A candidate with its scores.
+///
+/// All candidates of one choice are scored on the same windows; [`recommend`] leaves out one that misses a horizon.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scored {
     /// Name.

@@ -61,6 +61,8 @@ pub enum Origin {
 }
 
 /// A method of the literature that gave no model of the record.
+///
+/// Reported beside the candidates, so that a method which is missing from a table is not taken for forgotten.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NotFitted {
     /// Name that its candidate would have.

@@ -45,6 +45,9 @@ pub struct Outlier {
 }
 
 /// Outliers, and the record without them.
+///
+/// `threshold` is that of the rule, or larger where the noise has heavy tails; identification reports it with
+/// the outliers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outliers {
     /// The outliers by position.

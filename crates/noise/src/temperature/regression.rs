@@ -160,6 +160,9 @@ impl Averages {
 
     /// What the restricted log-likelihood of a model changes by where the coefficients of the first `regressors` are
     /// integrated out too, under a flat prior as the level is.
+    ///
+    /// Half the change of `log|XᵀX| + S` from the level alone to level and regressors, with the sign turned:
+    /// models are compared by what they say of the record beyond what temperature may explain.
     pub(super) fn restriction(&self, filter: &ShapingFilter, regressors: usize) -> Option<f64> {
         let sums = self.products(filter)?;
         let [level, all] = [sums.solved(0)?, sums.solved(regressors)?];
@@ -201,6 +204,8 @@ impl Averages {
 
     /// White noise by the differences of neighbours, and slow terms by what least squares leave, at several shares and
     /// correlation times.
+    ///
+    /// `None` where the averages do not vary.
     fn starts(&self, set: TermSet, regressors: usize, length_s: f64) -> Option<Vec<Vec<f64>>> {
         let present = || self.rows.iter().filter(|row| !row[0].is_nan());
         let pairs = present().zip(present().skip(1));
