@@ -24,6 +24,7 @@ pub(super) struct Seen {
 
 impl Seen {
     /// Position and velocity of a fix; `None` of one without a position.
+    /// Nor of one with a variance that is not positive and finite.
     pub(super) fn from_fix(fix: &GnssFix) -> Option<Self> {
         let (position, r) = fix.position?;
         let seen = Self {

@@ -67,6 +67,8 @@ impl Regression {
     }
 
     /// Slope and coefficient of determination; zeros where x does not vary.
+    ///
+    /// By sums about the means: a bias of the gyros and a drift of the course do not count.
     fn fit(&self) -> (f64, f64) {
         let n = self.n.max(1.0);
         let (xx, xy) = (self.xx - self.x * self.x / n, self.xy - self.x * self.y / n);
@@ -137,6 +139,9 @@ impl Turns {
     }
 
     /// Takes in a sample; `up` is the direction of the specific force, if it is known.
+    ///
+    /// Yaw is minus the turn about up, positive to the right as the course is. The history goes back as far as
+    /// the longest lag needs.
     pub(super) fn sample(&mut self, sample: &ImuSample, up: Option<Vector3>) {
         if let Some(up) = up {
             self.sums.yaw -= sample.dtheta.dot(&up);

@@ -74,6 +74,9 @@ impl Run {
 }
 
 /// A solution that was the antenna's becomes the sensor's.
+///
+/// While the mounting was unknown the lever arm was taken for zero: position and velocity were the antenna's.
+/// They move by the lever arm in the attitude found, and by what it swings.
 fn from_antenna(filter: &mut dyn crate::estimator::Estimator, settings: &Settings) {
     let lever = settings.lever_arm;
     if lever == Vector3::zeros() {

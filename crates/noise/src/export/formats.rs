@@ -341,6 +341,8 @@ fn row(values: impl Iterator<Item = f64>) -> String {
 }
 
 /// Nine digits, with the point and the sign of the exponent that YAML 1.1 asks of a number.
+///
+/// `1e-5` becomes `1.0e-5` and `1e16` `1.0e+16`: YAML 1.1 takes the short forms for text.
 fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.8e}").parse().unwrap_or(value);
     let text = format!("{rounded:?}");

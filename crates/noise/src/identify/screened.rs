@@ -183,6 +183,9 @@ pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened
 
 /// The effect of temperature on what is left without outliers. These are known beside plain least squares, which are
 /// no estimate of the effect but leave less than it.
+///
+/// # Errors
+/// As [`Regressors::new`] and [`Regressors::estimate`].
 fn estimated(
     record: &[f64],
     temperature_c: &[f64],

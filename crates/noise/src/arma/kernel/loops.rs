@@ -65,6 +65,8 @@ impl<const L: usize> Task for Recurse<'_, L> {
 }
 
 /// Lays the pieces of a block side by side, each with the samples before it that φ needs.
+///
+/// A transpose, four pieces at a time; `samples` begin p before the block, `turned` has p rows more than a piece.
 pub(super) struct Turn<'a> {
     pub(super) samples: &'a [f64],
     pub(super) centre: f64,
@@ -91,6 +93,8 @@ impl Task for Turn<'_> {
 
 /// One block at one point: autoregression, recursion from zeros, correction by the history before
 /// each piece. Leaves a in `work` after the first q rows and the history at the end in `history`.
+///
+/// `turned` are rows of [`Turn`]; `starts` and `history` have q entries, newest first.
 pub(super) struct Block<'a> {
     pub(super) phi: &'a [f64],
     pub(super) theta: &'a [f64],
@@ -164,6 +168,8 @@ fn autoregress<const FUSED: bool>(phi: &[f64], x: &[Row], u: &mut [Row]) {
 }
 
 /// Adds what the history before each piece makes of it; sum and sum of squares.
+///
+/// A piece run from zeros plus h_0 w_0 + … + h_{q−1} w_{q−1}: the equation of [`super`].
 #[inline(always)]
 fn correct<const FUSED: bool>(
     responses: &[[f64; PIECE]],
@@ -249,6 +255,8 @@ impl Task for ProductsWith<'_> {
 }
 
 /// Sums of products of g, delayed by 0, 1, … rows, with a, g and o.
+///
+/// `impulse` begins r rows before the pieces, r the number of lags.
 pub(super) struct Lagged<'a> {
     pub(super) impulse: &'a [Row],
     pub(super) a: &'a [Row],
