@@ -66,6 +66,11 @@ impl Aid {
     }
 
     /// Its field in results: the name with underscores for spaces and hyphens.
+    ///
+    /// ```
+    /// use undrift_engine::Aid;
+    /// assert_eq!((Aid::ZeroVelocity.key(), Aid::NonHolonomic.key()), ("zero_velocity".into(), "non_holonomic".into()));
+    /// ```
     pub fn key(self) -> String {
         self.name().replace([' ', '-'], "_")
     }
@@ -187,6 +192,13 @@ impl ScalarLog {
     }
 
     /// `scalar`, in SI units, as the measurement that a [`Navigator`](crate::Navigator) is pushed.
+    ///
+    /// ```
+    /// use undrift_engine::{Aid, Scalar, ScalarLog};
+    /// let row = Scalar { time: 3.0, value: 412.0, std: 1.0 };
+    /// assert_eq!(ScalarLog::Barometer.measurement(row).time(), 3.0);
+    /// assert_eq!((ScalarLog::Barometer.aid(), ScalarLog::Odometer.name()), (Aid::Barometer, "odometer"));
+    /// ```
     pub fn measurement(self, scalar: Scalar) -> Measurement {
         match self {
             Self::Odometer => Measurement::Odometer(scalar),

@@ -110,6 +110,8 @@ struct Seen {
 }
 
 /// The state of an alignment.
+///
+/// Samples and fixes go to the rest and to the motion at once; whichever gives an attitude first ends the alignment.
 #[derive(Clone, Default)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Aligner {
@@ -185,6 +187,8 @@ impl Aligner {
     ///
     /// # Errors
     /// Where the alignment is complete and the filter cannot be built.
+    /// A fix without a position is passed over, and so is one whose velocity is neither measured nor to be had
+    /// from two positions.
     pub fn fix(
         &mut self,
         fix: &GnssFix,
@@ -239,6 +243,9 @@ impl Aligner {
 
     /// The attitude `q_nb` that is given, or that the fix has as a pose, and its standard deviations about north, east, down \[rad\]. Marker
     /// and frame are as certain as their priors.
+    ///
+    /// What the fix's time may be off by turns a rotating marker: the prior of the time offset times the
+    /// angular rate is added.
     fn known_attitude(
         &self,
         fix: &GnssFix,
@@ -275,6 +282,10 @@ impl Aligner {
     }
 
     /// Position and velocity by a fix: the velocity given, measured, or from two positions.
+    ///
+    /// In that order: as the settings state it, as the fix has it, from several positions, from two. A velocity
+    /// from positions held half their span ago; what the vehicle may have accelerated by since is in its
+    /// covariance.
     fn see(&mut self, fix: &GnssFix) -> Option<Seen> {
         let (antenna, (_, covariance)) = (antenna(fix)?, fix.position?);
         self.fixes += 1;
@@ -337,6 +348,9 @@ impl Aligner {
     }
 
     /// The heading with its standard deviation \[rad\], where it is given or the course says it.
+    ///
+    /// The variance of a course is that of the velocity across it over the speed squared, and that of a side
+    /// slip of 2°.
     fn heading(&self, seen: &Seen) -> Option<(f64, f64, HeadingSource)> {
         let (velocity, covariance) = &seen.velocity;
         let speed = self.speed;
@@ -353,6 +367,14 @@ impl Aligner {
     }
 
     /// The filter with what the last rest says of level and bias, at the attitude that it had.
+    ///
+    /// The filter begins at the attitude of the rest, wide in tilt and as wide in heading as that is known, and
+    /// is updated with the mean specific force (level) and the mean rate (the Earth's and the gyros' errors):
+    /// tilt and accelerometer constants come out as correlated as they are. Only then it is put to the attitude
+    /// of the fix.
+    ///
+    /// # Errors
+    /// The filter cannot be built, or refuses the update.
     fn after_rest(
         &self,
         seen: &Seen,
@@ -406,6 +428,7 @@ impl Aligner {
     }
 
     /// Why there was no alignment; so many fixes fell within the inertial log.
+    /// What was missing of a rest, and beside it how far motion came.
     pub fn failure(&self, fixes_within: u64) -> AlignmentFailure {
         if self.fixes == 0 {
             return match fixes_within {

@@ -1,4 +1,8 @@
 //! Samples in place of missing ones.
+//!
+//! Samples in place of a short gap (up to 0.2 s) let the mechanisation go through the turn that rates on both
+//! sides suggest. Of a longer one they keep the time going, and the covariance grows by what a vehicle may have
+//! done meanwhile ([`crate::solution`]).
 
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
@@ -49,6 +53,7 @@ impl Bridge {
         self.end - (self.steps - self.made) as f64 * self.dt
     }
 
+    /// The next sample of the gap, the last of them the one that was given; `None` when all were made.
     pub(super) fn next(&mut self) -> Option<ImuSample> {
         if self.made == self.steps {
             return None;

@@ -1,4 +1,15 @@
 //! What is known of the vehicle, and when it is used: rests, what it cannot do, and sensors of one number.
+//!
+//! | knowledge | when | covariance |
+//! |---|---|---|
+//! | rest on the ground | the sensors are quiet ([`crate::rest`]) | as configured; ten times the standard deviation where GNSS does not confirm it |
+//! | the Earth's rate | at the same time | white noise of the mean over the block, and what is configured |
+//! | no slip, no lift | at an interval, above a speed | as configured, and in proportion to the lateral acceleration |
+//! | course is heading | with each velocity of a fix, above a speed | of the course, and what is configured for slip |
+//! | wheel speed, height | as measured | as measured |
+//!
+//! All go past one gate: down-weighted from a NIS of 9, rejected from 100. A constraint that contradicts a
+//! solution by more is more likely to be wrong than the solution: a vehicle on a ferry, a wheel that spins.
 
 mod course;
 mod non_holonomic;
@@ -60,6 +71,9 @@ impl Vehicle {
     }
 
     /// A fix that was shown to the filter: its speed, and its course where that is the heading.
+    ///
+    /// Without a measured velocity positions show at least how fast it was: twice the error of the derived
+    /// velocity, and what a vehicle may have braked by since, are taken off.
     pub(super) fn fix(&mut self, filter: &mut dyn Estimator, fix: &GnssFix, settings: &Settings) {
         let Some((v_n, covariance)) = &fix.velocity else {
             let least = self.positions.add(fix).map(|derived| {
@@ -150,6 +164,8 @@ fn isotropic(std: f64) -> Matrix3 {
 }
 
 /// Updates with something that is known of the vehicle.
+///
+/// `None` where the filter refuses it.
 fn constrain(filter: &mut dyn Estimator, aiding: &Aiding, noise: &Matrix3) -> Option<Update> {
     filter.update(aiding, noise, &GATE).ok()?
 }

@@ -3,6 +3,11 @@
 //! A vehicle that drives straight goes where it points, but for a slip or a crab angle that changes slowly. How far
 //! course and heading usually are apart is learned; where that changes for good, it is the heading that went wrong (a
 //! gyro's bias that jumped, a scale factor), and its σ grows to what is seen.
+//!
+//! Differences are taken once a second, above 4 m/s, on a straight way, with a course known to 0.1 rad. The
+//! usual difference is the median of up to 120 of them, its spread 1.4826 times their median deviation; the
+//! present one is the median of eight. Where that has moved by four spreads and by two standard deviations of
+//! the heading, what the heading's variance lacks is added to it, and a share to that of gyro z.
 
 use super::summary::Summary;
 use crate::estimator::Estimator;
@@ -64,6 +69,8 @@ impl CourseWatch {
     }
 
     /// Looks at a fix that the filter was shown.
+    ///
+    /// It may inflate the covariance of heading and gyro z; the heading itself it leaves to the fixes that follow.
     pub(super) fn fix(&mut self, filter: &mut dyn Estimator, fix: &GnssFix, summary: &mut Summary) {
         let Some((v, r)) = fix.velocity else { return };
         let speed = v.xy().norm();

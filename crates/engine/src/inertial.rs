@@ -5,6 +5,12 @@
 //! does so at the end of its range. A spike is replaced by the mean of its neighbours, the two others by what the
 //! axis reads on the average. What an axis may have read meanwhile is in doubt by its usual spread: correlated
 //! over [`TURN_LASTS`], so that it grows with the time squared first and linearly then.
+//!
+//! The usual behaviour of an axis is learned from its sound values: how far nine samples in ten are from the
+//! mean of their neighbours (by stochastic approximation of that quantile), how many samples a value lasts,
+//! mean and variance over a minute, and the largest and smallest value so far. Until 500 values are known
+//! nothing is judged. A sensor that repeats all of its values at rest for 5 s is a simulated one without noise,
+//! of which repetitions say nothing.
 
 use super::{checked::Checked, summary::Summary};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -92,6 +98,9 @@ struct AxisWatch {
 
 impl AxisWatch {
     /// Takes in a value; whether the axis holds it for longer than it can.
+    ///
+    /// Frozen: for half a second and 20 times the usual number of samples. Saturated: at the largest or
+    /// smallest value so far, four standard deviations from the mean, for four times the usual number.
     fn is_stuck(&mut self, (time, dt): (f64, f64), value: f64) -> bool {
         // Of a log of increments those repeat, while the rounding of its times changes the rates.
         if is_same(value, self.value) || is_same(value * dt, self.value * self.dt) {
@@ -154,6 +163,9 @@ impl AxisWatch {
     }
 
     /// Whether a value is a spike between its neighbours.
+    ///
+    /// 25 times the usual distance from the mean of its neighbours and `least`, while these agree to 0.3 of
+    /// that; any other sample is learned from.
     fn is_spike(&mut self, least: f64, around: [f64; 2], value: f64) -> bool {
         let off = (value - 0.5 * (around[0] + around[1])).abs();
         let apart = (around[1] - around[0]).abs();

@@ -1,4 +1,8 @@
 //! What the filter is aided with besides the samples ([`crate::aid`]), merged in time.
+//!
+//! Measurements wait twice: in [`Measured`] by their stamps, from where a navigator with a horizon may take
+//! them again, and in [`Queue`] by when they hold, which the estimated latency of the fixes moves. A fix whose
+//! velocity has a latency of its own becomes two.
 
 pub use undrift_nav::sample::Scalar;
 
@@ -102,6 +106,9 @@ pub(crate) struct Repeats {
 
 impl Repeats {
     /// Whether a fix is the one before again.
+    ///
+    /// A receiver at rest may measure the same numbers twice; in motion, or with positions that moved before,
+    /// equal numbers are one fix that was logged again.
     pub(crate) fn is(&mut self, fix: &GnssFix) -> bool {
         let again = self.last.is_some_and(|last| {
             let position = last.position.map(|p| p.0) == fix.position.map(|p| p.0);
@@ -156,6 +163,8 @@ impl Queue {
     }
 
     /// The next measurement that holds at `time` \[s\] or before.
+    ///
+    /// With the part that it is of, where the fix was cut in two. Repeated fixes are counted and passed over.
     pub(super) fn next_until(
         &mut self,
         time: f64,

@@ -1,4 +1,6 @@
 //! Medians. As `undrift_base::order_statistics`, which this crate may not depend on.
+//!
+//! Both are robust: up to half of the values may be anything. `upper_median` is for hot places, since it sorts nothing.
 
 use alloc::vec::Vec;
 

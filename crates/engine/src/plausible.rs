@@ -4,6 +4,18 @@
 //! which hides the cause. Three things are known whatever the noise model says: the specific force is
 //! gravity on the average; the course of a vehicle turns as its gyros say; positions move as velocities
 //! say. Streamed: sums and a bounded window are kept.
+//!
+//! | finding | from |
+//! |---|---|
+//! | gravity | the mean specific force of one-second blocks: fewer than a tenth between 0.7 and 1.4 of gravity |
+//! | down | its direction against body down, where axes are promised to be forward, right, down |
+//! | turns: scale, axis, late, none | regression of the course's turns on those of the gyros, at lags of −30 to 30 s |
+//! | pushes | regression of accelerations over ground on specific force along forward and right |
+//! | velocity | displacements against integrated velocity, and which of eleven mistakes explains the difference |
+//! | alternates | changes of the slope of positions that alternate: two receivers in one log |
+//!
+//! Each needs enough of what it judges by (turns, accelerations, ways); without it says nothing. None changes
+//! the solution: they are named beside it.
 
 mod alternation;
 mod moves;
@@ -120,6 +132,9 @@ impl Plausible {
     }
 
     /// What cannot be, at the end of the log.
+    ///
+    /// Where positions and velocities do not belong together, turns and pushes are not judged: the course would
+    /// be no measure of the sensors.
     pub(super) fn findings(&mut self) -> Vec<Implausible> {
         self.turns.finish();
         let mut found = Vec::new();

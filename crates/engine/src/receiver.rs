@@ -1,4 +1,23 @@
 //! A fix into the filter: gated, scaled, watched.
+//!
+//! Position and velocity are judged one by one, each by a [`FixGate`] of its own, the height by a third. What
+//! makes a fix wrong is not only its size:
+//!
+//! - **frozen**: a receiver that repeats a position while the solution moves off, or keeps its velocity back
+//!   again and again;
+//! - **contradicting**: fixes that are rejected one after the other and agree with each other. After a while
+//!   the solution is reset to them, since it is then the likelier one to be wrong. How long that takes depends
+//!   on what contradicts:
+//!
+//! | contradicts | patience |
+//! |---|---|
+//! | velocity, or position and velocity | 3 s |
+//! | position of a receiver without velocity | 5 s |
+//! | position alone, velocity agrees | 15 s |
+//! | a frozen receiver | 60 s |
+//!
+//! With the reset the covariance grows by what explains the contradiction: its size in position, its size over
+//! the time in velocity, and the tilt that makes such a velocity.
 
 mod height;
 
@@ -112,6 +131,7 @@ impl Receiver {
     }
 
     /// Starts for a new solution, but keeps what is known of the receiver's accuracy.
+    /// What is open is noted first.
     pub(super) fn forget_solution(&mut self, time: f64, summary: &mut Summary) {
         let scales = (self.position.scale, self.velocity.scale);
         self.close(summary);
@@ -121,6 +141,9 @@ impl Receiver {
 
     /// Whether a fix may serve to align: its velocity and its way from the fix before are the same to
     /// what their standard deviations and a vehicle's acceleration allow.
+    ///
+    /// True where there is nothing to compare: without velocity or position, of the first fix, after a gap of
+    /// 2.5 s or of another kind of position.
     pub(super) fn is_consistent(&mut self, fix: &GnssFix) -> bool {
         let before = self.before.replace(*fix);
         let (Some((to, r)), Some((v, r_v))) = (&fix.position, &fix.velocity) else {
@@ -237,6 +260,7 @@ impl Receiver {
     }
 
     /// Notes how far an update has moved the velocity from what it was `before`.
+    /// Pulls are forgotten with a time constant of 4 s.
     fn pulled(&mut self, before: Vector2<f64>, filter: &dyn Estimator, time: f64) {
         let left = (-(time - self.pull.1) / PULL_TIME).exp();
         let pull = self.pull.0 * left + before - filter.nav().v_n.xy();
@@ -253,6 +277,10 @@ impl Receiver {
     }
 
     /// Whether the fix repeats a position that the solution has left.
+    ///
+    /// Either the solution has moved by more than the fix's accuracy, faster than its own velocity is
+    /// uncertain, or repeated fixes have pulled at its velocity by more than its tilt explains. In the second
+    /// case the pull is given back to the solution as uncertainty.
     fn is_frozen(&mut self, filter: &mut dyn Estimator, fix: &GnssFix, lever: &Vector3) -> bool {
         let Some((position, r)) = &fix.position else {
             return false;

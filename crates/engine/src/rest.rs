@@ -1,4 +1,16 @@
 //! Distinguishes rest from motion by the sensors alone, at a level learned while GNSS shows that the vehicle is at rest.
+//!
+//! A block of half a second is at rest where all of this holds:
+//!
+//! - its scatter, on the average of the six axes, is below three times the learned level of rest (below twice
+//!   the sensor's own noise until one is learned), and below 0.7 of the least scatter seen in motion;
+//! - its mean rate and mean specific force are what the solution expects of rest, and the two halves of the
+//!   block agree;
+//! - GNSS leaves a speed below 0.5 m/s possible, where it has one; without, motion must have been seen, or no
+//!   rest learned.
+//!
+//! A block that GNSS calls slow is at rest even if it is not quiet, as long as its means fit: an engine shakes.
+//! The level is learned from blocks that GNSS calls standing beyond doubt.
 
 use super::vibration::turned_variances;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]

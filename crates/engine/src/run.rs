@@ -1,4 +1,17 @@
 //! The state of the navigator between samples, and what a sample and a fix do to it.
+//!
+//! A sample goes through here in this order, and no other module decides it:
+//!
+//! 1. checked one sample late ([`crate::inertial`]), turned to body axes where the mounting is looked for, cut
+//!    where it ends a gap of more than a minute;
+//! 2. shown to the watches that need no solution ([`crate::plausible`], [`crate::vibration`]);
+//! 3. taken up by the solution, which stops at each measurement that falls due within it
+//!    ([`Queue::next_until`]), in order of their own times;
+//! 4. ended: doubts stated by the settings, constraints of the vehicle, the alignment that goes on, nodes of a
+//!    smoother, the mounting.
+//!
+//! Everything that may not be known twice is in [`Run`]; a copy of it goes on exactly as the original would,
+//! which is how late measurements and checkpoints are made.
 
 mod axes;
 mod end;
@@ -147,6 +160,7 @@ impl Run {
     }
 
     /// How many measurements were taken in.
+    /// Those before it are no longer needed by this run; a copy that is older may need them.
     pub(super) fn taken(&self) -> u64 {
         self.queue.taken()
     }
@@ -198,11 +212,14 @@ impl Run {
     }
 
     /// Whether the solution diverged and no other is to begin.
+    /// Without gating a divergence ends the run; with it an alignment begins.
     pub(super) fn has_ended(&self) -> bool {
         self.summary.diverged.is_some()
     }
 
     /// Checks a sample: returns the one before it, replaced where it cannot be right.
+    ///
+    /// `None` of the first sample: each waits for the next one.
     pub(super) fn check(&mut self, sample: ImuSample) -> Option<Checked> {
         let moves = self.moves();
         self.inertial.next(sample, moves, &mut self.summary)
@@ -225,6 +242,10 @@ impl Run {
     }
 
     /// Processes a sample and the measurements up to its end.
+    ///
+    /// # Errors
+    /// Where an alignment is complete and its filter cannot be built: more states than there is room for. A
+    /// solution that diverges is no error; it is noted in the summary, and an alignment begins.
     pub(super) fn sample(
         &mut self,
         checked: Checked,
@@ -290,6 +311,8 @@ impl Run {
     }
 
     /// Delay of the fixes as estimated; none without a solution.
+    /// That of a failed solution beside which another alignment goes on is limited more tightly, see
+    /// [`Solution::latency`].
     fn latency(&self) -> Latency {
         let solution = self.solution.as_ref();
         let failed = self.alignment.again;
@@ -307,6 +330,8 @@ impl Run {
     }
 
     /// Aligns again beside a solution that does not agree with the fixes; it goes on until that is done.
+    ///
+    /// Without effect while one goes on already.
     fn align_again(&mut self, time: f64, why: RestartCause) {
         if self.alignment.again {
             return;
@@ -335,6 +360,9 @@ impl Run {
 
     /// The sample as it is, or after a gap too long for anything to be known behind it the last interval
     /// of it alone, with which the log begins as if there was nothing before.
+    ///
+    /// The flag is true where the log begins anew; a solution that there was is lost with the attitude, and the
+    /// alignments with it.
     fn after_gap(&mut self, sample: ImuSample) -> (ImuSample, bool) {
         if sample.dt <= crate::solution::LONGEST_GAP {
             return (sample, false);

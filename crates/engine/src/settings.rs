@@ -197,6 +197,16 @@ impl Settings {
 }
 
 /// Parts of a fix that update the solution.
+///
+/// ```
+/// use undrift_engine::settings::{GnssUse, Settings};
+/// # use undrift_nav::shaping::ShapingFilter;
+/// # let sensors = [ShapingFilter::white(1e-3, 0.01)?; 6];
+/// // A receiver whose velocities lag: its positions alone update the solution.
+/// let settings = Settings { gnss_use: GnssUse::Position, ..Settings::new(sensors) };
+/// assert_ne!(settings.gnss_use, GnssUse::default());
+/// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum GnssUse {

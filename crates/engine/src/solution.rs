@@ -1,4 +1,8 @@
 //! The navigation state: a filter, and how far it has come within the present sample.
+//!
+//! Between two samples a solution is a filter and nothing else. Within one it may stop at the times of
+//! measurements, go through a gap in steps of the usual interval, and grow its covariance by two things that
+//! the linear model leaves out: motion in a long gap, and products of large errors.
 
 use super::{
     bridge::Bridge, measurement::Latency, observer::Observer, summary::Summary, watch::FAR,
@@ -68,6 +72,8 @@ impl Solution {
 
     /// Delay of the fixes against their stamps, as estimated, within ten prior standard deviations; of a solution that `failed`
     /// one beyond five is an error of it, which the next start must not inherit.
+    ///
+    /// A delay beyond that is no delay of a receiver but an error of the sensors that looks like one.
     pub(super) fn latency(&self, failed: bool) -> Latency {
         let offset = |kind| {
             let std = self.filter.parameters().prior(kind)?.std;

@@ -97,6 +97,17 @@ impl Innovations {
 
     /// Autocorrelation of the whitened innovations from one update to the next [–], and the limit that it stays
     /// below 19 times out of 20 when the model is right, `1.96/√n`. Errors of fixes that last for seconds show here first.
+    ///
+    /// ```
+    /// use undrift_engine::Innovations;
+    /// use undrift_nav::filter::{Outcome, Update};
+    /// let update = Update { nis: 3.0, dof: 3, whitened: [1.0; 3], score: 0.0, information: 1.0, outcome: Outcome::Used };
+    /// let mut sums = Innovations::default();
+    /// assert_eq!(sums.autocorrelation(), None);
+    /// (0..100).for_each(|_| sums.add(update)); // Always the same: an error that lasts.
+    /// let (correlation, limit) = sums.autocorrelation().expect("pairs");
+    /// assert!((correlation - 1.0).abs() < 1e-12 && (limit - 1.96 / (3.0 * 99.0_f64).sqrt()).abs() < 1e-12);
+    /// ```
     pub fn autocorrelation(&self) -> Option<(f64, f64)> {
         let (products, squares, n) = self.lagged;
         (n > 0 && squares > 0.0).then(|| (products / squares, 1.96 / (n as f64).sqrt()))

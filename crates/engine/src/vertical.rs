@@ -1,4 +1,8 @@
 //! Vertical velocities that nobody measured: converters and receivers that have none write zeros, with the accuracy of the others.
+//!
+//! Five fixes in motion whose vertical velocity is 0 to the last digit are enough; one that is not 0 clears the
+//! receiver for good. The vertical variance then becomes (20 m/s)², without correlation, so that the horizontal
+//! velocity is used as it is.
 
 use undrift_nav::sample::GnssFix;
 

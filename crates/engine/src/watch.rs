@@ -1,4 +1,12 @@
 //! Whether innovations stay as large as their covariance says, and without a lean to one side.
+//!
+//! Two watches on innovations that pass every gate:
+//!
+//! - [`Streak`]: the NIS per degree of freedom over 20 updates. Above 25 the solution is suspect, and after 30
+//!   s of that an alignment begins beside it.
+//! - [`LeanWatch`]: the mean of 40 whitened innovations. Of white ones its square is a χ² of three; a receiver
+//!   that is drawn away slowly, by multipath or on purpose, leans to one side while each fix by itself looks
+//!   right.
 
 use super::{
     events::{Lean, Part},
@@ -43,6 +51,8 @@ pub(super) struct Streak {
 
 impl Streak {
     /// Watches for innovations far beyond their covariance, block by block.
+    ///
+    /// Rejected updates are not to be given: of them the size says nothing of the solution.
     pub(super) fn watch(&mut self, update: Update, time: f64, summary: &mut Summary) {
         if self.updates == 0 {
             self.start = time;

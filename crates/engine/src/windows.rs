@@ -24,6 +24,14 @@ const LEAST: u64 = 10;
 const AGREE: f64 = 0.8;
 
 /// Agreement of the solution with a part of the fixes, from their innovations, rejected ones too.
+///
+/// ```
+/// use undrift_engine::Agreement;
+/// // Of twenty innovations four beyond three standard deviations; on the average twice as large as they should be.
+/// let window = Agreement { innovations: 20, inside: 16, squares: 80.0 };
+/// assert_eq!((window.share(), window.rms()), (Some(0.8), 2.0));
+/// assert_eq!(Agreement { innovations: 9, ..window }.share(), None); // Too few to say.
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

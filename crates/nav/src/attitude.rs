@@ -16,6 +16,13 @@ use libm::{asin, atan2, cos, sin, sqrt};
 
 /// `q_nb` of `rpy`, which is roll, pitch, yaw \[rad\]: yaw about down first, then pitch about right, then roll about forward. Yaw 0
 /// is north and grows eastwards; a positive pitch is nose up, a positive roll right side down. Groves eq. 2.22 (transposed).
+///
+/// ```
+/// use undrift_nav::{Vector3, attitude::{from_rpy, to_rpy}};
+/// let rpy = Vector3::new(0.1, -0.2, 3.0); // Right side down, nose down, nearly south.
+/// assert!((to_rpy(&from_rpy(&rpy)) - rpy).norm() < 1e-12);
+/// assert!((from_rpy(&rpy) * Vector3::x()).z > 0.0, "nose down: forward has a part down");
+/// ```
 #[inline]
 pub fn from_rpy(rpy: &Vector3) -> Quaternion {
     Quaternion::from_euler_angles(rpy.x, rpy.y, rpy.z)
@@ -37,6 +44,12 @@ pub fn to_rpy(q_nb: &Quaternion) -> Vector3 {
 
 /// Rotation about the axis of `phi` by its length \[rad\]: the inverse of the quaternion's logarithm, exact for any length, by series
 /// where it is small so that no digit is lost. Groves eq. E.30.
+///
+/// ```
+/// use undrift_nav::{Vector3, attitude::from_rotation_vector};
+/// let quarter = from_rotation_vector(&Vector3::new(0.0, 0.0, std::f64::consts::FRAC_PI_2));
+/// assert!((quarter * Vector3::x() - Vector3::y()).norm() < 1e-15); // About down: north goes to east.
+/// ```
 #[inline]
 pub fn from_rotation_vector(phi: &Vector3) -> Quaternion {
     let half_sq = phi.norm_squared() / 4.0;
@@ -62,6 +75,14 @@ pub fn skew(v: &Vector3) -> Matrix3 {
 }
 
 /// Right Jacobian J_r of a rotation vector: `exp(φ + δ) ≈ exp(φ) exp(J_r δ)`; the left one is that of −φ. Chirikjian 2012, section 10.6.
+///
+/// ```
+/// use undrift_nav::{Vector3, attitude::{from_rotation_vector, right_jacobian}};
+/// let (phi, delta) = (Vector3::new(0.5, -1.0, 0.3), Vector3::new(1e-6, 2e-6, -1e-6));
+/// let exact = from_rotation_vector(&(phi + delta));
+/// let split = from_rotation_vector(&phi) * from_rotation_vector(&(right_jacobian(&phi) * delta));
+/// assert!(exact.angle_to(&split) < 1e-11); // Second order in δ.
+/// ```
 pub fn right_jacobian(phi: &Vector3) -> Matrix3 {
     let (theta_sq, cross) = (phi.norm_squared(), skew(phi));
     let (first, second) = if theta_sq < 1e-6 {

@@ -66,6 +66,14 @@ pub struct Geodetic {
 
 /// Radii of curvature at latitude `lat` \[rad\]: meridian `rm` and transverse (prime vertical) `rn` \[m\], in that order. Groves
 /// eq. 2.105-2.106.
+///
+/// ```
+/// use undrift_nav::earth::{ECCENTRICITY_SQ, SEMI_MAJOR, SEMI_MINOR, radii};
+/// let (rm, rn) = radii(0.0); // At the equator: a (1 − e²) along the meridian, a across.
+/// assert!((rm - SEMI_MAJOR * (1.0 - ECCENTRICITY_SQ)).abs() < 1e-6 && rn == SEMI_MAJOR);
+/// let (rm, rn) = radii(std::f64::consts::FRAC_PI_2); // At the pole both are a²/b.
+/// assert!((rm - rn).abs() < 1e-6 && (rn - SEMI_MAJOR * SEMI_MAJOR / SEMI_MINOR).abs() < 1e-6);
+/// ```
 #[inline]
 pub fn radii(lat: f64) -> (f64, f64) {
     let s = sin(lat);
@@ -149,6 +157,14 @@ impl LocalEarth {
 
     /// Transport rate ω_en^n [rad/s] at velocity `v_n` [m/s]. Groves eq. 5.44.
     /// The turn of the north-east-down frame against the Earth as it moves over it; it grows without bound towards the poles.
+    ///
+    /// ```
+    /// use undrift_nav::{Vector3, earth::{Geodetic, LocalEarth, SEMI_MAJOR}};
+    /// // Eastwards along the equator at 300 m/s the level turns about north by v/a.
+    /// let equator = LocalEarth::at(&Geodetic::from_degrees(0.0, 0.0, 0.0));
+    /// let rate = equator.transport_rate(&Vector3::new(0.0, 300.0, 0.0));
+    /// assert!((rate - Vector3::new(300.0 / SEMI_MAJOR, 0.0, 0.0)).norm() < 1e-18);
+    /// ```
     #[inline]
     pub fn transport_rate(&self, v_n: &Vector3) -> Vector3 {
         let e = v_n.y / self.rn_h;
@@ -168,6 +184,12 @@ impl Geodetic {
 
     /// Earth-centred Earth-fixed coordinates \[m\]. Groves eq. 2.112.
     /// x through longitude 0, z through the north pole.
+    ///
+    /// ```
+    /// use undrift_nav::earth::{Geodetic, SEMI_MAJOR, SEMI_MINOR};
+    /// let [equator, pole] = [Geodetic::from_degrees(0.0, 90.0, 100.0), Geodetic::from_degrees(90.0, 0.0, 100.0)].map(|place| place.to_ecef());
+    /// assert!((equator.y - SEMI_MAJOR - 100.0).abs() < 1e-6 && (pole.z - SEMI_MINOR - 100.0).abs() < 1e-6);
+    /// ```
     pub fn to_ecef(&self) -> Vector3 {
         let (_, rn) = radii(self.lat);
         let horizontal = (rn + self.height) * cos(self.lat);

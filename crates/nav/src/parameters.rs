@@ -266,6 +266,14 @@ const SLOW: f64 = 0.1;
 
 /// Rate of change of the specific force behind a low-pass of 0.1 s [m/s³, body axes], at a sample with the mean `force` [m/s²] over
 /// `dt` \[s\]. `slow` is the state of the low-pass [m/s²]: the first force to begin with; it is updated.
+///
+/// ```
+/// use undrift_nav::{Vector3, parameters::jerk};
+/// // A force that grows by 2 m/s² a second, at 100 Hz: once the low-pass has followed, its rate of change.
+/// let mut slow = Vector3::zeros();
+/// let found = (1..=200).fold(Vector3::zeros(), |_, k| jerk(&mut slow, &Vector3::new(0.02 * f64::from(k), 0.0, 0.0), 0.01));
+/// assert!((found.x - 2.0).abs() < 1e-6);
+/// ```
 #[inline]
 pub fn jerk(slow: &mut Vector3, force: &Vector3, dt: f64) -> Vector3 {
     let jerk = (force - *slow) / (SLOW + dt);
@@ -290,6 +298,15 @@ impl Coupling {
 
     /// Coupling at a sample with mean angular rate `rate` [rad/s] and specific force `force` [m/s²], which changes by `jerk` [m/s³], all in
     /// body axes; `behind` is the place of the first parameter in the error state.
+    ///
+    /// ```
+    /// use undrift_nav::{Vector3, parameters::{Coupling, Parameter, Parameters, Prior}};
+    /// let estimated = Parameters::none().with(Parameter::GyroScale, Prior::constant(0.01));
+    /// let (rate, none) = (Vector3::new(0.1, 0.2, 0.3), Vector3::zeros());
+    /// let coupling = Coupling::new(&estimated, 15, [&rate, &none, &none]);
+    /// // An error s of gyro z's scale factor makes it read s · 0.3 rad/s too much: its state is the 18th.
+    /// assert_eq!(coupling.axis(2), [(17, 0.3)]);
+    /// ```
     #[inline]
     pub fn new(parameters: &Parameters, behind: usize, [rate, force, jerk]: [&Vector3; 3]) -> Self {
         let mut coupling = Self::NONE;

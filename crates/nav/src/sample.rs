@@ -119,6 +119,15 @@ impl GnssFix {
 
     /// This fix with an attitude `q_nk` of the marker and its standard deviations about north, east, down \[rad\]. An attitude it had is
     /// replaced.
+    ///
+    /// ```
+    /// use undrift_nav::{Quaternion, earth::Geodetic, sample::GnssFix};
+    /// // Motion capture: a millimetre and a tenth of a degree.
+    /// let std = [0.1_f64.to_radians(); 3];
+    /// let pose = GnssFix::at(3.0, Geodetic::default(), [1e-3; 3]).with_attitude(Quaternion::identity(), std);
+    /// let (_, covariance) = pose.attitude.unwrap();
+    /// assert_eq!(covariance[(0, 0)], std[0] * std[0]); // [rad²]
+    /// ```
     pub fn with_attitude(self, q_nk: Quaternion, std: impl Into<Vector3>) -> Self {
         Self {
             attitude: Some((q_nk, variances(std.into()))),
@@ -183,6 +192,14 @@ pub enum FixQuality {
 }
 
 /// A measurement of one number: a wheel speed [m/s], a barometric height \[m\]. What it is, and its unit, follows from the function that takes it.
+///
+/// ```
+/// use undrift_nav::{earth::standard_height, sample::Scalar};
+/// // A pressure sensor: 12 Pa are a metre near the ground.
+/// let height = Scalar { time: 7.25, value: standard_height(98_000.0), std: 1.0 };
+/// assert!(height.is_finite() && (270.0..290.0).contains(&height.value));
+/// assert!(!Scalar { std: f64::NAN, ..height }.is_finite());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Scalar {

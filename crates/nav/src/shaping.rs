@@ -152,6 +152,15 @@ impl ShapingFilter {
     ///
     /// # Errors
     /// [`ShapingError::BadParameter`] for a density that is negative or not finite, or such an interval \[s\].
+    ///
+    /// ```
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// // 0.15 deg/√h at 100 Hz: a sample scatters by N/√T, the sum over an hour by 0.15 deg.
+    /// let white = ShapingFilter::white(0.15_f64.to_radians() / 60.0, 0.01)?;
+    /// let angle_in_an_hour = (white.r * 0.01 * 0.01 * 360_000.0).sqrt();
+    /// assert!((angle_in_an_hour.to_degrees() - 0.15).abs() < 1e-12);
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn white(density: f64, interval: f64) -> Result<Self, ShapingError> {
         let mut filter = Self::none(interval)?;
         let density = not_negative(density, "the white noise density")?;
@@ -391,6 +400,14 @@ impl ShapingFilter {
 
     /// Autocovariance of ε at lags 0, 1, … samples \[unit²\], into `out`, as many as it has room for; started from `p0` as if it were
     /// stationary.
+    ///
+    /// ```
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// let mut lags = [0.0; 3];
+    /// ShapingFilter::ar(&[0.5], 1.0, 0.01)?.autocovariance(&mut lags);
+    /// assert!((lags[0] - 4.0 / 3.0).abs() < 1e-12 && (lags[2] / lags[0] - 0.25).abs() < 1e-12); // σ²/(1 − φ²), φᵏ.
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn autocovariance(&self, out: &mut [f64]) {
         let n = self.order;
         // N = F P Hᵀ + S is the covariance of x_{k+1} with ε_k.

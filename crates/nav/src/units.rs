@@ -156,6 +156,12 @@ impl Quantity {
     }
 
     /// Its name with an article, as in "an angular rate".
+    ///
+    /// ```
+    /// use undrift_nav::units::Quantity;
+    /// let message = format!("expected {} such as {}", Quantity::AngularRate.name(), Quantity::AngularRate.examples());
+    /// assert_eq!(message, "expected an angular rate such as \"deg/s\" or \"rad/s\"");
+    /// ```
     pub fn name(self) -> &'static str {
         self.row().2
     }

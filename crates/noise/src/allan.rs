@@ -17,6 +17,22 @@
 //! assert_eq!(curve.points[1].tau_s, 0.02);
 //! # Ok::<(), undrift_noise::screening::RecordError>(())
 //! ```
+//!
+//! What the deviation of each noise term looks like on double logarithmic axes, and where its coefficient is
+//! read by eye (IEEE Std 952-1997, annex C.1; [`fit_terms`] does it by least squares, with errors):
+//!
+//! | term | deviation | slope | read |
+//! |---|---|---|---|
+//! | quantisation Q | `√3 Q/τ` | −1 | at τ = √3 s |
+//! | white noise N | `N/√τ` | −½ | at τ = 1 s |
+//! | bias instability B | `0.664 B` | 0 | the flat part, over 0.664 |
+//! | random walk K | `K √(τ/3)` | +½ | at τ = 3 s |
+//! | ramp R | `R τ/√2` | +1 | at τ = √2 s |
+//!
+//! A record longer than ten times the longest τ of interest is needed: the last octaves rest on a handful of
+//! averages, which [`intervals`] shows. A gap must be bridged and a motion cut out first
+//! ([`crate::screening`]), and the temperature of a record that warms up looks like a ramp
+//! ([`crate::temperature`]).
 
 pub mod confidence;
 mod covariance;

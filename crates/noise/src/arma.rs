@@ -23,6 +23,21 @@
 //! assert!(model.ar[0] > 0.95 && model.ma[0] > 0.6 && model.ma[0] < model.ar[0]);
 //! # Ok::<(), undrift_noise::arma::ArmaError>(())
 //! ```
+//!
+//! What each is for:
+//!
+//! | question | function |
+//! |---|---|
+//! | how likely is the record under coefficients of mine | [`log_likelihood`] |
+//! | the best model of a given order | [`fit()`], with starts of mine [`fit_from`], of several records [`fit_several`] |
+//! | which order | [`select`]; after Pandit and Wu, [`crate::pandit_wu`] |
+//! | how far φ or θ may be off | [`profile_interval`] |
+//! | a quick autoregression | [`burg`], [`yule_walker`], [`order_by_aicc`] |
+//! | is anything left of the record | [`ArmaFit::residuals`], then [`crate::whiteness`] |
+//!
+//! An ARMA describes the record at its own rate; [`crate::scales`] finds the slow part of block averages and
+//! takes it to the full rate, and [`crate::composite`] fits sums of continuous processes, which hold at every
+//! rate.
 
 mod autoregressive;
 mod diagnosis;

@@ -32,6 +32,21 @@ use crate::{
 };
 
 /// A method of the literature, to be compared with.
+///
+/// ```
+/// use undrift_noise::{allan, compared::Method, composite::{CompositeTerms, GaussMarkov}, synthesis::NoiseGenerator};
+/// let process = GaussMarkov { sigma: 0.02, tau_s: 5.0 };
+/// let truth = CompositeTerms { white: 0.01, gauss_markov: [process, GaussMarkov::default()], ..CompositeTerms::default() };
+/// let record: Vec<f64> = NoiseGenerator::new(&truth.to_shaping(0.01)?, 1).take(100_000).collect();
+/// let curve = allan::deviations(&record, 100.0, allan::DeviationKind::Overlapping, allan::Grid::Octave)?;
+/// let terms = allan::fit_terms(&curve)?;
+/// for method in Method::ALL {
+///     // Whatever they make of the bias, or find no model of it: the white noise is the same.
+///     let white = method.fit(&record, &curve, &terms).map(|found| found.white);
+///     assert!(white.is_err() || white.is_ok_and(|white| (white / 0.01).ln().abs() < 0.3), "{}", method.name());
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// [`power_spectrum`].

@@ -71,6 +71,10 @@ pub fn autocorrelation(x: &[f64], lags: usize) -> Result<Vec<f64>, RecordError> 
 }
 
 /// 95 % bound of a (partial) autocorrelation of `samples` samples of white noise: 1.96 / √n. One value of twenty lies outside by chance.
+///
+/// ```
+/// assert!((undrift_noise::correlation::white_bound(10_000) - 0.0196).abs() < 1e-5);
+/// ```
 pub fn white_bound(samples: usize) -> f64 {
     NORMAL_95 / (samples.max(1) as f64).sqrt()
 }

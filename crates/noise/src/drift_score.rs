@@ -41,6 +41,16 @@ pub const HORIZONS_S: [f64; 4] = [1.0, 10.0, 60.0, 300.0];
 pub const MAX_BATCHES: usize = 32;
 
 /// Why there is no score.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::drift_score::{DriftError, score};
+/// let white = ShapingFilter::white(1e-3, 0.1)?;
+/// let record = vec![0.0; 1000]; // 50 s to be scored, at 10 Hz.
+/// assert!(matches!(score(&record, 500, &white, &[60.0]), Err(DriftError::TooShort { horizon_s: 60.0, .. })));
+/// assert_eq!(score(&record, 500, &white, &[]), Err(DriftError::BadHorizon));
+/// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DriftError {
     /// The part to be scored holds fewer than two windows of the longest horizon.
@@ -63,6 +73,10 @@ pub enum DriftError {
 }
 
 /// Drift score of a model at one horizon.
+///
+/// A model is right where `rms` is `predicted_rms` within a few standard errors at every horizon. `rms` above
+/// it: an outage will drift farther than the filter says. Below: the filter is too cautious, and fixes after an
+/// outage pull harder than they should.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HorizonScore {
     /// Horizon h \[s\], rounded to whole samples.

@@ -36,6 +36,14 @@ use crate::model_file::{ImuModel, ModelError};
 use equivalent::Equivalent;
 
 /// A format of noise models. Those of other programs have white noise and one slow process at most.
+///
+/// ```
+/// use undrift_noise::ModelFormat;
+/// for format in ModelFormat::ALL {
+///     assert_eq!(format.name().parse(), Ok(format));
+/// }
+/// assert!("yaml".parse::<ModelFormat>().is_err_and(|error| error.to_string().contains("kalibr")));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ModelFormat {
     /// `imu.yaml` of Kalibr.
@@ -89,6 +97,8 @@ impl ModelFormat {
 }
 
 /// A name that is not that of a format of noise models; its message lists the names.
+///
+/// The name as it was given.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "unknown format {0:?}; available: kalibr, kf-gins, ros, px4, matlab, vins, openvins, basalt, undrift"
@@ -113,6 +123,20 @@ impl ImuModel {
     ///
     /// # Errors
     /// An axis without what the format cannot do without, or no rate where it needs one.
+    ///
+    /// ```
+    /// use undrift_noise::{ImuModel, ModelError, ModelFormat};
+    /// let imu = ImuModel::preset("bmi088").unwrap(); // Of a data sheet: no record, so no rate.
+    /// assert!(matches!(imu.export(ModelFormat::Ros, None), Err(ModelError::NoRate { format: "ros" })));
+    /// // Variance of a sample N² · rate: four times as large at four times the rate.
+    /// let variance = |rate| -> Result<f64, Box<dyn std::error::Error>> {
+    ///     let text = imu.export(ModelFormat::Ros, Some(rate))?;
+    ///     let (_, numbers) = text.split_once("angular_velocity_covariance: [").ok_or("no covariance")?;
+    ///     Ok(numbers.split(',').next().ok_or("no number")?.parse()?)
+    /// };
+    /// assert!((variance(400.0)? / variance(100.0)? - 4.0).abs() < 1e-6);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn export(&self, format: ModelFormat, rate_hz: Option<f64>) -> Result<String, ModelError> {
         self.export_for(format, rate_hz, HORIZON)
     }

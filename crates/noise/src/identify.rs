@@ -67,6 +67,8 @@ const ADF_LAGS: usize = 20;
 const COARSE: f64 = 0.25;
 
 /// What is identified, and how much is tried.
+///
+/// With [`Options::at`] and a struct update: `Options { trend: Trend::Linear, ..Options::at(100.0) }`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options<'a> {
     /// Sample rate \[Hz\].
@@ -284,6 +286,17 @@ pub struct AllanDeviation {
 ///
 /// # Errors
 /// As [`identify`].
+///
+/// ```
+/// use undrift_noise::{composite::CompositeTerms, identify::{Options, allan_deviation}, synthesis::NoiseGenerator};
+/// let truth = CompositeTerms { white: 1e-3, ..CompositeTerms::default() };
+/// let mut record: Vec<f64> = NoiseGenerator::new(&truth.to_shaping(0.1)?, 1).take(5000).collect();
+/// (record[100], record[200]) = (f64::NAN, 1.0); // One sample missing, one an outlier.
+/// let found = allan_deviation(&record, &Options::at(10.0))?;
+/// assert!((found.terms.white.value / 1e-3 - 1.0).abs() < 0.05);
+/// assert_eq!(found.intervals.len(), found.curve.points.len());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn allan_deviation(
     record: &[f64],
     options: &Options<'_>,

@@ -135,6 +135,19 @@ pub struct Recording {
 /// The random error of one axis in the terms of a data sheet, or as ARMA, or both. "unit" is rad/s
 /// for a gyro and m/s² for an accelerometer. The default, without white noise and ARMA, is an axis of
 /// which nothing is known.
+///
+/// Either is enough for a filter. From an ARMA(1,1) the terms follow exactly (docs/theory.md, section 1):
+///
+/// ```
+/// use undrift_noise::{Arma, AxisModel, BiasModel};
+/// // A unit root under white noise: θ σ² a sample is white, (1 − θ)² σ² a sample drives the walk.
+/// let arma = Arma { ar: vec![1.0], ma: vec![0.9], sigma: 1e-3, rate_hz: 100.0 };
+/// let gyro = AxisModel { arma: Some(arma), ..AxisModel::default() };
+/// assert!((gyro.white_density() / (0.9_f64 * 1e-6 / 100.0).sqrt() - 1.0).abs() < 1e-12);
+/// let walk = gyro.shaping(BiasModel::RandomWalk, 0.01)?;
+/// assert!((walk.q[0][0] / (0.1 * 1e-3_f64).powi(2) - 1.0).abs() < 1e-12);
+/// # Ok::<(), undrift_noise::ModelError>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AxisModel {
     /// Standard deviation of the turn-on constant \[unit\]: how much the bias differs from one switch-on to the next. One record cannot

@@ -75,6 +75,9 @@ impl Default for PanditWuOptions {
 }
 
 /// One F test between two nested orders.
+///
+/// Both sums are of exact prediction errors of the same samples, so that `sum_larger` is the smaller of the two
+/// but for the tolerance of the search and the weights V, which differ between the models.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrderTest {
     /// The smaller order (p, q).
@@ -236,6 +239,9 @@ pub fn critical_value(added: usize, remaining: usize, level: f64) -> Option<f64>
 }
 
 /// Fits of one record, each order once.
+///
+/// A smaller model is a start of each larger one, so that a test between them is not decided by a search that
+/// missed the optimum.
 struct Fits<'a> {
     samples: &'a [f64],
     options: &'a FitOptions,
@@ -267,6 +273,23 @@ impl Fits<'_> {
 /// # Errors
 /// As [`crate::arma::fit`] where not even ARMA(2,1) can be fitted; [`ArmaError::BadOption`] for a
 /// level outside (0, 1) or n_max outside 1…12.
+///
+/// Each order is fitted once by [`crate::arma::fit()`], with the optima of the orders inside it as further
+/// starts. Identification runs it on a record's first [`SEARCH_SAMPLES`](crate::identify::SEARCH_SAMPLES) and
+/// at reduced effort.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{pandit_wu::{PanditWuOptions, pandit_wu}, synthesis::NoiseGenerator};
+/// let process = ShapingFilter::arma(&[0.95], &[0.5], 1e-3, 0.01)?;
+/// let record: Vec<f64> = NoiseGenerator::new(&process, 1).take(800).collect();
+/// let found = pandit_wu(&record, &PanditWuOptions { n_max: 1, ..Default::default() })?;
+/// // The table begins with ARMA(1,1), then (2,1); the first step down asks whether (2,1) was needed.
+/// assert_eq!(found.rows.iter().map(|row| row.order()).collect::<Vec<_>>(), [(1, 1), (2, 1)]);
+/// assert_eq!((found.step_down[0].smaller, found.step_down[0].larger), ((1, 1), (2, 1)));
+/// assert!(found.fit(found.by_f).is_some() && found.fit((7, 6)).is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn pandit_wu(samples: &[f64], options: &PanditWuOptions) -> Result<PanditWu, ArmaError> {
     if !(1..=MOST).contains(&options.n_max) {
         return Err(ArmaError::BadOption("n_max"));

@@ -1,4 +1,8 @@
 //! Linear prediction order by order: the Levinson-Durbin recursion and Burg's reflections.
+//!
+//! A reflection κ of order p takes φ to `φ_j − κ φ_{p−j}` with κ last, and the variance of the error to (1 −
+//! κ²) of itself: from autocovariances κ is the partial autocorrelation (Durbin 1960), from a record what
+//! minimises forward and backward errors together (Burg 1967).
 
 use crate::screening::record::dot;
 

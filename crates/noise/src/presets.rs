@@ -60,6 +60,13 @@ const SUGGESTED: usize = 3;
 
 /// The presets nearest to a `name` that is not a preset's, at most three: those of another spelling (`ADIS-16465`), else with the fewest
 /// other characters, else those that begin with it.
+///
+/// ```
+/// use undrift_noise::presets::near;
+/// assert_eq!(near("MPU-6050"), ["mpu6050"]); // Another spelling.
+/// assert!(near("bmi").contains(&"bmi088")); // The beginning of some.
+/// assert!(near("an accelerometer").is_empty());
+/// ```
 pub fn near(name: &str) -> Vec<&'static str> {
     let letters = |c: char| c.is_ascii_alphanumeric().then(|| c.to_ascii_lowercase());
     let wanted: String = name.chars().filter_map(letters).collect();

@@ -1,6 +1,14 @@
 //! Minimisation of a smooth function of a few variables by BFGS, with gradients that are known or numeric. Nocedal &
 //! Wright 2006, chapters 3 and 6. What differs between the searches of [`crate::arma`] and of
 //! [`crate::composite`] is in [`Scales`].
+//!
+//! A search steps along −B∇f, B an estimate of the inverse Hessian that each step corrects by what the gradient
+//! changed (Broyden, Fletcher, Goldfarb, Shanno), and ends where the decrease that is predicted, ½ ∇fᵀB∇f, is
+//! below a tolerance: in log-likelihood, so that an end is judged by what it could still gain, not by how far
+//! the parameters moved along a flat direction.
+//!
+//! Likelihoods here are evaluated at several points for little more than one, so gradients by differences ask
+//! for all of theirs at once.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -122,6 +130,10 @@ impl<'a> Objective<'a> {
 
     /// Gradient by forward differences, or central ones (twice the cost), and the metric to start from. A
     /// direction into an invalid region counts as flat.
+    ///
+    /// The error of a forward difference is half the step times the curvature, that of a central one a sixth of
+    /// the step squared times the third derivative: forward ones lead a search to where the gradient is small,
+    /// central ones end it.
     pub(crate) fn differences(
         &mut self,
         z: &[f64],
@@ -154,6 +166,9 @@ impl<'a> Objective<'a> {
 
     /// Hessian by second differences of a point, its value, a step for each coordinate and the values at plus and
     /// minus that step; `None` where it is not finite.
+    ///
+    /// 2n values beside the point are given; n (n − 1) more, at the corners of each pair of coordinates, are
+    /// computed here.
     pub(crate) fn second_differences(
         &mut self,
         z: &[f64],
@@ -205,6 +220,8 @@ impl<'a> Objective<'a> {
 }
 
 /// The best end of the searches from the `count` best of the starts, if any has a finite value.
+///
+/// `None` where no start has a finite value. Ends at which the tolerance was not met count as well.
 pub(crate) fn best_of(
     objective: &mut Objective,
     starts: Vec<Vec<f64>>,
@@ -307,6 +324,9 @@ const SUFFICIENT: f64 = 1e-4;
 /// Shortens the step along a direction of `slope` below zero until the function is sufficiently below
 /// `value`, by quadratic interpolation kept within a tenth and a half; gives the last value tried.
 /// `at` moves to a fraction of the direction and evaluates.
+///
+/// Armijo's condition (Nocedal & Wright, section 3.1); the next fraction is the minimum of the parabola through
+/// value, slope and the value tried.
 fn backtrack(mut at: impl FnMut(f64) -> f64, value: f64, slope: f64, longest: f64) -> f64 {
     let mut t = longest;
     let mut next = f64::INFINITY;

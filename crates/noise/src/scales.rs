@@ -99,6 +99,18 @@ impl ScaleFit {
     /// Whether two scales give the same white density, drive and (where both have one) correlation
     /// time, within three standard errors of the differences or 2 %. The errors are added as if
     /// independent, though the record is the same: agreement is granted rather too easily.
+    ///
+    /// ```
+    /// use undrift_noise::scales::{Lifted, ScaleFit};
+    /// let seen = |white: f64| ScaleFit {
+    ///     lifted: Some(Lifted { white, sigma: 1.0, tau_s: 100.0, drive: 0.1 }),
+    ///     relative_errors: Lifted { white: 0.01, sigma: 0.1, tau_s: 0.2, drive: 0.1 },
+    ///     ..ScaleFit::default()
+    /// };
+    /// assert!(seen(1.0).agrees_with(&seen(1.04))); // Within 3 · 0.014, three errors of the difference.
+    /// assert!(!seen(1.0).agrees_with(&seen(1.06)));
+    /// assert!(!seen(1.0).agrees_with(&ScaleFit::default()), "which has no slow part");
+    /// ```
     pub fn agrees_with(&self, other: &Self) -> bool {
         let (Some(a), Some(b)) = (self.lifted, other.lifted) else {
             return false;
@@ -118,6 +130,10 @@ impl ScaleFit {
 }
 
 /// A record at several scales, and the scale that shows what drifts.
+///
+/// Read `chosen` first: where it is `None`, no scale sees a slow part, and the record bounds the bias from
+/// above only. Where it is not the finest block, the samples have a short memory of their own, as of a low-pass
+/// filter, that an ARMA at the full rate would have fitted.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Scales {

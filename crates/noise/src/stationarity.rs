@@ -41,6 +41,9 @@ pub use phillips_perron::{PhillipsPerron, phillips_perron};
 pub use verdict::{Conclusion, Verdict, Weighed, verdict};
 
 /// Deterministic part of a test regression, beside the lags.
+///
+/// For a gyro at rest [`Deterministic::Constant`] is right. A trend is for records that warm up, and costs
+/// power: the critical values are farther out (−3.41 in place of −2.86 at 5 %).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Deterministic {
     /// Nothing: the mean is known to be 0.

@@ -13,6 +13,9 @@
 //! sample ends a stretch: e goes on as `F e`, P as `F P Fᵀ + Q`. (de Jong 1988; Anderson & Moore 1979, chapter 4.)
 //! A stretch is cut in pieces of 64 samples, eight side by side, each run from a state of zeros: the recursion being
 //! linear, sums of products with tables of `H Aᵏ` say what the true state makes of it.
+//!
+//! Why not the plain filter: a search evaluates a record many times, and the recursion waits for its own result
+//! at every sample. Pieces from zero do not wait for one another.
 
 mod matrix;
 mod pieces;

@@ -32,6 +32,16 @@ pub struct NoiseGenerator {
 
 impl NoiseGenerator {
     /// A generator with the state drawn from the filter's `p0`, from xoshiro256++ seeded with `seed`.
+    ///
+    /// ```
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// use undrift_noise::synthesis::NoiseGenerator;
+    /// // A thousand switch-ons: the constants scatter by the turn-on's standard deviation.
+    /// let turn_on = ShapingFilter::constant(0.02, 0.01)?;
+    /// let squares: f64 = (0..1000).map(|seed| NoiseGenerator::new(&turn_on, seed).bias().powi(2)).sum();
+    /// assert!(((squares / 1000.0).sqrt() / 0.02 - 1.0).abs() < 0.1);
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn new(filter: &ShapingFilter, seed: u64) -> Self {
         Self::with_rng(filter, Xoshiro256PlusPlus::seed_from_u64(seed))
     }
@@ -98,6 +108,20 @@ impl NoiseGenerator {
     }
 
     /// What can be predicted of the next sample, `h · x` [rad/s or m/s²]: the true bias.
+    ///
+    /// Asked for before [`Self::sample`], it is what a perfect estimator would subtract from that sample; what
+    /// is left is `D w_k`.
+    ///
+    /// ```
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// use undrift_noise::synthesis::NoiseGenerator;
+    /// let turn_on = ShapingFilter::constant(0.02, 0.01)?; // Nothing white beside it: the sample is the bias.
+    /// let mut noise = NoiseGenerator::new(&turn_on, 1);
+    /// let bias = noise.bias();
+    /// assert!((0..5).all(|_| noise.sample() == bias));
+    /// assert_eq!(NoiseGenerator::new(&ShapingFilter::white(1e-3, 0.01)?, 1).bias(), 0.0);
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn bias(&self) -> f64 {
         (0..self.filter.order)
             .map(|i| self.filter.h[i] * self.state[i])

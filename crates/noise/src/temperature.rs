@@ -141,6 +141,9 @@ impl Temperature {
 }
 
 /// Effect of temperature in a record, and whether it is beyond doubt.
+///
+/// An effect that is not determined is an upper bound at best: the random walk of the bias may have done what
+/// looks like it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     /// Slope and, where the likelihood wants it, quadratic.

@@ -21,6 +21,9 @@ pub const FLICKER_TAUS: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
 pub const MAX_GAUSS_MARKOV: usize = 2;
 
 /// Why a composite model cannot be evaluated on a record or fitted to it.
+///
+/// Too few samples, or all alike, are the recording's fault; [`CompositeError::BadTerms`] and
+/// [`CompositeError::Shaping`] the caller's.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum CompositeError {
     /// Fewer samples than needed (missing ones not counted).
@@ -80,6 +83,24 @@ impl GaussMarkov {
 }
 
 /// The terms of a composite model; a term of 0 is absent.
+///
+/// A set of terms is a model at every rate: only [`CompositeTerms::to_shaping`] asks for one.
+///
+/// ```
+/// use undrift_noise::composite::{CompositeTerms, GaussMarkov};
+/// let gyro = CompositeTerms {
+///     white: 1e-4,         // N [rad/√s]
+///     random_walk: 1e-6,   // K [rad/s/√s]
+///     gauss_markov: [GaussMarkov { sigma: 2e-5, tau_s: 100.0 }, GaussMarkov::default()], // σ [rad/s]
+///     ..CompositeTerms::default()
+/// };
+/// let [fast, slow] = [0.005, 0.02].map(|interval| gyro.to_shaping(interval));
+/// let (fast, slow) = (fast?, slow?);
+/// assert_eq!(fast.order, 2); // The process and the walk.
+/// assert!((fast.r / slow.r - 4.0).abs() < 1e-12); // White variance a sample: N²/T.
+/// assert_eq!(fast.p0[0][0], slow.p0[0][0]); // The variance of the process is that at any rate.
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CompositeTerms {
@@ -112,6 +133,8 @@ fn listed<'de, D: Deserializer<'de>, const N: usize>(
 
 /// The shaping filter of quantisation Q [unit·s] at a sample interval \[s\], see
 /// [`CompositeTerms::quantisation`].
+///
+/// One state, the rounding before: `x_{k+1} = −w_k`, `ε_k = x_k + w_k`, w of standard deviation Q/T.
 pub(crate) fn quantisation(q: f64, interval: f64) -> Result<ShapingFilter, ShapingError> {
     if !(q >= 0.0 && q.is_finite()) {
         return Err(ShapingError::BadParameter("the quantisation"));
@@ -150,6 +173,8 @@ pub fn flicker(b: f64) -> ([GaussMarkov; FLICKER_TAUS.len()], f64) {
 
 impl CompositeTerms {
     /// All slow terms as Gauss-Markov processes and the coefficient of a random walk [unit/√s], flicker noise as the sum that approximates it.
+    /// Flicker noise adds the processes of [`FLICKER_TAUS`] and, in squares, the walk that stands for slower
+    /// ones: see [`flicker`].
     pub fn slow(&self) -> (Vec<GaussMarkov>, f64) {
         let mut processes: Vec<GaussMarkov> = self.gauss_markov.to_vec();
         processes.retain(|process| process.sigma != 0.0);
@@ -195,6 +220,15 @@ impl CompositeTerms {
     }
 
     /// These terms with every amplitude times `factor` (correlation times kept): of a sensor that is as noisy by that factor.
+    ///
+    /// ```
+    /// use undrift_noise::composite::{CompositeTerms, GaussMarkov};
+    /// let process = GaussMarkov { sigma: 2e-5, tau_s: 100.0 };
+    /// let terms = CompositeTerms { white: 1e-4, gauss_markov: [process, GaussMarkov::default()], ..CompositeTerms::default() };
+    /// let noisier = terms.scaled(3.0);
+    /// assert_eq!((noisier.gauss_markov[0].sigma, noisier.gauss_markov[0].tau_s), (3.0 * 2e-5, 100.0));
+    /// assert_eq!(noisier.set(), terms.set());
+    /// ```
     pub fn scaled(&self, factor: f64) -> Self {
         let process = |g: GaussMarkov| GaussMarkov {
             sigma: g.sigma * factor,
@@ -255,6 +289,7 @@ impl TermSet {
 
     /// Search coordinates: the logarithms of N, Q, K, B, of each process's drive σ√(2/τ), then of each
     /// τ. The drive, unlike σ, stays determined when τ is beyond the record.
+    /// A term of 0 has the coordinate −∞, and is not in a set that is fitted.
     pub(crate) fn coordinates(&self, terms: &CompositeTerms) -> Vec<f64> {
         let mut z = Vec::with_capacity(self.parameters());
         if self.white {

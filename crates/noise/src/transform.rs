@@ -1,4 +1,8 @@
 //! Real FFTs of one length with the room that they need.
+//!
+//! A block of L samples is transformed in 2L, zeros after it, so that of a circular correlation the first L
+//! outputs are those of the linear one. Lengths are even; the inverse is not normalised, and `add_samples`
+//! divides.
 
 use realfft::num_complex::Complex64;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
@@ -41,6 +45,8 @@ impl Transform {
     }
 
     /// Spectrum of at most two blocks of samples, zeros after them.
+    ///
+    /// `spectrum` has L + 1 elements, those of frequencies 0 to half the sample rate.
     pub(crate) fn spectrum(&self, part: &[f64], room: &mut Room, spectrum: &mut [Complex64]) {
         let (filled, rest) = room.time.split_at_mut(part.len());
         filled.copy_from_slice(part);

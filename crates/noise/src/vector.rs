@@ -1,4 +1,8 @@
 //! Loops over rows, compiled for the processor that there is.
+//!
+//! Sums are kept in [`LANES`] lanes and added up outside, in order, so that a result depends on the record and
+//! on whether multiply and add are fused, never on how a compiler arranges a loop or on how many cores there
+//! are.
 
 /// Numbers that are computed side by side.
 pub(crate) const LANES: usize = 16;

@@ -64,6 +64,9 @@ pub struct WaveletVariance {
 ///
 /// # Errors
 /// Fewer than 16 samples present, an infinite or constant record, a bad interval.
+///
+/// The noise type that [`WaveletPoint::edf`] takes is from the slope between the neighbouring scales, −1 −
+/// slope rounded.
 pub fn wavelet_variance(record: &[f64], interval: f64) -> Result<WaveletVariance, CompositeError> {
     // Checks the interval as every model will.
     undrift_nav::shaping::ShapingFilter::none(interval)?;
@@ -157,6 +160,15 @@ pub fn quantisation_variance(q: f64, scale_s: f64) -> f64 {
 
 /// Wavelet variance \[unit²\] of a random walk `k` [unit/√s] sampled every `interval` \[s\] at a scale
 /// of `m` samples: `K² T (2m² + 1)/(12m)`, K²τ/6 for large m.
+///
+/// ```
+/// use undrift_noise::wavelet::{quantisation_variance, random_walk_variance, white_variance};
+/// // Half the Allan variances N²/τ, 3Q²/τ² and, over many samples, K²τ/3.
+/// assert_eq!((white_variance(2.0, 4.0), quantisation_variance(2.0, 4.0)), (0.5, 0.375));
+/// assert!((random_walk_variance(2.0, 400, 0.01) / (0.5 * 4.0 * 4.0 / 3.0) - 1.0).abs() < 1e-5);
+/// // At one sample the coefficient is half a step of the walk: a quarter of the step's variance K²T.
+/// assert!((random_walk_variance(2.0, 1, 0.01) - 0.01).abs() < 1e-15);
+/// ```
 pub fn random_walk_variance(k: f64, m: usize, interval: f64) -> f64 {
     let width = m.max(1) as f64;
     k * k * interval * (2.0 * width * width + 1.0) / (12.0 * width)

@@ -46,6 +46,16 @@ pub struct Portmanteau {
 ///
 /// # Errors
 /// As [`autocorrelation`] with the largest number of lags.
+///
+/// ```
+/// use undrift_noise::whiteness::portmanteau;
+/// // By hand: ρ_1 = −¾, so n Σρ² = 4 · 9/16 and n (n + 2) Σρ²/(n − k) = 24 · 9/16/3.
+/// let test = portmanteau(&[1.0, -1.0, 1.0, -1.0], &[1], 0)?[0];
+/// assert!((test.box_pierce - 2.25).abs() < 1e-12 && (test.ljung_box - 4.5).abs() < 1e-12);
+/// // χ² with one degree of freedom exceeds 3.84 with 5 %.
+/// assert!(test.box_pierce_p > 0.05 && test.ljung_box_p < 0.05);
+/// # Ok::<(), undrift_noise::screening::RecordError>(())
+/// ```
 pub fn portmanteau(
     x: &[f64],
     lags: &[usize],

@@ -1,4 +1,9 @@
 //! Positions and velocities of GNSS fixes; whether they are believed is decided by [`crate::receiver`].
+//!
+//! A filter may have passed the time at which a fix holds, since a latency is known only in part or the fix
+//! came late. Then the prediction is taken back: by `v t − ½ a t²` for a position, by `a t` for a velocity, t
+//! the time since, v the antenna's velocity and a the acceleration of the last sample. The row stays that of
+//! the present state.
 
 use super::STAMP_ROUNDING;
 use undrift_nav::{

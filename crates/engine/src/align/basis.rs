@@ -1,4 +1,7 @@
 //! The sensors' noise, as all kinds of alignment start from it.
+//!
+//! Gyros and accelerometers of an alignment are as good as their models say: what a mean of white noise
+//! scatters by, what a bias has gathered since a rest, and how large it may be before anything is known of it.
 
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
@@ -17,11 +20,14 @@ const UNEXPLAINED: f64 = 3.0;
 const LASTS: f64 = 60.0;
 
 /// Variance of the mean of white noise over `duration` \[s\], the largest of the axes.
+/// `r T` is the squared density N² \[unit²·s\], so it is N² over the duration.
 pub(super) fn noise_of_mean(axes: &[ShapingFilter], duration: f64) -> f64 {
     axes.iter().map(|a| a.r * a.interval).fold(0.0, f64::max) / duration
 }
 
 /// Variance that the biases gather in `duration` \[s\] at most, the largest of the axes.
+/// The variance of the driving noise `H q Hᵀ` of a step over its interval, times the duration: as if nothing
+/// were forgotten.
 pub(super) fn walk(axes: &[ShapingFilter], duration: f64) -> f64 {
     let step = |a: &ShapingFilter| {
         let mut q = 0.0;

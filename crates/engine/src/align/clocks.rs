@@ -6,6 +6,12 @@ use core::{fmt, ops::Range};
 use nalgebra::ComplexField;
 
 /// First and last time stamp of a log, and how many there are. Its text gives the span to the millisecond.
+///
+/// ```
+/// use undrift_engine::align::Stamps;
+/// let imu = Stamps { first: 1.00049, last: 61.0, count: 6000 };
+/// assert_eq!(imu.to_string(), "1 to 61 s");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stamps {
@@ -18,6 +24,9 @@ pub struct Stamps {
 }
 
 /// The likeliest reason why an inertial and a GNSS log have no time in common.
+///
+/// Found from the stamps alone: a factor between the spans that is a unit's, a first stamp that only Unix time
+/// has, a difference of whole hours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ClockFault {
     /// This log counts in this unit (`"ms"`, `"us"`, `"ns"`, `"d"`), not in seconds.

@@ -75,7 +75,7 @@ const LOOSER: [f64; 3] = [1.0, 10.0, 100.0];
 /// Standard deviation of the time by which positions are late, in those of the filter's: logs of positions alone have
 /// clocks that nothing else compares.
 const LATENESS: f64 = 3.0;
-/// Positions alone have to move for this long \[s\], faster than [`MOVES`]: a receiver's own filter holds them back for
+/// Positions alone have to move for this long \[s\], faster than 0.5 m/s: a receiver's own filter holds them back for
 /// seconds after a rest.
 const LEAST_MOTION: f64 = 15.0;
 /// Squared residuals for each degree of freedom, at most, where positions may be taken to be looser.

@@ -1,4 +1,17 @@
 //! Rest, detected by block means that agree, and the level and gyro bias that it gives.
+//!
+//! A span is at rest where the means of successive half seconds agree: of the rate to 0.003 rad/s, of the
+//! specific force to 0.05 m/s², and five standard deviations of their white noise more. A steady turn and a
+//! steady acceleration do that too. So GNSS has to agree, or, where it says nothing, the span has to last
+//! longer and read as the rest before it did.
+//!
+//! | GNSS says | as the rest before | blocks needed |
+//! |---|---|---|
+//! | at rest | yes, or no rest before | 2 to 20, until the noise of the means is small |
+//! | nothing | yes, or no rest before | at least 6 |
+//! | at rest | no: another bias or slope | at least 10 |
+//! | nothing | no | never |
+//! | moving | – | never |
 
 use super::basis::{bias_variances, noise_of_mean};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]

@@ -57,6 +57,15 @@ pub enum HeadingSource {
 }
 
 /// Why there was no alignment, and what to set or to change; its text is for the user.
+///
+/// ```
+/// use undrift_engine::align::{AlignmentFailure, MotionFailure, RestFailure};
+/// // Without speed there is no change of velocity either: one reason is enough.
+/// let never = RestFailure::NeverMoved { fastest: 0.2 };
+/// let failure = AlignmentFailure::NoAttitude(never, MotionFailure::TooFew);
+/// assert_eq!(failure.to_string(), never.to_string());
+/// assert!(failure.to_string().contains("initial.heading"));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum AlignmentFailure {

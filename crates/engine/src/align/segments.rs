@@ -1,4 +1,8 @@
 //! Motion between fixes, preintegrated.
+//!
+//! What lies between two fixes is a [`Preintegrated`] motion: turn, change of velocity and of place with their
+//! derivatives by the gyro bias, so that a search may try another bias without going through the samples again.
+//! It is linear about the bias that it was made with.
 
 use super::sightings::Sighting;
 use crate::estimator::STAMP_ROUNDING;

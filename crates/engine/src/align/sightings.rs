@@ -1,4 +1,8 @@
 //! What the fixes of a window say of the antenna: velocities, or positions alone.
+//!
+//! Positions state what they are wrong by in all; what a window needs is what they scatter by from one to the
+//! next, since an error that is common to all of them moves the window as a whole. Where the positions show
+//! that scatter, it is taken, but never more than stated.
 
 use crate::{
     derived::{antenna, white_variance},
@@ -93,6 +97,8 @@ pub(super) fn held_late(seen: &[Sighting], late: f64, end: f64) -> Vec<Sighting>
 }
 
 /// How far apart velocities are over ground: the diagonal of the box that holds them \[m/s\].
+///
+/// A vehicle that drives straight at one speed has none, whatever the speed: then the velocities fit any heading.
 pub(super) fn spread(seen: &[Sighting]) -> f64 {
     let wide = Vector3::repeat(f64::INFINITY);
     let (low, high) = seen.iter().fold((wide, -wide), |(low, high), fix| {

@@ -108,6 +108,8 @@ pub(super) type EndCovariance = SMatrix<f64, 12, 12>;
 
 impl Problem<'_> {
     /// A guess at the start of the window, with the priors of the biases; `gyro` is the mean of the gyro prior.
+    ///
+    /// The priors of the biases are residuals like the others; the attitude has none.
     fn start<const S: usize>(&self, guess: &Guess, gyro: &Vector3) -> Linearised<S> {
         let mut at = Linearised {
             cost: 0.0,
@@ -134,6 +136,10 @@ impl Problem<'_> {
     }
 
     /// The guess put through the first `count` segments; `gyro` is the mean of the gyro prior.
+    ///
+    /// Between two fixes velocity (and position) go on by the preintegrated motion at the guess's biases,
+    /// gravity, and the turn of the frame; the wander that white noise adds to velocity and attitude is carried
+    /// beside, with the derivatives by attitude and biases.
     fn linearise<const S: usize>(
         &self,
         guess: &Guess,
@@ -234,6 +240,9 @@ impl Problem<'_> {
     }
 
     /// The end of the window by the whitening filter of `S` states, with positions or with velocities.
+    ///
+    /// The covariance has two parts: what the parameters are uncertain by, through their effect on the end, and
+    /// what has wandered since.
     fn end_of<const S: usize>(&self, guess: &Guess) -> Option<End> {
         let linear = self.linearise::<S>(guess, self.segments.len(), &self.gyro.0);
         let parameters = linear.information.try_inverse()?;
@@ -272,6 +281,8 @@ impl Problem<'_> {
     }
 
     /// Levenberg-Marquardt; Nocedal & Wright, section 10.3.
+    ///
+    /// It ends where a whole step promises less than 1e-4 of the cost, whose unit is one standard deviation squared.
     fn improve_by<const S: usize>(&self, guess: &Guess, count: usize, gyro: &Vector3) -> Minimum {
         let mut best = *guess;
         let mut linear = self.linearise::<S>(&best, count, gyro);
@@ -324,6 +335,11 @@ impl Problem<'_> {
     }
 
     /// The minima found from all headings, best first.
+    ///
+    /// The first two seconds level every start: what is left to try is the turn about the specific force, at
+    /// twelve headings, and where the window could turn by it three gyro biases about the vertical. Each start
+    /// is improved on a quarter of the window, then on half, then on all of it; those that have reached the
+    /// same minimum go on as one.
     pub(super) fn solve(&self) -> Vec<Minimum> {
         let n = self.segments.len();
         // The first two seconds' mean specific force in `n` and in body axes: all but the turn about it.

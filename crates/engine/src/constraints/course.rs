@@ -1,4 +1,7 @@
 //! The course over ground as heading, of a vehicle that points where it goes.
+//!
+//! The course's own variance is that of the velocity across it over the speed squared; half of the horizontal
+//! variance of a fix is across. What is configured for side slip or crab angle is added.
 
 use super::constrain;
 use crate::{aid::Aiding, estimator::Estimator, settings::Settings};

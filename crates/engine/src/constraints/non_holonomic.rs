@@ -1,5 +1,8 @@
-//! Wheels neither slip sideways nor hop: no velocity along the vehicle's right and down axes. Where the fixes show that it
-//! does move across them, the constraint holds as much less.
+//! Wheels neither slip sideways nor hop: no velocity along the vehicle's right and down axes.
+//!
+//! Slip grows with the lateral acceleration, speed times yaw rate, by what the rule states of the tyres; the
+//! standard deviation to the right does, too. Groves 2013, section 15.4.1. Where the fixes show that the vehicle moves
+//! across its axis all the same, the constraint holds as much less.
 
 use super::constrain;
 use crate::{

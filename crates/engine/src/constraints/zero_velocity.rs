@@ -1,4 +1,8 @@
 //! A vehicle at rest: no velocity, and no rate but the Earth's.
+//!
+//! A vehicle that starts so softly that its sensors stay quiet is the case that hurts: a rest that GNSS does
+//! not confirm has ten times the standard deviation, and one after which the solution already moves by more
+//! than chance (χ² of three at 10⁻⁴) is taken for a start and not used.
 
 use super::{constrain, isotropic};
 use crate::{
@@ -19,6 +23,8 @@ const REST_UNCONFIRMED: f64 = 10.0;
 const REJECT_REST: f64 = 21.1;
 
 /// What the sensors should read at rest: rate \[rad/s\] and specific force \[m/s²\].
+///
+/// Their predicted errors, the Earth's rate, and the reaction to gravity in the attitude of the solution.
 pub(crate) fn readings(filter: &dyn Estimator) -> (Vector3, Vector3) {
     let error = filter.sensor_error();
     let [gyro, accel] = [0, 3].map(|i| Vector3::new(error[i], error[i + 1], error[i + 2]));

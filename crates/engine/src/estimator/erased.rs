@@ -1,4 +1,8 @@
 //! The filter at each of its sizes, and which one holds so many states.
+//!
+//! The filter is generic in its number of states; a navigator is not. Each size is compiled once, and the
+//! smallest that holds the states is chosen, since the time of an update grows with the square of the size: 16
+//! hold navigation and one state an axis.
 
 use super::{Adjoint, Channel, Estimator, LogTo, Logged, LoggedUpdate};
 use crate::aid::{Aiding, Observed, STAMP_ROUNDING, observe};
@@ -42,6 +46,9 @@ pub(super) enum Initial<'a> {
 }
 
 /// A filter of the smallest size that holds so many states.
+///
+/// # Errors
+/// [`FilterError::TooManyStates`] beyond 73 states; as [`Filter::new`] and [`Filter::with_lasting`].
 pub(super) fn sized(states: usize, start: Initial) -> Result<Box<dyn Estimator>, FilterError> {
     match states {
         // Four columns go at a time: one that is left costs nearly as much.
@@ -84,6 +91,8 @@ struct Erased<const N: usize> {
 
 impl<const N: usize> Erased<N> {
     /// Updates with one observation, recorded or logged as asked for.
+    ///
+    /// `noise` has three rows and columns; the leading M count.
     fn take_in<const M: usize>(
         &mut self,
         channel: Channel,

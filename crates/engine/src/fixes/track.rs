@@ -1,4 +1,6 @@
 //! Fixes in order of time, as they are looked at.
+//!
+//! The study needs them of one kind: those with position and velocity, or where no fix has a velocity, all positions.
 
 use alloc::{vec, vec::Vec};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -22,6 +24,7 @@ pub(super) struct Seen {
 
 impl Seen {
     /// Position and velocity of a fix; `None` of one without a position.
+    /// Nor of one with a variance that is not positive and finite.
     pub(super) fn from_fix(fix: &GnssFix) -> Option<Self> {
         let (position, r) = fix.position?;
         let seen = Self {

@@ -1,5 +1,8 @@
 //! What fixes show of themselves, as they come: looked at after a minute, each time when that time has doubled, and
 //! at the end.
+//!
+//! A study of all fixes each time costs as much as there are: doubling the span between two studies keeps the
+//! sum of it linear in the log. Fixes are kept in blocks that copies of the navigator share.
 
 use super::{FixStudy, LEAST, LEAST_POSITIONS, MOST, Seen, Track, study_track};
 use alloc::{sync::Arc, vec::Vec};

@@ -1,5 +1,9 @@
 //! The mounting found on the way. Body axes are the sensor's until it is known to be of use, and the vehicle's from then
 //! on; what is known in the vehicle's axes waits until there are such.
+//!
+//! While it goes on the navigator runs in the sensor's axes at the antenna: the lever arm is zero, and what
+//! ties the vehicle's axes to its motion (no slip, course as heading) is off. A mounting is taken once pitch
+//! and yaw are known to 0.03 rad, to 0.015 rad where such constraints follow and nothing estimates the rest.
 
 use super::{BLOCK, LONGEST_PASS, MIN_BLOCKS, Mounting, MountingError, MountingEstimator};
 use crate::{
@@ -104,6 +108,8 @@ impl Search {
     }
 
     /// A sample of the sensor in body axes.
+    ///
+    /// As it is until a mounting is found; what is in doubt of it turns, too.
     pub(crate) fn in_body_axes(&mut self, mut checked: Checked) -> Checked {
         self.since.get_or_insert(checked.sample.time);
         if let Some(mounting) = &self.found {
@@ -125,6 +131,9 @@ impl Search {
     }
 
     /// Looks at the filter at the end of a sample, with the antenna at `lever` \[m\]; whether and how the axes turn.
+    ///
+    /// `None` where they stay. A quarter of an hour after the first sample ([`LONGEST_PASS`]) the search ends
+    /// and frees what it has gathered.
     pub(crate) fn sample(&mut self, filter: &dyn Estimator, lever: &Vector3) -> Option<Turned> {
         if self.over {
             return None;

@@ -1,4 +1,8 @@
 //! Whether positions alternate between two places: two receivers in one log.
+//!
+//! The slope from fix to fix, position difference over time, changes sign at every fix where two receivers take
+//! turns. Its changes are compared with the changes one and two fixes before: of two places they are −1 and 1
+//! times themselves, of one receiver's noise and of motion never both.
 
 use super::APART;
 use crate::derived::antenna;

@@ -1,5 +1,9 @@
 //! Heights that contradict the solution while the rest of the position does not: another height reference (sea level
 //! against ellipsoid), or a receiver that has lost its vertical solution. Then the height alone is rejected.
+//!
+//! Judged only while nothing else is in doubt, and only where the horizontal part agrees with the solution:
+//! else the whole fix is in question. A rejected height keeps its place in the update with ten times its
+//! innovation as standard deviation, so that the horizontal part is used as it is.
 
 use crate::{
     estimator::Estimator,

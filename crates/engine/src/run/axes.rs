@@ -1,4 +1,8 @@
 //! Body axes that turn from the sensor's to the vehicle's while the navigator runs.
+//!
+//! The first turn is from the sensor's axes to the vehicle's, later ones are corrections by some degrees.
+//! State, covariance, past samples and watches turn; what was learned of single axes begins again, since it is
+//! of other axes now.
 
 use super::Run;
 use crate::{course::CourseWatch, mounting::Turned, observer::Observer, settings::Settings};
@@ -70,6 +74,9 @@ impl Run {
 }
 
 /// A solution that was the antenna's becomes the sensor's.
+///
+/// While the mounting was unknown the lever arm was taken for zero: position and velocity were the antenna's.
+/// They move by the lever arm in the attitude found, and by what it swings.
 fn from_antenna(filter: &mut dyn crate::estimator::Estimator, settings: &Settings) {
     let lever = settings.lever_arm;
     if lever == Vector3::zeros() {

@@ -1,4 +1,9 @@
 //! The end of the log: what is concluded from all of it.
+//!
+//! Findings that need the whole log are made here: what cannot be of one vehicle, signs of velocities, repeated
+//! fixes, parameters whose estimates are more than five prior standard deviations from what is configured. A
+//! run that never aligned ends as [`NotAligned`], with the spans of both logs and the likeliest reason why they
+//! do not overlap.
 
 use super::Run;
 use crate::{

@@ -1,4 +1,13 @@
 //! What a fix does to the navigator: it aligns, is studied, corrects the solution, or is judged.
+//!
+//! What is done with a fix, in this order: what its quality usually means replaces its covariances; a vertical
+//! velocity that nobody measured is left open; the fixes' own errors are studied and applied; an outage
+//! withholds it; an alignment that goes on sees it; the solution is moved to the time at which it holds;
+//! [`crate::receiver`] judges its position and velocity, [`super::pose`] its attitude; the watches see the
+//! innovations; and what they found may start another alignment.
+//!
+//! A fix with a latency of its own for the velocity comes twice, position and velocity each at its time: what
+//! counts fixes counts the first of the two.
 
 use super::{Run, begins, carries_velocity, part, pose};
 use crate::{
@@ -18,6 +27,11 @@ use undrift_nav::{
 
 impl Run {
     /// Shows the aligner a fix; whether it completes the alignment and navigation begins.
+    ///
+    /// What comes of a second alignment replaces the solution that failed; the receiver keeps what it has
+    /// learned of its accuracy, the other watches begin anew.
+    /// # Errors
+    /// The filter of a complete alignment cannot be built.
     fn align(
         &mut self,
         fix: &GnssFix,
@@ -77,6 +91,8 @@ impl Run {
     }
 
     /// What the fixes show of themselves, where it is time to look: the filter follows it from now on.
+    ///
+    /// States for errors that last may be added to the filter or removed from it; all that the others know stays.
     fn study(&mut self, fix: &GnssFix) -> Result<(), FilterError> {
         let Some(study) = self.fixes.as_mut().and_then(|fixes| fixes.next(fix)) else {
             return Ok(());
@@ -201,6 +217,8 @@ impl Run {
     }
 
     /// Notes whether a fix was used, weakened or rejected.
+    /// A measurement that would move the solution off the Earth counts as neither; one whose covariance is no
+    /// covariance counts as bad.
     fn note_updates(
         &mut self,
         fix: &GnssFix,

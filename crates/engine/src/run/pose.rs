@@ -1,4 +1,7 @@
 //! What the attitude of a pose does to the solution.
+//!
+//! The gate is wide, four and twenty standard deviations: an innovation of attitude has no usual size that it
+//! is compared with.
 
 use crate::{
     aid::{Aid, Aiding},

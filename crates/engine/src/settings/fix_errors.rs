@@ -41,6 +41,7 @@ impl Correlated {
 }
 
 /// Factors on standard deviations [–], beyond what the fixes show of themselves, as learned from a drive.
+/// [`FixErrors::scaled`] applies them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct StdFactors {

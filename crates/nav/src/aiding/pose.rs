@@ -19,6 +19,22 @@ impl<const N: usize> Filter<N> {
     /// Rows `[0, 0, C_n^r, 0]` with C_n^r by the tilt, nearly `I`; `C_k^r J_r` for the marker's rotation, the first two columns of `J_l` for the
     /// tilt (Jacobians of the estimated turns), `C_b^r ω_nb^b` for the time offset. Solà 2017 (quaternion kinematics for the error-state
     /// filter), sections 4 and 6.
+    ///
+    /// ```
+    /// use undrift_nav::attitude;
+    /// # use undrift_nav::{Quaternion, Vector3, earth::Geodetic, mechanisation::NavState};
+    /// # use undrift_nav::{filter::{Filter, InitialStd}, parameters::Parameters, shaping::ShapingFilter};
+    /// # let place = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    /// # let nav = NavState { time: 0.0, position: place, v_n: Vector3::new(20.0, 0.0, 0.0), q_nb: Quaternion::identity() };
+    /// # let std = InitialStd { position: Vector3::repeat(1.0), velocity: Vector3::repeat(0.1), attitude: Vector3::repeat(0.01) };
+    /// # let filter = Filter::<9>::new(nav, &std, [ShapingFilter::white(1e-3, 0.01)?; 6], Parameters::none())?;
+    /// // A camera whose axes are the body's sees it 0.02 rad further to the right than the filter has it.
+    /// let q_bk = Quaternion::identity();
+    /// let seen = attitude::from_rotation_vector(&Vector3::new(0.0, 0.0, 0.02)) * filter.marker_attitude(&q_bk);
+    /// let observed = filter.observe_attitude(&seen, &q_bk);
+    /// assert!((observed.innovation - Vector3::new(0.0, 0.0, 0.02)).norm() < 1e-12); // ψ, about north, east, down [rad].
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn observe_attitude(&self, q_rk: &Quaternion, q_bk: &Quaternion) -> Observation<3, N> {
         let predicted = self.marker_attitude(q_bk);
         let miss = (q_rk * predicted.inverse()).scaled_axis();

@@ -24,6 +24,23 @@ impl<const N: usize> Filter<N> {
     ///
     /// Rows `[C_n^m, 0, C_n^m [l^n×], 0]`; `−C_n^m C_b^n` for the lever arm, `−C_n^m v^n` of the antenna for the time offset, times the
     /// filter's age for the clock's rate; `[p×]` for the tilt of a frame of poses, p the baseline. Groves section 14.3.1, the source paper's eq. 10.
+    ///
+    /// ```
+    /// use undrift_nav::sample::Position;
+    /// # use undrift_nav::{Quaternion, Vector3, earth::Geodetic, mechanisation::NavState};
+    /// # use undrift_nav::{filter::{Filter, InitialStd}, parameters::Parameters, shaping::ShapingFilter};
+    /// # let place = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    /// # let nav = NavState { time: 0.0, position: place, v_n: Vector3::new(20.0, 0.0, 0.0), q_nb: Quaternion::identity() };
+    /// # let std = InitialStd { position: Vector3::repeat(1.0), velocity: Vector3::repeat(0.1), attitude: Vector3::repeat(0.01) };
+    /// # let filter = Filter::<9>::new(nav, &std, [ShapingFilter::white(1e-3, 0.01)?; 6], Parameters::none())?;
+    /// // Northwards at 20 m/s; the antenna half a metre ahead of the IMU and 1.2 m above it. The fix is 3 m north of where it should be.
+    /// let lever = Vector3::new(0.5, 0.0, -1.2);
+    /// let fix = filter.antenna_position(&lever).displaced(&Vector3::new(3.0, 0.0, 0.0));
+    /// let observed = filter.observe_position(&Position::Geodetic(fix), &lever);
+    /// assert!((observed.innovation - Vector3::new(-3.0, 0.0, 0.0)).norm() < 1e-6); // Predicted less measured [m].
+    /// assert!((observed.h[(1, 8)] + 0.5).abs() < 1e-12, "a yaw error moves the antenna by its distance ahead");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn observe_position(&self, fix: &Position, lever_b: &Vector3) -> Observation<3, N> {
         let lever_n = self.c_nb() * self.lever_arm(lever_b);
         let antenna = self.antenna_position(lever_b);

@@ -17,6 +17,22 @@ impl<const N: usize> Filter<N> {
     /// exact in the second rate (it has ω_nb there, which leaves out the frame's own rate); `−C_b^n [ω_nb^b×]` for the lever arm, less
     /// the acceleration of the IMU for the time offset of the velocity. The gyros' white noise enters through the lever
     /// arm: it is in [`Observation::extra`].
+    ///
+    /// ```
+    /// # use undrift_nav::{Quaternion, Vector3, earth::Geodetic, mechanisation::NavState};
+    /// # use undrift_nav::{filter::{Filter, InitialStd}, parameters::Parameters, shaping::ShapingFilter};
+    /// # let place = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    /// # let nav = NavState { time: 0.0, position: place, v_n: Vector3::new(20.0, 0.0, 0.0), q_nb: Quaternion::identity() };
+    /// # let std = InitialStd { position: Vector3::repeat(1.0), velocity: Vector3::repeat(0.1), attitude: Vector3::repeat(0.01) };
+    /// # let filter = Filter::<9>::new(nav, &std, [ShapingFilter::white(1e-3, 0.01)?; 6], Parameters::none())?;
+    /// let observed = filter.observe_velocity(&Vector3::new(19.8, 0.0, 0.0), &Vector3::new(0.5, 0.0, -1.2));
+    /// assert!((observed.innovation - Vector3::new(0.2, 0.0, 0.0)).norm() < 1e-3); // [m/s]
+    /// assert_eq!(observed.h[(0, 3)], 1.0);
+    /// // White noise of the gyros at a lever arm of 1.2 m: (1.2 m)² r, r the variance of a sample.
+    /// let r = filter.sensors().axis(0).r;
+    /// assert!((observed.extra[(1, 1)] - (1.2_f64.powi(2) + 0.5_f64.powi(2)) * r).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn observe_velocity(&self, v_n: &Vector3, lever_b: &Vector3) -> Observation<3, N> {
         let c = self.c_nb();
         let lever_n = c * self.lever_arm(lever_b);

@@ -1,4 +1,8 @@
 //! Rows of a covariance, combined in as many lanes as the processor has.
+//!
+//! A covariance is carried by rows: what the model does to a state is a sum of multiples of whole rows, whose
+//! columns are independent of one another. That is what vectors of four numbers are for; the order of
+//! operations is fixed, so that results do not depend on them.
 
 use crate::shaping::AxisMatrix;
 use core::ops::Range;

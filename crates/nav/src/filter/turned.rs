@@ -107,6 +107,21 @@ impl<const N: usize> Filter<N> {
     /// free of correlation.
     ///
     /// For a drive in which it has changed on the way: an antenna that was moved, a tyre that was replaced.
+    ///
+    /// ```
+    /// use undrift_nav::parameters::{Parameter, Prior};
+    /// # use undrift_nav::{Quaternion, Vector3, earth::Geodetic, mechanisation::NavState};
+    /// # use undrift_nav::{filter::{Filter, InitialStd}, parameters::Parameters, shaping::ShapingFilter};
+    /// # let place = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    /// # let nav = NavState { time: 0.0, position: place, v_n: Vector3::new(20.0, 0.0, 0.0), q_nb: Quaternion::identity() };
+    /// # let std = InitialStd { position: Vector3::repeat(1.0), velocity: Vector3::repeat(0.1), attitude: Vector3::repeat(0.01) };
+    /// let estimated = Parameters::none().with(Parameter::OdometerScale, Prior::constant(0.01));
+    /// let mut filter = Filter::<10>::new(nav, &std, [ShapingFilter::white(1e-3, 0.01)?; 6], estimated)?;
+    /// filter.renew(Parameter::OdometerScale, 0.03); // Other tyres.
+    /// let (scale, std) = filter.parameter(Parameter::OdometerScale).expect("estimated");
+    /// assert_eq!((scale[0], std[0]), (0.0, 0.03));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn renew(&mut self, kind: Parameter, std: f64) {
         let Some(at) = self.parameter_start(kind) else {
             return;

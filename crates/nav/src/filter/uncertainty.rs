@@ -68,6 +68,20 @@ impl<const N: usize> Filter<N> {
     /// Adds uncertainty to position [m, north-east-down], velocity [m/s] and tilt \[rad\], one standard deviation each axis:
     /// for a solution that fixes have contradicted for a while. The heading stays as certain as it was
     /// ([`Filter::inflate_heading`]).
+    ///
+    /// ```
+    /// # use undrift_nav::{Quaternion, Vector3, earth::Geodetic, mechanisation::NavState};
+    /// # use undrift_nav::{filter::{Filter, InitialStd}, parameters::Parameters, shaping::ShapingFilter};
+    /// # let place = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    /// # let nav = NavState { time: 0.0, position: place, v_n: Vector3::new(20.0, 0.0, 0.0), q_nb: Quaternion::identity() };
+    /// # let std = InitialStd { position: Vector3::repeat(1.0), velocity: Vector3::repeat(0.1), attitude: Vector3::repeat(0.01) };
+    /// # let mut filter = Filter::<9>::new(nav, &std, [ShapingFilter::white(1e-3, 0.01)?; 6], Parameters::none())?;
+    /// filter.inflate(&Vector3::new(3.0, 4.0, 0.0), 0.0, 0.02);
+    /// let std = filter.nav_std();
+    /// assert!((std[0] - 10f64.sqrt()).abs() < 1e-12, "1 m and 3 m, in squares");
+    /// assert_eq!((std[2], std[8]), (1.0, 0.01)); // Down and heading as they were.
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn inflate(&mut self, position: &Vector3, velocity: f64, tilt: f64) {
         for i in 0..3 {
             self.p[(i, i)] += position[i] * position[i];
@@ -80,6 +94,9 @@ impl<const N: usize> Filter<N> {
 
     /// Adds uncertainty to the heading \[rad\] and to the error of gyro z [rad/s], one standard deviation each: for a
     /// heading that the course over ground contradicts.
+    ///
+    /// The gyro's part enters along its output row, so that the error `h · x` gets the variance `gyro²` and no
+    /// other direction of its states does.
     pub fn inflate_heading(&mut self, heading: f64, gyro: f64) {
         self.p[(8, 8)] += heading * heading;
         let (sensor, at) = (self.sensors.axis(2), self.sensors.start(2));

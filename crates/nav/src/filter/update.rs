@@ -110,6 +110,27 @@ impl<const N: usize> Filter<N> {
     /// # Errors
     /// A covariance of the innovation that is not positive, or a correction after which there is no solution; the
     /// filter is then as it was.
+    ///
+    /// ```
+    /// use undrift_nav::{Matrix3, filter::{Gate, Outcome}, sample::Position};
+    /// # use undrift_nav::{Quaternion, Vector3, earth::Geodetic, mechanisation::NavState};
+    /// # use undrift_nav::{filter::{Filter, InitialStd}, parameters::Parameters, shaping::ShapingFilter};
+    /// # let place = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    /// # let nav = NavState { time: 0.0, position: place, v_n: Vector3::new(20.0, 0.0, 0.0), q_nb: Quaternion::identity() };
+    /// # let std = InitialStd { position: Vector3::repeat(1.0), velocity: Vector3::repeat(0.1), attitude: Vector3::repeat(0.01) };
+    /// # let mut filter = Filter::<9>::new(nav, &std, [ShapingFilter::white(1e-3, 0.01)?; 6], Parameters::none())?;
+    /// let place = filter.nav().position;
+    /// let far = Position::Geodetic(place.displaced(&Vector3::new(100.0, 0.0, 0.0)));
+    /// let fix = filter.observe_position(&far, &Vector3::zeros());
+    /// // 100 m off where 1 m of the filter and 1 m of the fix are expected: ν²/S = 10 000/2.
+    /// let before = *filter.nav();
+    /// let update = filter.update(&fix, &Matrix3::identity(), &Gate { weaken: 16.3, reject: 100.0 })?;
+    /// assert!((update.nis - 5000.0).abs() < 0.1 && update.outcome == Outcome::Rejected && *filter.nav() == before);
+    /// // Let in at equal weights it takes the filter half of the way.
+    /// filter.update(&fix, &Matrix3::identity(), &Gate::OPEN)?;
+    /// assert!((place.offset_to(&filter.nav().position).x - 50.0).abs() < 0.01);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn update<const M: usize>(
         &mut self,
         observed: &Observation<M, N>,

@@ -35,6 +35,16 @@ impl ShapingFilter {
     ///
     /// Useful where one noise a sample is wanted (simulation, an ARMA's coefficients), or to compare models by their one-step
     /// prediction error `r`.
+    ///
+    /// ```
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// let (q, r) = (1e-4, 1.0); // Variance of a step of the walk and of the white noise, at 1 Hz.
+    /// let sum = ShapingFilter::white(1.0, 1.0)?.plus(&ShapingFilter::random_walk(1e-2, 1.0)?)?;
+    /// // The prediction's steady variance solves p² = q (p + r); the innovations have p + r.
+    /// let p = 0.5 * (q + f64::sqrt(q * q + 4.0 * q * r));
+    /// assert!((sum.innovations_form()?.r - (p + r)).abs() < 1e-12);
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn innovations_form(&self) -> Result<Self, ShapingError> {
         if !self.is_driven() {
             return Ok(*self);

@@ -1,5 +1,8 @@
 //! Small matrices of one axis: products, Cholesky factor, inverse, square root, logarithm, exponential.
 //! Higham 2008, Functions of Matrices, chapters 6, 10 and 11. Only the leading n × n block counts.
+//!
+//! Sizes are at most [`MAX_ORDER`], so plain loops over arrays do: no allocation, and every function has a
+//! result or says that there is none.
 
 use super::{AxisMatrix, AxisVector, MAX_ORDER};
 use libm::sqrt;
@@ -39,6 +42,7 @@ pub(super) fn norm(a: &AxisMatrix) -> f64 {
 }
 
 /// Solves `a x = b` by elimination with partial pivoting; none if `a` is singular.
+/// `b` may have any columns: each is a right-hand side.
 pub(super) fn solve(a: &AxisMatrix, b: &AxisMatrix, n: usize) -> Option<AxisMatrix> {
     let (mut a, mut x) = (*a, *b);
     for column in 0..n {
@@ -98,6 +102,9 @@ fn square_root(a: &AxisMatrix, n: usize) -> Option<AxisMatrix> {
 
 /// Principal logarithm by square roots until near 1, then the series of 2 artanh. None where
 /// there is no real one.
+///
+/// Each root halves the logarithm; what the series gives is multiplied by two for each at the end (inverse
+/// scaling and squaring, Higham 2008, chapter 11).
 pub(super) fn logarithm(a: &AxisMatrix, n: usize) -> Option<AxisMatrix> {
     let one = identity(n);
     let mut near = *a;

@@ -1,4 +1,15 @@
 //! Unit expressions: symbols, products, quotients, powers and square roots, with their dimension.
+//!
+//! ```text
+//! product  = power { ("*" | "·" | "⋅" | "/" | nothing) power }        from left to right: a/b c is (a/b)·c
+//! power    = factor [ ("^" | "**") exponent | superscript              m/s^2, m/s**2, m/s²
+//!                   | "2" | "3" | "-1" | "-2" | "-3" without a space ]  m/s2, m s-2
+//! factor   = "(" product ")" | "√" factor | ("sqrt" | "rt") ["-"] factor | number | symbol
+//! exponent = number | "(" number [ "/" number ] ")"                    halves at most: ^0.5, ^(1/2)
+//! ```
+//!
+//! Exponents are kept doubled, so that a root of a dimension is a whole number; a fourth root is refused.
+//! Depth, exponents and lengths are bounded: whatever the text, reading ends.
 
 use super::{UnitErrorKind, Word};
 use crate::earth::STANDARD_GRAVITY;
@@ -23,6 +34,8 @@ pub(super) fn read(unit: &str) -> Result<Unit, UnitErrorKind> {
 }
 
 /// Bytes of the decimal number that `text` starts with.
+///
+/// Sign, digits, point, digits, and an exponent that has digits: `2e` is the number 2 before a unit `e`.
 pub(super) fn number_length(text: &str) -> usize {
     let bytes = text.as_bytes();
     let digits_from = |from: usize| {
@@ -84,6 +97,7 @@ impl Unit {
         })
     }
 
+    /// The product, or with `sign` −1 the quotient.
     fn times(self, other: Self, sign: i32) -> Self {
         let mut dimension = self.dimension;
         for (mine, theirs) in dimension.iter_mut().zip(other.dimension) {
@@ -116,6 +130,7 @@ impl Reader<'_> {
         self.rest = self.rest.trim_start();
     }
 
+    /// Takes a symbol behind spaces, if it is next.
     fn take(&mut self, symbol: &str) -> bool {
         self.skip_space();
         match self.rest.strip_prefix(symbol) {
@@ -255,6 +270,7 @@ impl Reader<'_> {
         Err(UnitErrorKind::UnknownUnit(Word::new(word)))
     }
 
+    /// The root of one factor: `√Hz`, `sqrt(Hz)`; of `√Hz s` only Hz is under it.
     fn root(&mut self, depth: usize) -> Result<Unit, UnitErrorKind> {
         if depth >= MAX_DEPTH {
             return Err(self.malformed());

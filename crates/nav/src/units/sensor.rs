@@ -1,4 +1,8 @@
 //! Raw counts by sensor and range: `mpu6050/250dps`, `lsm6dso/16g`.
+//!
+//! Sensors of 16 bits give ±32768 counts for the range, except gyros of ST's LSM6 family, whose sensitivity is
+//! a fixed 35 µdps of each dps of the range (data sheets, table of mechanical characteristics). What the range
+//! measures says whether it is the gyro's or the accelerometer's.
 
 use super::{
     UnitErrorKind,

@@ -77,6 +77,16 @@ pub fn intervals(rates: &[f64], curve: &Curve, level: f64) -> Result<Vec<Interva
 ///
 /// # Errors
 /// A level outside (0, 1), or not one type a point.
+///
+/// ```
+/// use undrift_noise::allan::{Curve, DeviationKind, Point, confidence::{edf, intervals_of}};
+/// let point = Point { m: 100, tau_s: 1.0, deviation: 1e-3, terms: 9801 };
+/// let curve = Curve { kind: DeviationKind::Overlapping, rate_hz: 100.0, samples: 10_000, points: vec![point] };
+/// let bounds = intervals_of(&curve, &[0], 0.683)?[0]; // Known to be white.
+/// assert_eq!(bounds.edf, edf(DeviationKind::Overlapping, 0, 10_000, 100));
+/// assert!(bounds.lower < 1e-3 && 1e-3 < bounds.upper);
+/// # Ok::<(), undrift_noise::screening::RecordError>(())
+/// ```
 pub fn intervals_of(
     curve: &Curve,
     alphas: &[i32],

@@ -11,6 +11,20 @@ use undrift_base::parallel;
 /// Kind of deviation. The terms of IEEE Std 952 are defined by the overlapping one, and [`fit_terms`](super::fit_terms) takes
 /// no other. The others are for a look: the modified one where quantisation hides what is slower, Hadamard's where
 /// the bias drifts in a straight line, the total one for averaging times near the record's length.
+///
+/// Of quantisation, whose rate errors are the differences of white noise, the modified deviation falls as
+/// τ^−3/2, the Allan deviation as 1/τ:
+///
+/// ```
+/// use undrift_noise::allan::{DeviationKind, deviations_at};
+/// let states = std::iter::successors(Some(1_u32), |s| Some(s.wrapping_mul(1_664_525).wrapping_add(1_013_904_223)));
+/// let rounding: Vec<f64> = states.map(f64::from).take(20_001).collect();
+/// let rates: Vec<f64> = rounding.windows(2).map(|pair| pair[1] - pair[0]).collect();
+/// let fall = |kind| deviations_at(&rates, 100.0, kind, &[1, 16]).map(|of| of.points[0].deviation / of.points[1].deviation);
+/// assert!((fall(DeviationKind::Overlapping)? / 16.0).ln().abs() < 0.2);
+/// assert!((fall(DeviationKind::Modified)? / 64.0).ln().abs() < 0.3);
+/// # Ok::<(), undrift_noise::screening::RecordError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DeviationKind {
     /// Fully overlapping Allan deviation, NIST SP 1065 section 5.2.4, equation 11.

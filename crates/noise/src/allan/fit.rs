@@ -107,6 +107,15 @@ impl Terms {
 
     /// The fitted Allan variance at averaging time `tau_s` \[s\], \[u²\]: the sum of all terms, whose root is the curve to draw beside the
     /// measured one.
+    ///
+    /// ```
+    /// use undrift_noise::allan::{Term, Terms};
+    /// let term = |value| Term { value, ..Term::default() };
+    /// let terms = Terms { white: term(1e-3), random_walk: term(1e-4), ..Terms::default() };
+    /// // N²/τ and K²τ/3 are equal at τ = √3 N/K.
+    /// let tau_s = 3f64.sqrt() * 1e-3 / 1e-4;
+    /// assert!((terms.variance(tau_s) / (2.0 * 1e-6 / tau_s) - 1.0).abs() < 1e-12);
+    /// ```
     pub fn variance(&self, tau_s: f64) -> f64 {
         let terms = [
             self.quantisation,
@@ -162,6 +171,9 @@ pub fn fit_terms(curve: &Curve) -> Result<Terms, RecordError> {
 ///
 /// # Errors
 /// As [`fit_terms`], of the points that are left.
+///
+/// The τ in use is the first of the curve at or above `shortest_s` ([`Terms::from_s`]). Points closer than an
+/// octave are left out: a curve at every τ is fitted at its octaves.
 pub fn fit_terms_from(curve: &Curve, shortest_s: f64) -> Result<Terms, RecordError> {
     let mut points = points_for_fit(curve)?;
     points.retain(|p| p.tau_s >= shortest_s * (1.0 - 1e-9));
@@ -322,6 +334,9 @@ impl Problem {
 
     /// Iteratively reweighted non-negative least squares. `ieee`: the shapes are those of the IEEE
     /// terms, which give the scatter of the points as they are found.
+    ///
+    /// Each round divides points and shapes by the fitted level, whitens by the Cholesky factor of the relative
+    /// covariance, solves for the squares, and takes level and covariance from what was found.
     fn solve_with(&self, shapes: &DMatrix<f64>, ieee: bool) -> Solution {
         let mut level = self.measured.clone();
         let mut relative = self.relative.clone();

@@ -107,6 +107,9 @@ impl Ar1 {
 
 /// White noise, quantisation and one Gauss-Markov process fitted to an Allan variance: what a data sheet's "bias instability" amounts
 /// to as a model of a filter.
+///
+/// IEEE Std 952 reads the bias instability B from the flat of the deviation, 0.664 B; a process of this σ has
+/// its highest deviation, 0.617 σ, near τ = 1.89 τc, so that σ is about 1.08 B where the flat is that maximum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GaussMarkovFit {
     /// Quantisation Q [unit·s].

@@ -64,6 +64,16 @@ impl ArFit {
 ///
 /// # Errors
 /// A record too short, constant, infinite or with missing samples.
+///
+/// ```
+/// use undrift_noise::arma::burg;
+/// // Of 1, 0, −1, 0, … the second reflection is −1: the period is four, and nothing is left to predict.
+/// let wave: Vec<f64> = [1.0, 0.0, -1.0, 0.0].repeat(10);
+/// let fit = burg(&wave, 2)?;
+/// assert!(fit.ar[0].abs() < 0.1 && (fit.partial_autocorrelations[1] + 1.0).abs() < 0.01);
+/// assert!(fit.variance < 1e-2 * fit.variance_by_order[0]);
+/// # Ok::<(), undrift_noise::arma::ArmaError>(())
+/// ```
 pub fn burg(samples: &[f64], p: usize) -> Result<ArFit, ArmaError> {
     let mean = checked(samples, p)?;
     let n = samples.len();

@@ -1,5 +1,16 @@
 //! What an optimum is worth: standard errors from the curvature, cancelling roots, flat directions,
 //! unit roots.
+//!
+//! | finding | where |
+//! |---|---|
+//! | roots cancel | their distance is below two of its standard errors, or the pair is worth less than 5.99 in 2 log L |
+//! | flat | some search coordinate has a standard error above 1: its root's distance to the circle is open by e² |
+//! | unit root | an AR root is so close to 1 that the record is shorter than ten of its correlation times |
+//! | MA root on the circle | closer than 0.05/N |
+//! | short record | fewer than ten samples a parameter |
+//!
+//! Standard errors are those of the search coordinates carried to the coefficients (delta method); on the edge of the
+//! invertible region there are none, since the likelihood is not quadratic there.
 
 use super::model::{ArmaFit, Warning};
 use super::polynomial::{inverse_roots, less_unit_root};
@@ -19,6 +30,8 @@ const PAIR: f64 = 5.99;
 const FLAT: f64 = 1.0;
 
 /// A start of order (p, q) from coefficients of lower or equal order, or `None`.
+///
+/// `None` where one of the orders is higher, so that the model is not inside.
 pub(super) fn padded_start(
     phi: &[f64],
     theta: &[f64],

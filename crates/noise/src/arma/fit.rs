@@ -12,6 +12,18 @@ use crate::quasi_newton::{Objective, Point, Scales, bfgs};
 use crate::screening::bridge::bridge;
 
 /// How to fit.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{arma::{FitOptions, fit}, synthesis::NoiseGenerator};
+/// // A random walk under white noise is an ARMA(1,1) with φ = 1: hold that root, and θ is all there is to find.
+/// let process = ShapingFilter::arma(&[1.0], &[0.9], 1e-3, 0.01)?;
+/// let record: Vec<f64> = NoiseGenerator::new(&process, 1).take(3000).collect();
+/// let model = fit(&record, 1, 1, &FitOptions { unit_root: true, ..FitOptions::default() })?;
+/// assert_eq!(model.ar, [1.0]);
+/// assert!((model.ma[0] - 0.9).abs() < 4.0 * ((1.0 - 0.81_f64) / 3000.0).sqrt()); // Its standard error, √((1 − θ²)/N).
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitOptions {
     /// The record's mean: known, or estimated with the rest.
@@ -44,6 +56,19 @@ impl Default for FitOptions {
 /// # Errors
 /// A record too short, constant or infinite; coefficients that are not stationary, or not inside the
 /// invertible region (the likelihood of the invertible twin is the same: pass that).
+///
+/// Of an AR(1) the first sample has the variance σ²/(1 − φ²) of the process, and a sample after a missing one
+/// that of a prediction over two steps, σ² (1 + φ²):
+///
+/// ```
+/// use undrift_noise::arma::{Mean, log_likelihood};
+/// let squares = |x: &[f64]| log_likelihood(x, &[0.5], &[], Mean::Known(0.0), false).map(|at| at.sum_of_squares);
+/// let whole = squares(&[1.0, 2.0, 1.5])?;
+/// assert!((whole - (0.75 * 1.0 + 1.5 * 1.5 + 0.5 * 0.5)).abs() < 1e-12);
+/// let missing = squares(&[1.0, f64::NAN, 1.5, 0.75])?;
+/// assert!((missing - (0.75 * 1.0 + 1.25 * 1.25 / 1.25)).abs() < 1e-12);
+/// # Ok::<(), undrift_noise::arma::ArmaError>(())
+/// ```
 pub fn log_likelihood(
     samples: &[f64],
     ar: &[f64],
@@ -117,6 +142,18 @@ fn without_unit_root(ar: &[f64]) -> Option<Vec<f64>> {
 /// # Errors
 /// A record too short for the order, constant or infinite; an order above [`MAX_FIT_ORDER`]; p = 0
 /// with a unit root; an option outside its range.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{arma::{FitOptions, fit}, synthesis::NoiseGenerator};
+/// let process = ShapingFilter::ar(&[0.9], 1e-3, 0.01)?;
+/// let mut record: Vec<f64> = NoiseGenerator::new(&process, 1).take(2000).collect();
+/// record.iter_mut().step_by(50).for_each(|lost| *lost = f64::NAN); // 2 % missing: no need to interpolate.
+/// let model = fit(&record, 1, 0, &FitOptions::default())?;
+/// let errors = model.standard_errors.as_ref().ok_or("no standard errors")?;
+/// assert!((model.ar[0] - 0.9).abs() < 4.0 * errors[0] && model.n == 1960);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn fit(
     samples: &[f64],
     p: usize,
@@ -131,6 +168,18 @@ pub fn fit(
 ///
 /// # Errors
 /// As [`fit`].
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{arma::{FitOptions, fit, fit_from}, synthesis::NoiseGenerator};
+/// let process = ShapingFilter::arma(&[0.99], &[0.9], 1e-3, 0.01)?;
+/// let record: Vec<f64> = NoiseGenerator::new(&process, 1).take(1000).collect();
+/// let quick = FitOptions { effort: 0.05, ..FitOptions::default() };
+/// // A start more cannot make the optimum worse.
+/// let helped = fit_from(&record, 1, 1, &quick, &[(vec![0.99], vec![0.9])])?;
+/// assert!(helped.log_likelihood > fit(&record, 1, 1, &quick)?.log_likelihood - 1e-3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn fit_from(
     samples: &[f64],
     p: usize,
@@ -147,6 +196,20 @@ pub fn fit_from(
 ///
 /// # Errors
 /// As [`fit`], of any of the records; no record at all.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{arma::{FitOptions, fit, fit_several}, synthesis::NoiseGenerator};
+/// let process = ShapingFilter::ar(&[0.5], 1e-3, 0.01)?;
+/// let switched_on = |seed, constant: f64| -> Vec<f64> { NoiseGenerator::new(&process, seed).take(1500).map(|x| x + constant).collect() };
+/// let (first, second) = (switched_on(1, 0.0), switched_on(2, 0.02));
+/// let joint = fit_several(&[&first, &second], 1, 0, &FitOptions::default(), &[])?;
+/// assert!((joint.ar[0] - 0.5).abs() < 0.1);
+/// // One after the other, the step between their constants looks like a slow error.
+/// let one = fit(&[first, second].concat(), 1, 0, &FitOptions::default())?;
+/// assert!(one.ar[0] > 0.95);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn fit_several(
     records: &[&[f64]],
     p: usize,

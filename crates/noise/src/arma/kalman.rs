@@ -73,6 +73,8 @@ impl Filter {
     }
 
     /// Takes in a sample: writes the gain, moves P on.
+    ///
+    /// The first row and column of `P − P Hᵀ H P/V` are `P/V`: written so, they lose no digits where P is small.
     fn observe(&mut self, gain: &mut [f64]) {
         gain.copy_from_slice(&self.g);
         if self.settled {
@@ -107,6 +109,8 @@ impl Filter {
     }
 
     /// Passes a missing sample.
+    ///
+    /// After it the filter has to settle again.
     fn skip(&mut self) {
         let r = self.r;
         if r == 0 {
@@ -329,6 +333,8 @@ fn one_by_one(
 /// One-step innovations divided by their standard deviations, `v/√(σ² V)`: white with unit variance
 /// when the model is right. NaN where the sample is missing. With `unit_root`, `level` is the
 /// estimated starting level.
+///
+/// `None` where φ is not stationary to working precision.
 pub(super) fn standardised(
     samples: &[f64],
     level: f64,

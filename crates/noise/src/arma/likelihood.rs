@@ -21,6 +21,8 @@ use super::linear::{initial_covariance, semidefinite_cholesky};
 use nalgebra::{DMatrix, DVector};
 
 /// Mean of a record, as far as it is known. A constant that was removed as the record's own mean is estimated, not known.
+///
+/// [`crate::composite::Level`] is the same type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mean {
     /// Given [unit of the record]; 0 for a record whose constant has been removed for good.
@@ -30,6 +32,19 @@ pub enum Mean {
 }
 
 /// The likelihood at given coefficients, with σ² (and the mean) at their best values for them.
+///
+/// Concentrated: what is left to vary are φ and θ. Two models of one record are compared by twice the
+/// difference of their log-likelihoods, which for nested models has a χ² distribution with as many degrees of
+/// freedom as coefficients were added, as long as no root cancels and none is on the unit circle.
+///
+/// ```
+/// use undrift_noise::arma::{Mean, log_likelihood};
+/// // White noise of variance 1 about a known mean: log L = −N/2 (ln 2π + ln σ² + 1).
+/// let white = log_likelihood(&[1.0, -1.0, 1.0, -1.0], &[], &[], Mean::Known(0.0), false)?;
+/// assert!((white.log_likelihood + 2.0 * (std::f64::consts::TAU.ln() + 1.0)).abs() < 1e-12);
+/// assert_eq!((white.variance, white.observations), (1.0, 4));
+/// # Ok::<(), undrift_noise::arma::ArmaError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Likelihood {
     /// Exact Gaussian log-likelihood, constants included. A density: it depends on the unit.

@@ -9,6 +9,22 @@ const ON_CIRCLE: f64 = 10.0;
 const NEAR_ONE: f64 = 0.1;
 
 /// An ARMA model `x_t − φ1 x_{t−1} − … = a_t − θ1 a_{t−1} − …` fitted to a record.
+///
+/// An ARMA(1,1) with 1 ≥ φ > θ > 0 is an AR(1) of driving variance `(1 − φθ)(φ − θ)/φ · σ²` under white noise
+/// of variance `θ/φ · σ²` a sample (docs/theory.md, section 1): what a bias model needs.
+/// [`crate::model_file::Arma`] takes the coefficients as they are.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{Arma, AxisModel, BiasModel, arma::{FitOptions, fit}, synthesis::NoiseGenerator};
+/// let truth = ShapingFilter::arma(&[0.99], &[0.8], 1e-3, 0.01)?;
+/// let record: Vec<f64> = NoiseGenerator::new(&truth, 1).take(5000).collect();
+/// let found = fit(&record, 1, 1, &FitOptions::default())?;
+/// let arma = Arma { ar: found.ar.clone(), ma: found.ma.clone(), sigma: found.sigma, rate_hz: 100.0 };
+/// let filter = AxisModel { arma: Some(arma), ..AxisModel::default() }.shaping(BiasModel::Arma, 0.01)?;
+/// assert_eq!((filter.order, filter.f[0][0]), (1, found.ar[0])); // x_{k+1} = φ x_k + (φ − θ) a_k, ε_k = x_k + a_k.
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ArmaFit {
     /// φ1 … φp. With a unit root, the factor (1 − B) is multiplied in.
@@ -113,6 +129,9 @@ impl ArmaFit {
 }
 
 /// What should be said with a fitted model.
+///
+/// None of them makes the fit an error: a filter predicts as well with a pair of roots that cancels. They say
+/// what not to read into the coefficients and their standard errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Warning {
     /// An AR root and an MA root cannot be distinguished.

@@ -17,6 +17,9 @@ pub(super) const SCALES: Scales = Scales {
 };
 
 /// Nelder-Mead from `start` with a simplex of the given size.
+///
+/// Reflection by 1, expansion by 2, contraction and shrinking by ½, as its authors have them. It ends where the
+/// values of the simplex differ by less than `tolerance`, or after `evaluations`.
 pub(super) fn nelder_mead(
     objective: &mut Objective,
     start: &Point,
@@ -141,6 +144,8 @@ fn scaled_inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
 
 /// Hessian by central second differences with steps that change the function by about 1e-2, or `None` where it is
 /// not finite. `inverse`: what is known of its inverse.
+///
+/// Smaller steps see rounding, larger ones the third derivative; each coordinate gets its own.
 fn hessian(
     objective: &mut Objective,
     z: &[f64],

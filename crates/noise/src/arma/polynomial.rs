@@ -20,6 +20,9 @@ pub(super) fn from_search(z: &[f64]) -> Vec<f64> {
 }
 
 /// Derivatives by the search coordinates, of a function whose derivatives by the coefficients are these.
+///
+/// The reverse mode of [`from_search`]: from the last step of Durbin's recursion to the first, O(n²). A
+/// coordinate at its limit has the derivative 0.
 pub(super) fn by_search(z: &[f64], by_coefficients: &[f64]) -> Vec<f64> {
     let mut predictor = Predictor::new(1.0);
     let mut below = Vec::with_capacity(z.len());
@@ -76,6 +79,8 @@ pub(super) fn to_search(c: &[f64], margin: f64) -> Vec<f64> {
 }
 
 /// Whether all partial autocorrelations lie inside (−1, 1): stationary or invertible.
+///
+/// Schur and Cohn's criterion, in the order of Durbin's recursion backwards; on the circle it is false.
 pub(super) fn is_stable(c: &[f64]) -> bool {
     let mut c = c.to_vec();
     while let Some(&kappa) = c.last() {
@@ -112,6 +117,9 @@ pub(super) fn less_unit_root(c: &[f64]) -> Vec<f64> {
 
 /// Inverse roots ρ of the polynomial, `∏(1 − ρ_i B)`: all inside the unit circle when it is stable.
 /// Aberth's simultaneous iteration; zeros for trailing zero coefficients.
+///
+/// They are the poles (of φ) and zeros (of θ) of the process in the z plane: a real one ρ near 1 has the
+/// correlation time −1/ln ρ samples, a complex one the frequency of its argument.
 pub(crate) fn inverse_roots(c: &[f64]) -> Vec<Complex64> {
     let degree = c.iter().rposition(|v| *v != 0.0).map_or(0, |k| k + 1);
     let start = |k: usize| Complex64::from_polar(0.8, 2.4 * k as f64 + 0.4);

@@ -1,4 +1,20 @@
 //! The search for the global optimum: many starts, thinned out in rounds, the best ones finished.
+//!
+//! The likelihood of an ARMA has many local optima, and the one that matters, a slow bias under white noise, is
+//! narrow. So:
+//!
+//! 1. **Starts.** White noise, coefficients that the caller knows and those of Hannan and Rissanen are in every search.
+//!    The optima of ARMA(p−1, q−1) come with a real pair of roots laid over, slow ones and a grid; those of
+//!    ARMA(p−2, q−2) with a complex pair at a grid of frequencies.
+//! 2. **Screening.** Where the record is long enough, all starts are searched by Whittle's likelihood
+//!    ([`super::whittle`]), whose price does not depend on the length. What it finds is put to the exact likelihood.
+//! 3. **Rounds.** A few iterations each, then only the best go on: what is 30 behind in log-likelihood at first, or 5
+//!    after some iterations, does not come back.
+//! 4. **The end.** The best is finished to 1e-5 in log-likelihood; where BFGS has stuck, Nelder-Mead shakes it loose.
+//!    Optima at which the Kalman filter does not find the same likelihood are rounding and are dropped.
+//!
+//! Orders are climbed from below ([`Ladder`]): a model is inside the next larger one, so that its likelihood
+//! can only rise.
 
 mod problem;
 
@@ -99,6 +115,10 @@ impl Ladder {
 }
 
 /// The best distinct optima of one order: from all starts by the approximate likelihood where there is one, else by the exact one.
+///
+/// Best first, at most eight; `known` are starts in search coordinates.
+/// # Errors
+/// [`ArmaError::NoOptimum`] where no start has a finite likelihood.
 fn optima(
     problem: &Problem,
     (p, q): (usize, usize),
@@ -359,6 +379,9 @@ fn polish(objective: &mut Objective, best: &mut Point, dimension: usize) {
 }
 
 /// Best first, one of each value.
+///
+/// Two points are the same optimum where their values differ by less than 1e-4: roots that change places give
+/// the same model.
 fn distinct(mut points: Vec<Point>) -> Vec<Point> {
     points.retain(|point| point.value.is_finite());
     points.sort_by(|a, b| a.value.total_cmp(&b.value));

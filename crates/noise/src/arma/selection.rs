@@ -7,6 +7,9 @@ use super::{ArmaError, MAX_FIT_ORDER};
 
 /// All fits of a grid of orders, and the orders that the criteria choose. BIC's is the one to use for long records: AIC adds pairs of
 /// roots that cancel.
+///
+/// Differences of a criterion below 2 do not tell two orders apart (Burnham & Anderson 2002, section 2.6).
+/// Criteria are comparable within one record only, with the same samples, mean and unit root.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selection {
     /// The fits, by p, then q; an order that the record is too short for is left out.

@@ -14,6 +14,7 @@ const MOST_SAMPLES: usize = 100_000;
 const MARGIN: f64 = 0.02;
 
 /// Search coordinates of given coefficients: φ's, then θ's.
+/// Partial autocorrelations beyond 1 − `margin` are drawn in to it.
 pub(super) fn encode(phi: &[f64], theta: &[f64], margin: f64) -> Vec<f64> {
     let mut z = to_search(phi, margin);
     z.extend(to_search(theta, margin));
@@ -177,6 +178,7 @@ pub(super) fn with_complex_pair(
 }
 
 /// Random points in search coordinates: artanh of partial autocorrelations uniform in (−0.99, 0.99), from a fixed seed.
+/// The same points at every call: a fit is reproducible.
 pub(super) fn random_points(dimension: usize, count: usize) -> Vec<Vec<f64>> {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(0x5eed + dimension as u64);
     (0..count)

@@ -117,6 +117,9 @@ impl Whittle {
     }
 
     /// Negative log-likelihoods, but for a constant.
+    ///
+    /// `½ (N ln S/N − ln g(1/N))`, S the sum of the periodogram over g; the second term stands for the
+    /// frequency 0, which is not in the sum, while the logarithms of g over all frequencies add up to nothing.
     pub(super) fn objective(&self, points: &[Coefficients]) -> Vec<f64> {
         let one = |(phi, theta): &Coefficients| {
             let (squares, lowest) = self.sums.over(phi, theta, 1.0 / self.samples);

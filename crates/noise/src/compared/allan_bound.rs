@@ -28,6 +28,22 @@ type Measured = (f64, f64);
 ///
 /// # Errors
 /// Fewer than four averaging times that the record determines; one that white noise alone bounds best.
+///
+/// ```
+/// use undrift_noise::{allan, compared::allan_bound, composite::{CompositeTerms, GaussMarkov}, synthesis::NoiseGenerator};
+/// let process = GaussMarkov { sigma: 0.01, tau_s: 10.0 };
+/// let truth = CompositeTerms { white: 0.01, gauss_markov: [process, GaussMarkov::default()], ..CompositeTerms::default() };
+/// let record: Vec<f64> = NoiseGenerator::new(&truth.to_shaping(0.01)?, 1).take(50_000).collect();
+/// let curve = allan::deviations(&record, 100.0, allan::DeviationKind::Overlapping, allan::Grid::Octave)?;
+/// let bound = allan_bound::fit(&curve)?;
+/// let [slow, _] = bound.gauss_markov;
+/// for point in curve.points.iter().filter(|point| 9 * point.m <= curve.samples) {
+///     let process = allan::gauss_markov::gauss_markov_variance(point.tau_s, slow.sigma, slow.tau_s);
+///     let model = bound.white * bound.white / point.tau_s + process;
+///     assert!(model >= (1.0 - 1e-6) * point.deviation.powi(2), "the model is a bound at {} s", point.tau_s);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn fit(curve: &Curve) -> Result<CompositeTerms, Unfit> {
     let points: Vec<Measured> = determined(curve)
         .map(|p| (p.tau_s, p.deviation * p.deviation))
@@ -72,6 +88,17 @@ pub struct Bound {
 
 /// The least bound of the points, averaging time \[s\] and variance \[unit²\], by white noise and a process of correlation time `tau_s`
 /// \[s\]; infinite of none.
+///
+/// The optimum of a linear programme is at a vertex of the feasible set: at most two points are met exactly.
+///
+/// ```
+/// use undrift_noise::compared::allan_bound::bound_at;
+/// // Variances of white noise N = 2 alone: it bounds itself exactly, and every ratio is 1.
+/// let points = [(1.0, 4.0), (2.0, 2.0), (4.0, 1.0)];
+/// let bound = bound_at(&points, 1.0);
+/// assert!((bound.white - 4.0).abs() < 1e-9 && bound.process.abs() < 1e-9);
+/// assert!((bound.excess - 3.0).abs() < 1e-6);
+/// ```
 pub fn bound_at(points: &[Measured], tau_s: f64) -> Bound {
     // White noise and process of unit size over the measured variance: u N² + v σ² ≥ 1 at every point.
     let ratio = |&(tau, variance): &Measured| {

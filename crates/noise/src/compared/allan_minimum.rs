@@ -25,6 +25,16 @@ pub(super) fn determined(curve: &Curve) -> impl Iterator<Item = &Point> {
 /// # Errors
 /// A deviation that has no minimum between the shortest and the longest averaging time that the record determines, a ninth
 /// of it.
+///
+/// ```
+/// use undrift_noise::{allan::{Curve, DeviationKind, Point}, compared::allan_minimum};
+/// let point = |m: usize, deviation| Point { m, tau_s: m as f64, deviation, terms: 100 };
+/// let points = vec![point(1, 4e-5), point(4, 2e-5), point(16, 1e-5), point(64, 3e-5)];
+/// let curve = Curve { kind: DeviationKind::Overlapping, rate_hz: 1.0, samples: 1000, points };
+/// let found = allan_minimum::fit(&curve, 4e-5)?;
+/// assert_eq!((found.white, found.gauss_markov[0].sigma, found.gauss_markov[0].tau_s), (4e-5, 1e-5, 16.0));
+/// # Ok::<(), undrift_noise::compared::Unfit>(())
+/// ```
 pub fn fit(curve: &Curve, white: f64) -> Result<CompositeTerms, Unfit> {
     let points: Vec<&Point> = determined(curve).collect();
     let longest_s = points.last().map_or(0.0, |p| p.tau_s);

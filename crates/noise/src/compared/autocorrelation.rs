@@ -68,6 +68,17 @@ pub fn fit(record: &[f64], rate_hz: f64) -> Result<CompositeTerms, Unfit> {
 ///
 /// # Errors
 /// As [`fit`].
+///
+/// ```
+/// use undrift_noise::compared::autocorrelation::process;
+/// // Averages over 2 s of a process of σ = 3 and τc = 20 s, white noise on top at lag 0.
+/// let x = 2.0_f64 / 20.0;
+/// let at = |k: i32| 9.0 * (-x * f64::from(k)).exp() * 2.0 * (x.cosh() - 1.0) / (x * x);
+/// let covariances: Vec<f64> = std::iter::once(50.0).chain((1..40).map(at)).collect();
+/// let found = process(&covariances, 10_000, 2.0)?;
+/// assert!((found.sigma - 3.0).abs() < 1e-9 && (found.tau_s - 20.0).abs() < 1e-9);
+/// # Ok::<(), undrift_noise::compared::Unfit>(())
+/// ```
 pub fn process(covariances: &[f64], averages: usize, interval: f64) -> Result<GaussMarkov, Unfit> {
     let [variance, first, ..] = *covariances else {
         return Err(Unfit::White);
@@ -99,6 +110,15 @@ pub fn process(covariances: &[f64], averages: usize, interval: f64) -> Result<Ga
 ///
 /// # Errors
 /// The process has all of the variance.
+///
+/// ```
+/// use undrift_noise::{GaussMarkov, compared::autocorrelation::white};
+/// // A process far slower than the averages adds all of its variance σ² to theirs: N² = (5 − 4) · 1 s.
+/// let slow = GaussMarkov { sigma: 2.0, tau_s: 1e6 };
+/// assert!((white(5.0, 1.0, &slow)? - 1.0).abs() < 1e-4);
+/// assert!(white(3.0, 1.0, &slow).is_err());
+/// # Ok::<(), undrift_noise::compared::Unfit>(())
+/// ```
 pub fn white(variance: f64, interval: f64, process: &GaussMarkov) -> Result<f64, Unfit> {
     let x = interval / process.tau_s;
     let share = 2.0 * (x + (-x).exp_m1()) / (x * x);

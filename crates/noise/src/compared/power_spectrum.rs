@@ -51,12 +51,23 @@ pub fn fit(record: &[f64], rate_hz: f64) -> Result<CompositeTerms, Unfit> {
 }
 
 /// Samples of a segment: the power of two between an eighth and a quarter of the record.
+/// At least 4. Half overlapped, 7 to 15 of them fit into the record, which is what the mean of a frequency rests on.
 pub fn segment(samples: usize) -> usize {
     let quarter = (samples / 4).max(4);
     1 << quarter.ilog2()
 }
 
 /// The octaves of a one-sided spectrum up to a frequency \[Hz\]; an incomplete last one is left out.
+///
+/// ```
+/// use undrift_noise::{compared::power_spectrum::octaves, spectrum::Density};
+/// let frequency_hz: Vec<f64> = (0..=64).map(f64::from).collect();
+/// let flat = Density { density: vec![2.0; frequency_hz.len()], frequency_hz, segments: 8 };
+/// // From the second frequency: 2-3 Hz and 4-7 Hz; 8-15 Hz goes beyond 10 Hz. Two-sided, a density of 2 is 1.
+/// let found = octaves(&flat, 10.0);
+/// assert_eq!(found.iter().map(|octave| octave.density).collect::<Vec<_>>(), [1.0, 1.0]);
+/// assert!((found[0].inverse - 0.5 * (1.0 / 2.0 + 1.0 / 3.0)).abs() < 1e-15);
+/// ```
 pub fn octaves(density: &Density, highest_hz: f64) -> Vec<Octave> {
     let mut found = Vec::new();
     let mut first = FIRST;
@@ -80,6 +91,20 @@ pub fn octaves(density: &Density, highest_hz: f64) -> Vec<Octave> {
 ///
 /// # Errors
 /// Fewer than four octaves, white noise alone or none.
+///
+/// ```
+/// use undrift_noise::compared::power_spectrum::{Octave, fit_octaves};
+/// // Octaves made of N = 2, B = 3 and K = 5 give these back: S = N² + B²/(2πf) + (K/2π)²/f².
+/// let tau = std::f64::consts::TAU;
+/// let octave = |k: i32| {
+///     let (inverse, inverse_square) = (2f64.powi(-k), 4f64.powi(-k));
+///     Octave { density: 4.0 + 9.0 * inverse / tau + 25.0 * inverse_square / (tau * tau), inverse, inverse_square }
+/// };
+/// let octaves: Vec<Octave> = (-4..4).map(octave).collect();
+/// let found = fit_octaves(&octaves)?;
+/// assert!((found.white - 2.0).abs() < 1e-6 && (found.flicker - 3.0).abs() < 1e-6 && (found.random_walk - 5.0).abs() < 1e-6);
+/// # Ok::<(), undrift_noise::compared::Unfit>(())
+/// ```
 pub fn fit_octaves(octaves: &[Octave]) -> Result<CompositeTerms, Unfit> {
     if octaves.len() < FEWEST {
         return Err(Unfit::TooFew {

@@ -1,4 +1,7 @@
 //! Records as the likelihood of composite terms sees them.
+//!
+//! Blocks of which samples are missing are averages of fewer: the model of the averages is that of the share
+//! that is present ([`block_average_of_share`]), the same for all blocks of a record.
 
 use super::blocks::{average_in_blocks, block_average_of_share, share_present};
 use super::likelihood::{Level, RecordLikelihood, log_likelihood};
@@ -62,6 +65,9 @@ impl<'a> Averages<'a> {
     }
 
     /// The likelihood of each record, each with a level of its own.
+    ///
+    /// # Errors
+    /// A filter that cannot be made of the terms, or a record without a likelihood.
     pub(crate) fn likelihoods(
         &self,
         terms: &CompositeTerms,
@@ -110,6 +116,9 @@ impl<'a> Averages<'a> {
     }
 
     /// The restricted log-likelihood of all records under the filter of a sample.
+    ///
+    /// # Errors
+    /// As [`Self::likelihoods`].
     pub(crate) fn restricted(&self, filter: &ShapingFilter) -> Result<f64, CompositeError> {
         let records = self.under(filter)?;
         Ok(records.iter().map(RecordLikelihood::restricted).sum())

@@ -53,6 +53,9 @@ impl Span {
     }
 
     /// The steps of `next` after these, of a filter of order n.
+    ///
+    /// With `x_{j+k} = A₂ (A₁ x + g₁) + g₂` and the sums `row₁ x + d₁ + row₂ (A₁ x + g₁) + d₂`: moments of g
+    /// and d follow from those of the parts, which are independent.
     fn then(&self, next: &Self, n: usize) -> Self {
         let mut both = *next;
         let mut carried = [[0.0; MAX_ORDER]; MAX_ORDER];

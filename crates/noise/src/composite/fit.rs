@@ -73,6 +73,9 @@ pub enum Term {
 }
 
 /// Remark on a fit, to be read beside its numbers.
+///
+/// `undrift-report` has their sentences. [`Flag::ShortMemory`] and [`Flag::LongCorrelation`] are about the record,
+/// not the fit: a sensor behind a low-pass filter has the first, a random walk fitted as a process the second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Flag {
     /// The likelihood does not want this term (removing it costs less than 0.01): it is 0 in the
@@ -136,6 +139,20 @@ impl CompositeFit {
     ///
     /// # Errors
     /// A bad interval.
+    ///
+    /// The interval need not be that of the record.
+    ///
+    /// ```
+    /// use undrift_noise::composite::{CompositeTerms, FitOptions, TermSet, fit};
+    /// use undrift_noise::synthesis::NoiseGenerator;
+    /// let noise = CompositeTerms { white: 0.01, ..CompositeTerms::default() }.to_shaping(0.1)?;
+    /// let record: Vec<f64> = NoiseGenerator::new(&noise, 1).take(2000).collect();
+    /// let found = fit(&record, 0.1, TermSet { white: true, ..TermSet::default() }, &FitOptions::default())?;
+    /// // White noise has its density at any rate: a tenth of the interval, ten times the variance of a sample.
+    /// let (here, there) = (found.to_shaping(0.1)?, found.to_shaping(0.01)?);
+    /// assert!((there.r / here.r - 10.0).abs() < 1e-9);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn to_shaping(&self, interval: f64) -> Result<ShapingFilter, ShapingError> {
         self.terms.to_shaping(interval)
     }
@@ -150,6 +167,10 @@ impl CompositeFit {
 ///
 /// # Errors
 /// A record too short, constant or infinite; an empty set; no finite likelihood at any start.
+///
+/// The level is integrated out under a flat prior (the restricted likelihood), so that criteria compare sets of
+/// terms of one record, never records of different lengths or blocks. Correlation times are searched between a
+/// twentieth of a block and a thousand records.
 pub fn fit(
     record: &[f64],
     interval: f64,

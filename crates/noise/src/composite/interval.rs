@@ -46,6 +46,9 @@ pub enum Parameter {
 }
 
 /// Profile interval of a parameter.
+///
+/// An open end is an answer: a record in which the correlation time may be infinite does not tell a process
+/// from a random walk.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ParameterInterval {

@@ -7,6 +7,17 @@ use crate::steady;
 use undrift_nav::shaping::ShapingFilter;
 
 /// Likelihood of a record under a shaping filter.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::composite::{Level, log_likelihood};
+/// // Under white noise of variance V about a level of 0, −2 log L = N ln 2π V + Σ x²/V.
+/// let filter = ShapingFilter::white(0.1, 0.01)?; // V = N²/T = 1.
+/// let at = log_likelihood(&[1.0, -2.0, f64::NAN, 0.5], &filter, Level::Known(0.0))?;
+/// assert!((at.sum_of_squares - 5.25).abs() < 1e-12 && at.observations == 3);
+/// assert!((at.log_likelihood + 0.5 * (3.0 * std::f64::consts::TAU.ln() + 5.25)).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RecordLikelihood {
     /// Log-likelihood, constants included; at the best level where it is estimated.

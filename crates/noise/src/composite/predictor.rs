@@ -4,6 +4,10 @@
 //! `x̂ ← F x̂ + K v`. With r > 0 the driving noise is first freed of its correlation with the sample's
 //! own (Anderson & Moore 1979, section 5.3): `A = F − s H/r`, `P ← A (P − P HᵀH P/V) Aᵀ + q − s sᵀ/r`,
 //! so that the P of a model in innovations form falls to zero without a difference of large numbers.
+//!
+//! A filter that has settled no longer carries its covariance. It counts as settled where neither gains nor
+//! variance change by more than a given share over 64 samples; [`Predictor::settling`] is for uses that need
+//! less, and goes over such spans by the doubled recursion of [`Steps`].
 
 use crate::steady::Steps;
 use undrift_nav::shaping::ShapingFilter;
@@ -84,6 +88,7 @@ fn carried<const N: usize>(
     out
 }
 
+/// Sum of products, in order.
 pub(crate) fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     let mut sum = 0.0;
     for i in 0..N {

@@ -1,4 +1,8 @@
 //! How a smooth function of a few logarithms is minimised, and how certain its minimum is.
+//!
+//! For normal noise the inverse of the second derivatives at the optimum is the covariance of the estimates in
+//! long records (Cramér & Rao's bound is reached). In short ones, and for correlation times that are not short
+//! against a record, [`super::interval`] is better.
 
 use crate::quasi_newton::{Objective, Point, moved};
 use nalgebra::DMatrix;

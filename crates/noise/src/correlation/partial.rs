@@ -5,6 +5,9 @@ use crate::prediction::{self, Predictor};
 use crate::screening::record::{RecordError, check_varying};
 
 /// Method by which partial autocorrelations are estimated.
+///
+/// All three agree in long records of processes whose roots are far from the circle; near it Yule and Walker's are
+/// pulled towards 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Partial {
     /// Durbin-Levinson on autocovariances with divisor n: R's `pacf`, statsmodels' "ywmle" and

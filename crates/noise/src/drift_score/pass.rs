@@ -1,4 +1,9 @@
 //! The pass over the record.
+//!
+//! The filter goes through the record once. At every origin its state gives what the integral over each horizon
+//! will be, and the running sums what it is. Origins are a 32nd of a horizon apart: closer ones would share
+//! their windows. A window in which samples are missing counts with the mean of the others, up to a third of
+//! it.
 
 use super::{DriftError, HorizonScore, MAX_BATCHES};
 use crate::composite::predictor::{Predictor, dot};
@@ -154,6 +159,8 @@ impl<const N: usize> Horizon<N> {
     }
 
     /// Scores the window at the next origin, before the filter has seen its first sample.
+    /// What the model expects is kept beside it: the variance that no past predicts, of missing samples too,
+    /// and that of the state.
     fn score(&mut self, predictor: &Predictor<N>, sums: &RunningSums) {
         let origin = self.next;
         self.next = match origin + self.apart {

@@ -21,6 +21,8 @@ const EQUAL_AIC: f64 = 2.0;
 const FEWEST: usize = 4;
 
 /// A candidate with its scores.
+///
+/// All candidates of one choice are scored on the same windows; [`recommend`] leaves out one that misses a horizon.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scored {
     /// Name.
@@ -95,6 +97,8 @@ pub(super) fn standard_error(batches: &[f64]) -> f64 {
 /// Whether a score is within the sampling error of the best: the difference of their mean squares is
 /// within three standard errors, from the differences batch by batch (both saw the same record), and the RMS
 /// within 5 %, or two sampling errors of as many independent windows; or the RMS is within 1 % anyway.
+///
+/// Paired, since both models saw the same record: what moves both scores is no difference between them.
 fn is_as_good(score: &HorizonScore, best: &HorizonScore) -> bool {
     if score.rms <= (1.0 + SAME) * best.rms {
         return true;
@@ -117,6 +121,24 @@ fn is_as_good(score: &HorizonScore, best: &HorizonScore) -> bool {
 /// then the first. The windows of a long horizon are few: where drift does not tell two models apart, the likelihood may.
 /// Where no candidate is as good as the best everywhere, the one whose worst ratio to the best is least. None of an empty list,
 /// or where scores are missing or not finite in every candidate.
+///
+/// ```
+/// use undrift_noise::drift_score::{Choice, HorizonScore, Scored, recommend};
+/// let scored = |name: &str, states, parameters, aic, rms: f64| {
+///     let standard_error = 0.05 * rms;
+///     let score = HorizonScore { horizon_s: 60.0, rms, standard_error, predicted_rms: rms, origins: 900, windows: 30.0, batches: vec![] };
+///     Scored { name: name.into(), states, parameters, aic, horizons: vec![score] }
+/// };
+/// // The walk drifts half a percent more than two processes, is as likely, and has three parameters less.
+/// let all = [
+///     scored("white", 0, 1, 900.0, 0.02),
+///     scored("white + random walk", 1, 2, 101.0, 0.01005),
+///     scored("white + 2 Gauss-Markov", 2, 5, 100.0, 0.01),
+/// ];
+/// let chosen = recommend(&all).expect("candidates");
+/// assert_eq!(all[chosen.index].name, "white + random walk");
+/// assert!(matches!(chosen.reason.choice, Choice::Simplest { excess_percent } if (excess_percent - 0.5).abs() < 1e-9));
+/// ```
 pub fn recommend(candidates: &[Scored]) -> Option<Recommendation> {
     let horizons = candidates.iter().map(|c| c.horizons.len()).max()?;
     let valid =

@@ -1,4 +1,7 @@
 //! Comments of exported files: what was derived or left out of a model.
+//!
+//! One sentence a remark, with the axis or sensor in front. They are for whoever opens the file of another
+//! program a year later.
 
 use super::equivalent::Remark;
 use crate::bias_model::{HORIZON, SLOW};

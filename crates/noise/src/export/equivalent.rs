@@ -1,4 +1,13 @@
 //! What a model is in the terms that every program knows: white noise, a slow process, a constant.
+//!
+//! | model has | becomes |
+//! |---|---|
+//! | processes and random walk | as they are; a process faster than a second is white noise of `N² = 2σ²τ` |
+//! | an ARMA(1,1) alone | its exact sum of white noise and one process ([`Arma::split`]) |
+//! | a longer ARMA alone | its slow poles; white noise is the density at low frequencies of all others |
+//! | no bias at all | for programs that divide by it, the largest walk that the record could hide |
+//!
+//! What a format cannot take is left out and noted as a [`Remark`], which becomes a comment in the file.
 
 use super::ModelFormat;
 use super::outage::WalkFilter;
@@ -80,6 +89,12 @@ pub(super) struct EquivalentAxis {
 }
 
 impl Equivalent {
+    /// The equivalent of each axis, with the random walk for an outage of `outage_s` \[s\] where `format` knows
+    /// no other bias.
+    ///
+    /// # Errors
+    /// [`ModelError::NoAxis`]; [`ModelError::Missing`] where the format needs a bias that moves, the model has
+    /// none, and how long its record was is not known.
     pub fn new(model: &ImuModel, format: ModelFormat, outage_s: f64) -> Result<Self, ModelError> {
         let mut remarks = Vec::new();
         let mut axes: [EquivalentAxis; 6] = Default::default();
@@ -166,10 +181,12 @@ fn length(model: &ImuModel) -> Option<f64> {
 /// The random walk [unit/√s] whose Allan variance K²τ/3 reaches that of the white noise, N²/τ, at
 /// a tenth of the record's length \[s\] (IEEE Std 952-1997, C.1.1 and C.1.4): the longest averaging
 /// time with the ten means that such a doubling of the variance takes to be seen.
+/// `√3 N/(0.1 L)`.
 fn unseen_walk(white: f64, length: f64) -> f64 {
     3f64.sqrt() * white / (0.1 * length)
 }
 
+/// Remarks on it are added to `remarks` under its `name`.
 fn equivalent(
     name: &'static str,
     axis: &AxisModel,

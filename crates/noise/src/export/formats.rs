@@ -1,4 +1,8 @@
 //! The texts of the formats.
+//!
+//! Each function documents the equations of the program that reads the file, with the place in its source, and
+//! how a density N or a random walk K is turned into its numbers, of nine digits. Comments name the sensor, its
+//! source and the remarks.
 
 use super::comments::comment;
 use super::equivalent::{Equivalent, EquivalentAxis, common_tau, driven, rms};
@@ -337,6 +341,8 @@ fn row(values: impl Iterator<Item = f64>) -> String {
 }
 
 /// Nine digits, with the point and the sign of the exponent that YAML 1.1 asks of a number.
+///
+/// `1e-5` becomes `1.0e-5` and `1e16` `1.0e+16`: YAML 1.1 takes the short forms for text.
 fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.8e}").parse().unwrap_or(value);
     let text = format!("{rounded:?}");

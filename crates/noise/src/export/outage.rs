@@ -4,6 +4,18 @@
 //! The filter has a bias that walks by K beside white noise N, and has settled on a sensor whose bias is a sum of Gauss-Markov
 //! processes and a walk of its own. What it holds of the bias at the start of an outage, and so the RMS error of the
 //! integral at its end, is a sum over the sensor's terms, each in closed form.
+//!
+//! With T the step, `q = K² T` and `r = N²/T` the filter settles at the variance `P = q/2 + √(q²/4 + q r)`
+//! before a sample and the gain `g = P/(P + r)`. It holds `x̂ ← (1 − g) x̂ + g y` of the samples y, so that
+//! after n steps without fixes the integral is wrong by `T (Σ b − n x̂)` and the white noise of the n samples.
+//! Of a process b of variance σ² and φ = exp(−T/τ), with c = 1 − g,
+//!
+//! ```text
+//! E[x̂ b] = φ g σ²/(1 − φ c)     E[x̂²] = (g² σ² + 2 g c E[x̂ b])/(1 − c²)
+//! E[(Σ b)²] = σ² (n (1 + φ) − 2 φ s)/(1 − φ),     s = (1 − φⁿ)/(1 − φ)
+//! ```
+//!
+//! and of a walk each step counts for as many samples as follow it.
 
 use crate::bias_model::Slow;
 use crate::composite::GaussMarkov;

@@ -39,7 +39,7 @@ fn polynomial(coefficients: &[f64], z: Complex64) -> Complex64 {
 /// A pole with its share of the spectrum.
 struct PartialFraction {
     pole: Complex64,
-    /// c(1 − λ²), which is finite at λ = 1 [unit²].
+    /// c(1 − λ²), which is finite at λ = 1 \[unit²\].
     drive: Complex64,
 }
 
@@ -56,7 +56,7 @@ impl PartialFraction {
         Self { pole, drive }
     }
 
-    /// Spectrum at an angle, c(1 − λ²)/((1 − λe^{iω})(1 − λe^{−iω})); its real part, summed over a pair [unit²].
+    /// Spectrum at an angle, c(1 − λ²)/((1 − λe^{iω})(1 − λe^{−iω})); its real part, summed over a pair \[unit²\].
     fn spectrum(&self, angle: f64) -> f64 {
         let z = Complex64::from_polar(1.0, angle);
         (self.drive / ((1.0 - self.pole * z) * (1.0 - self.pole * z.conj()))).re
@@ -67,7 +67,7 @@ impl PartialFraction {
         is_real(self.pole) && self.drive.re > 0.0
     }
 
-    /// −2c ln λ; its real part, summed over a pair [unit²].
+    /// −2c ln λ; its real part, summed over a pair \[unit²\].
     fn step(&self) -> f64 {
         let (decay, whole) = (-2.0 * self.pole.ln(), 1.0 - self.pole * self.pole);
         match whole.norm() < UNIT_ROOT {
@@ -123,7 +123,7 @@ pub(super) fn parts(arma: &Arma) -> Parts {
     }
 }
 
-/// Spectrum at frequency 0 less that of the slow poles [unit²]. Nothing large is subtracted: to the other poles' sums
+/// Spectrum at frequency 0 less that of the slow poles \[unit²\]. Nothing large is subtracted: to the other poles' sums
 /// comes a polynomial of cosines of degree q − p, known from as many frequencies away from 0.
 fn density(arma: &Arma, slow: &[PartialFraction], rest: &[PartialFraction]) -> f64 {
     let sum = |parts: &[PartialFraction], angle: f64| -> f64 {

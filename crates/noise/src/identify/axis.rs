@@ -61,6 +61,8 @@ pub enum Origin {
 }
 
 /// A method of the literature that gave no model of the record.
+///
+/// Reported beside the candidates, so that a method which is missing from a table is not taken for forgotten.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NotFitted {
     /// Name that its candidate would have.
@@ -151,6 +153,7 @@ impl Axis {
     }
 
     /// Positions of the candidates by growing drift at the longest horizon.
+    /// A candidate without a score is last. The recommended one need not be first: see [`Reason`].
     pub fn ranking(&self) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.candidates.len()).collect();
         let drift = |i: &usize| self.candidates[*i].last_rms();
@@ -159,6 +162,19 @@ impl Axis {
     }
 
     /// The model to store: the recommended one, with the runner-up and the scores beside it.
+    ///
+    /// ```
+    /// use undrift_noise::{ImuModel, composite::CompositeTerms, identify::{Options, identify}, synthesis::NoiseGenerator};
+    /// let noise = CompositeTerms { white: 1e-3, ..CompositeTerms::default() }.to_shaping(0.1)?;
+    /// let record: Vec<f64> = NoiseGenerator::new(&noise, 1).take(2000).map(|x| x + 0.05).collect();
+    /// let gyro = identify(&record, false, &Options::at(10.0))?.model();
+    /// assert!((gyro.turn_on - 0.05).abs() < 1e-3, "the mean of a gyro at rest is its turn-on constant");
+    /// // Stored and read again: the model and what identification found out.
+    /// let stored = ImuModel::new("bench gyro", gyro, Default::default()).to_toml();
+    /// let read = ImuModel::from_toml(&stored, "imu.toml")?;
+    /// assert!(read.gyro[0].identification.contains_key("drift_scores"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn model(&self) -> AxisModel {
         let chosen = self.recommended();
         let list = |of: fn(&HorizonScore) -> f64, scores: &[HorizonScore]| -> toml::Value {

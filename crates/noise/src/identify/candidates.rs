@@ -82,6 +82,7 @@ pub(super) struct Tried {
 
 impl Task<'_> {
     /// The part of the first record that a search over orders sees.
+    /// A prefix of [`SEARCH_SAMPLES`], for time.
     fn searched(&self) -> &[f64] {
         let first = self.records[0];
         &first[..first.len().min(SEARCH_SAMPLES)]
@@ -161,6 +162,7 @@ impl Task<'_> {
         likelihood().map_or(f64::INFINITY, |sum| 2.0 * parameters - 2.0 * sum)
     }
 
+    /// Of the samples that the search over orders saw; `None` where the residuals cannot be computed.
     fn ljung_box(&self, fit: &ArmaFit) -> Option<f64> {
         let residuals = fit.residuals(self.searched()).ok()?;
         let present: Vec<f64> = residuals.into_iter().filter(|r| r.is_finite()).collect();

@@ -9,6 +9,8 @@ use crate::{
 };
 
 /// What should be said with a record.
+///
+/// None of them stops identification; what does is an [`IdentifyError`](super::IdentifyError).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RecordRemark {
     /// The recording is not static.

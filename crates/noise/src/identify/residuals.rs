@@ -34,6 +34,7 @@ pub(super) fn of_models(
 
 impl Residuals {
     /// Of a fit over the start of a screened record, at most [`SEARCH_SAMPLES`] of it.
+    /// `None` where φ is not stationary to working precision, or [`LAGS`] errors or fewer are present.
     pub fn new(fit: &ArmaFit, half: &[f64]) -> Option<Self> {
         let searched = half.get(..SEARCH_SAMPLES).unwrap_or(half);
         let errors = fit.residuals(searched).ok()?;

@@ -1,4 +1,9 @@
 //! What is done to a record before anything is identified of it: its trend, its outliers, whether it rests.
+//!
+//! In this order: a dead band and coarse rounding, which hide the noise, end identification; the effect of
+//! temperature or a line is removed, then the mean; outliers become missing; what is missing is bridged by
+//! straight lines for the statistics that cannot do without it, while likelihoods see the gaps. Motion,
+//! saturation and frozen stretches are reported, not repaired.
 
 use super::{IdentifyError, Options, SHORTEST};
 use crate::normality::{self, Quantisation};
@@ -178,6 +183,9 @@ pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened
 
 /// The effect of temperature on what is left without outliers. These are known beside plain least squares, which are
 /// no estimate of the effect but leave less than it.
+///
+/// # Errors
+/// As [`Regressors::new`] and [`Regressors::estimate`].
 fn estimated(
     record: &[f64],
     temperature_c: &[f64],

@@ -1,4 +1,13 @@
 //! Reading of model files.
+//!
+//! Text to [`DeTable`], whose keys know their place, to [`Table`], several layers of which lie one over the
+//! other: the axis' own table, then that of its group, then both of the preset. A key is looked for from the
+//! top, so that an axis may override one number of its group and a file one number of its preset. Numbers come
+//! with their units and leave in SI; nothing is guessed from a bare number.
+//!
+//! Refused with file, line and key: a key that is not known (with the nearest that is), a value without unit,
+//! of another quantity or out of its range, an ARMA that makes no filter, and what is recognisably another
+//! file, a log or a drive file.
 
 use super::table::Table;
 use super::{
@@ -66,6 +75,8 @@ const PROVENANCE_KEYS: [&str; 6] = [
 const RECORDING_KEYS: [&str; 3] = ["record", "samples", "sha256"];
 
 /// The tables of a model file's text.
+///
+/// Errors are [`ModelError::Syntax`] with the line of the place that TOML's parser gives.
 fn parse<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, ModelError> {
     DeTable::parse(text).map_err(|error| {
         let start = error.span().map_or(0, |span| span.start);
@@ -91,6 +102,7 @@ fn not_a_model(what: &str, file: &str) -> ModelError {
 }
 
 /// Reads the text of a model file, which must state format and version.
+/// A log or a drive file is recognised, since it is given by mistake most often.
 pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> {
     if is_log(text) {
         return Err(not_a_model("a log", file));
@@ -113,6 +125,9 @@ pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> 
 }
 
 /// Reads a model from its tables: a preset beneath, the axes over the groups.
+///
+/// At least one axis must have a noise model; the axes that have none are left at [`AxisModel::default`] and
+/// are an error only where a filter is asked of them.
 pub(super) fn model(top: &Table<'_>) -> Result<ImuModel, ModelError> {
     top.only(&TOP_KEYS)?;
     if let Some(format) = top.text("format")?
@@ -214,6 +229,8 @@ fn recordings(provenance: &Table<'_>) -> Result<Vec<Recording>, ModelError> {
 }
 
 /// Reads one axis, its group's keys beneath its own.
+///
+/// `gyro` chooses the quantities: angle and angular rate, or velocity and acceleration.
 fn axis_model(table: &Table<'_>, gyro: bool) -> Result<AxisModel, ModelError> {
     let (rounding, level, noise, walk) = if gyro {
         (
@@ -305,6 +322,8 @@ fn line_of(table: &Table<'_>, level: Quantity) -> Result<Line, ModelError> {
 }
 
 /// Reads `[….temperature]`.
+///
+/// The range of the record is required beside the slope: beyond it the effect is an extrapolation.
 fn temperature_of(table: &Table<'_>, gyro: bool) -> Result<Temperature, ModelError> {
     table.only(&TEMPERATURE_KEYS)?;
     let (slope, quadratic) = match gyro {

@@ -3,6 +3,18 @@
 use crate::drift_score::{Choice, Reason};
 
 /// Why a candidate was recommended, for the key `reason` of a model file: one sentence.
+///
+/// ```
+/// use undrift_noise::{drift_score::{Choice, Reason}, model_file::reason};
+/// let why = Reason {
+///     name: "ARMA(1,1)".into(),
+///     states: 1,
+///     parameters: 4,
+///     horizons_s: vec![10.0, 60.0],
+///     choice: Choice::LeastDrift,
+/// };
+/// assert_eq!(reason(&why), "ARMA(1,1) (1 state, 4 parameters) drifts least at 10, 60 s, and no simpler candidate is as likely.");
+/// ```
 pub fn reason(of: &Reason) -> String {
     let counted = |n: usize, what: &str| match n {
         1 => format!("1 {what}"),

@@ -1,4 +1,7 @@
 //! A table of a TOML file whose keys know their line, and the reading of single keys with messages.
+//!
+//! Every reader of a key gives `None` where no layer has it, and an error with file, line and dotted key where
+//! its value is of another kind. Lines are known only of the file's own text: a value of a preset has none.
 
 use super::ModelError;
 use crate::temperature::celsius;

@@ -1,4 +1,8 @@
 //! Writing of model files, in the units of data sheets and in as few digits as carry what is known.
+//!
+//! What [`super::read`] reads gives the same model to six digits, and written again the same text. Units are
+//! those of data sheets: deg/√h, deg/h, mg, m/s/√h. Coefficients of an ARMA get as many digits as their roots
+//! need ([`round`]). Three axes that are alike are one table.
 
 mod round;
 mod value;
@@ -45,6 +49,9 @@ const HERTZ: (&str, Quantity) = ("Hz", Quantity::Frequency);
 const SECONDS: (&str, Quantity) = ("s", Quantity::Time);
 
 /// The text of a model file.
+///
+/// The order is that of the documentation: head, provenance, gyros, accelerometers. Axes of which nothing is
+/// known are left out.
 pub(super) fn to_text(model: &ImuModel) -> String {
     let mut out = String::new();
     line(&mut out, "format", &text("format", FORMAT));
@@ -99,6 +106,8 @@ pub(super) fn to_text(model: &ImuModel) -> String {
 }
 
 /// Writes one axis, or a group of three that are alike, under its name.
+///
+/// The turn-on constant is written even where it is 0, so that a reader sees that there is none.
 fn axis(out: &mut String, name: &str, axis: &AxisModel, units: &Units) {
     // Writing into a String cannot fail.
     let _ = writeln!(out, "\n[{name}]");

@@ -1,9 +1,21 @@
 //! The grid that samples of a sensor lie on.
+//!
+//! A grid matters twice: tests of normality see it, and a slow error much smaller than the step shows only
+//! through the noise that dithers it ([`crate::screening::rounding`]).
 
 /// Steps off the grid that a sample may lie, for steps written with few digits.
 const OFF_GRID: f64 = 0.1;
 
 /// The step of quantised samples: what an analogue-digital converter, or a logger that rounds, leaves.
+///
+/// ```
+/// use undrift_noise::normality::quantisation;
+/// // A gyro logged in counts of 1/131 deg/s, four digits behind the point.
+/// let counts = (0..500).map(|k| f64::from(k * 7919 % 13 - 6));
+/// let logged: Vec<f64> = counts.map(|count| (count / 131.0 * 1e4).round() / 1e4).collect();
+/// let grid = quantisation(&logged).expect("13 levels");
+/// assert!((grid.step * 131.0 - 1.0).abs() < 1e-3 && grid.levels == 13);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantisation {
     /// Step \[unit\].

@@ -39,6 +39,14 @@ impl Lifted {
     }
 
     /// The same as composite terms: white noise beside a Gauss-Markov process or a random walk.
+    ///
+    /// ```
+    /// use undrift_noise::scales::lift;
+    /// // Averages of one sample are the record: θ σ² of an ARMA(1,1) with a unit root is white, (1 − θ)² σ² drives the walk.
+    /// let terms = lift(1.0, 0.9, 1e-3, 1, 0.01).expect("a slow part").terms();
+    /// assert!((terms.white / (0.9_f64.sqrt() * 1e-3 * 0.1) - 1.0).abs() < 1e-12); // N = √(r T)
+    /// assert!((terms.random_walk / (0.1 * 1e-3 / 0.1) - 1.0).abs() < 1e-12); // K = √(q/T)
+    /// ```
     pub fn terms(&self) -> CompositeTerms {
         let mut terms = CompositeTerms {
             white: self.white,
@@ -110,6 +118,8 @@ pub fn lift(phi: f64, theta: f64, sigma: f64, block: usize, interval: f64) -> Op
 
 /// Standard errors of the logarithms of what [`lift`] gives, from the covariance of φ and θ (σ is
 /// independent of them, its error √(1/2n)); infinite where the fit has none.
+///
+/// By the delta method: central differences of the logarithms along φ and θ, steps well inside 1 > φ > θ.
 pub(super) fn relative_errors(model: &ArmaFit, block: usize, interval: f64) -> Lifted {
     let (Some(covariance), [phi], [theta]) = (&model.covariance, &model.ar[..], &model.ma[..])
     else {

@@ -1,4 +1,8 @@
 //! Records without missing samples.
+//!
+//! For spectra, Allan deviations, correlations and tests, which need an unbroken record; likelihoods see the
+//! gaps themselves. A line across a gap of g samples is smoother than the noise was: up to 64 samples its ends
+//! are the samples beside it, over more the means of 64 on either side.
 
 /// Missing samples replaced by the straight line between their neighbours, across a long gap between the means of those on either
 /// side, that the error of one sample is not in all of it; at either end by the record's `mean`.
@@ -47,6 +51,8 @@ fn mean_of<'a>(samples: impl Iterator<Item = &'a f64>) -> f64 {
 /// Factor by which straight lines over missing samples raise the level of white noise near zero frequency: a neighbour of a gap
 /// of g samples counts 1 + g/2 times, so that the variance of a long sum is Σw², not the samples'. A gap that is itself long, as of
 /// a bump, does not count: the level is that of sums shorter than it.
+///
+/// 1 of records without gaps. The white noise of an Allan deviation of a bridged record is divided by its root.
 pub(crate) fn inflation(records: &[&[f64]]) -> f64 {
     let (mut squares, mut samples) = (0.0, 0.0);
     let mut add = |weight: f64, gap: f64| {

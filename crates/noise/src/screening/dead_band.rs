@@ -1,4 +1,7 @@
 //! A dead band: samples near the rest value that the sensor, or its driver, replaces by it.
+//!
+//! What is left of the noise are its tails, of which no model of the noise at rest can be made: identification
+//! refuses such a record.
 
 /// Samples that the rest value is looked for in, and that the grid of the others is taken from.
 const PROBE: usize = 10_000;

@@ -1,4 +1,8 @@
 //! A record that is not static: it moves, or its sensor repeats one value.
+//!
+//! Two tests: means of neighbouring windows against the noise inside them ([`motion`]), and runs of equal
+//! samples ([`constant_runs`]). A slow bias changes a mean over a second by less than the noise does, and
+//! passes; a hand that touches the table does not.
 
 use super::record::{RecordError, check, mean_and_squares};
 use serde::{Deserialize, Serialize};

@@ -45,6 +45,9 @@ pub struct Outlier {
 }
 
 /// Outliers, and the record without them.
+///
+/// `threshold` is that of the rule, or larger where the noise has heavy tails; identification reports it with
+/// the outliers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outliers {
     /// The outliers by position.
@@ -64,6 +67,20 @@ pub struct Outliers {
 /// # Errors
 /// Fewer than 5 samples, a sample that is not finite, a window below 5 or a threshold that
 /// is not positive.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{screening::{OutlierRule, outliers}, synthesis::NoiseGenerator};
+/// let mut record: Vec<f64> = NoiseGenerator::new(&ShapingFilter::white(1e-3, 0.01)?, 1).take(5000).collect();
+/// // A bias that drifts by ten deviations is no outlier: the median of the window goes with it.
+/// record.iter_mut().enumerate().for_each(|(k, x)| *x += 2e-5 * k as f64);
+/// assert!(outliers(&record, OutlierRule::default())?.outliers.is_empty());
+/// record[700] += 0.2; // Twenty deviations of 0.01.
+/// let found = outliers(&record, OutlierRule::default())?;
+/// assert_eq!(found.outliers.iter().map(|one| one.index).collect::<Vec<_>>(), [700]);
+/// assert!((found.outliers[0].sigmas / 20.0 - 1.0).abs() < 0.25);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn outliers(x: &[f64], rule: OutlierRule) -> Result<Outliers, RecordError> {
     check(x, 5)?;
     if rule.window < 5 || rule.sigmas.is_nan() || rule.sigmas <= 0.0 {

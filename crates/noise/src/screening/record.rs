@@ -1,6 +1,18 @@
 //! What every statistic asks of a record first: length, finite values, mean and variance.
+//!
+//! Sums are made in eight lanes of blocks of 64 samples, and blocks are added with Neumaier's compensation: the
+//! error of a mean or a variance is a few units in the last place whatever the length of the record, and the
+//! same on every machine.
 
 /// Why a statistic cannot be computed from a record.
+///
+/// ```
+/// use undrift_noise::{allan::{DeviationKind, Grid, deviations}, screening::RecordError};
+/// let curve = |x: &[f64]| deviations(x, 100.0, DeviationKind::Overlapping, Grid::Octave);
+/// assert_eq!(curve(&[1.0]), Err(RecordError::TooShort { needed: 2, got: 1 }));
+/// assert_eq!(curve(&[1.0, 2.0, f64::NAN]), Err(RecordError::NotFinite { index: 2 }));
+/// assert!(matches!(deviations(&[1.0, 2.0], 0.0, DeviationKind::Overlapping, Grid::Octave), Err(RecordError::Argument(_))));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RecordError {
     /// Fewer samples than the statistic needs.

@@ -1,4 +1,9 @@
 //! What rounding to coarse steps leaves of the noise.
+//!
+//! A slow error smaller than a step shows only through noise that carries samples over an edge: with σ above
+//! half a step nearly in full, with σ below a fifth only while the mean is near an edge. A record in which
+//! nearly all samples are equal may hide any noise up to [`largest_hidden`]; identification refuses it below
+//! [`FEWEST_OFF`] samples off the mode or [`LEAST_SHOWN`] of the noise.
 
 use super::record::mean_and_squares;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -95,6 +100,14 @@ pub fn largest_hidden(step: f64, off: usize, samples: usize) -> f64 {
 
 /// The noise that a record shows over that of a mean which wanders over the grid, both standard deviations: of `variance`
 /// \[unit²\] after rounding, and of the largest that may be [hidden](largest_hidden), step² ∫ Φ(1 − Φ) σ dz/step = step σ/√π.
+///
+/// ```
+/// use undrift_noise::screening::rounding::{LEAST_SHOWN, MOSTLY_SHOWN, share_shown};
+/// // One sample in a thousand is a step off: a variance of 0.001 step², of noise that may be a sixth of a step.
+/// assert!(share_shown(1.0, 10, 10_000, 0.001) < LEAST_SHOWN);
+/// // Half of the samples are: the mean is near an edge, where noise shows most.
+/// assert!(share_shown(1.0, 5000, 10_000, 0.25) > MOSTLY_SHOWN);
+/// ```
 pub fn share_shown(step: f64, off: usize, samples: usize, variance: f64) -> f64 {
     let everywhere = step * largest_hidden(step, off, samples) / PI.sqrt();
     (variance / everywhere).sqrt()

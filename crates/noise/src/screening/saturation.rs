@@ -1,4 +1,7 @@
 //! A sensor driven against its stops.
+//!
+//! At a stop of the range the distribution ends in a heap: all that would have been beyond reads the last
+//! value. Noise that is cut so has too small a variance and a mean that moves with it.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,8 @@
 //! How far the noise itself reaches: the tail of Student's t that the bulk of the samples follows.
+//!
+//! Ratios of quantiles to the median give the degrees of freedom, the lightest tail of all counts, and the
+//! bound is where that distribution leaves a thousandth of a sample of the whole record. Normal noise keeps the
+//! caller's threshold.
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 

@@ -25,6 +25,9 @@ pub struct Gap {
 }
 
 /// Rate, jitter and gaps of a record's time stamps.
+///
+/// Stamps that a logger rounds to milliseconds give intervals a jitter of 0.4 ms, √2/√12 of the step, that the samples
+/// do not have: the rate is then in the sum of all intervals, not in one of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Timing {

@@ -30,6 +30,12 @@ impl Trend {
     }
 
     /// The trend of this name; `None` of any other text.
+    ///
+    /// ```
+    /// use undrift_noise::screening::Trend;
+    /// assert!(Trend::ALL.iter().all(|trend| Trend::named(trend.name()) == Some(*trend)));
+    /// assert_eq!((Trend::named("linear"), Trend::named("cubic")), (Some(Trend::Linear), None));
+    /// ```
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|trend| trend.name() == name)
     }
@@ -52,6 +58,12 @@ pub struct Detrended {
 ///
 /// # Errors
 /// No sample, a sample that is not finite.
+///
+/// ```
+/// let found = undrift_noise::screening::remove_constant(&[1.0, 2.0, 6.0])?;
+/// assert_eq!((found.mean, found.residuals), (3.0, vec![-2.0, -1.0, 3.0]));
+/// # Ok::<(), undrift_noise::screening::RecordError>(())
+/// ```
 pub fn remove_constant(x: &[f64]) -> Result<Detrended, RecordError> {
     check(x, 1)?;
     let mean = mean(x);

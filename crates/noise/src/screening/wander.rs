@@ -52,6 +52,13 @@ pub enum Shape {
 }
 
 /// A disturbance of a level: a step, a warm-up or a slow cycle.
+///
+/// ```
+/// use undrift_noise::screening::{Disturbance, Shape};
+/// let warm_up = Disturbance { shape: Shape::WarmUp(10.0), coefficients: [2.0, 0.0], fall: 100.0 };
+/// assert_eq!(warm_up.size(), 2.0);
+/// assert!((warm_up.value(10.0) - 2.0 / std::f64::consts::E).abs() < 1e-12); // After one time constant.
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disturbance {
     /// Shape, with its times.
@@ -138,6 +145,9 @@ impl Shape {
 }
 
 /// The noise under which averages are looked at: white noise of variance 1 and a slow part.
+///
+/// The slow part is an AR(1) of averages, a walk where its memory is infinite, with a scalar Kalman filter's
+/// gains computed once: they depend on what is missing, not on values.
 struct Noise {
     /// Part of the slow noise that is left after an average.
     left: f64,
@@ -176,6 +186,8 @@ impl Noise {
     }
 
     /// The innovations of a series over their standard deviations.
+    ///
+    /// 0 where the average is missing.
     fn whitened(&self, series: &[f64]) -> Vec<f64> {
         let mut state = 0.0;
         let whitened_value = |(value, &(weight, gain)): (&f64, &(f64, f64))| {
@@ -191,6 +203,9 @@ impl Noise {
     }
 
     /// The products of a whitened series with whitened steps at every place.
+    ///
+    /// One backward recursion gives all places: a step from k on is the sum of what starts there and what a
+    /// step from k + 1 on is.
     fn with_steps(&self, whitened: &[f64]) -> Vec<f64> {
         let (mut carried, mut sum) = (0.0, 0.0);
         let product = |(value, &(weight, gain)): (&f64, &(f64, f64))| {
@@ -286,6 +301,7 @@ impl Search<'_> {
     }
 
     /// −2 ln likelihood less a constant, its scale at its best, where so much of the squares is explained.
+    /// `log|V| + N ln((S − explained)/N)`.
     fn cost(&self, noise: &Noise, squares: f64, explained: f64) -> f64 {
         let left = (squares - explained).max(1e-12 * squares);
         self.present * (left / self.present).ln() + noise.log_determinant

@@ -63,6 +63,18 @@ pub struct Line {
 
 /// Takes lines and narrow resonances out of a record sampled at `rate_hz` \[Hz\], NaN where a sample is missing,
 /// and returns them by growing frequency. One FFT of the record where there are none, at most a dozen where there are.
+///
+/// A record shorter than 128 samples is left as it is. What is removed is returned: a line may be added again
+/// from its frequency, amplitude and phase, a resonance may not.
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::{spectrum::remove_lines, synthesis::NoiseGenerator};
+/// // White noise shows a line in one record of a thousand.
+/// let mut noise: Vec<f64> = NoiseGenerator::new(&ShapingFilter::white(0.1, 0.01)?, 1).take(4096).collect();
+/// assert!(remove_lines(&mut noise, 100.0).is_empty());
+/// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+/// ```
 pub fn remove_lines(record: &mut [f64], rate_hz: f64) -> Vec<Line> {
     if record.len() < FEWEST {
         return Vec::new();

@@ -10,6 +10,9 @@ const REACH: usize = 25;
 const LOBE: usize = 2;
 
 /// A peak of a density.
+///
+/// Its density alone says little: a sine's grows with the length of a segment, noise's does not. Its power, and
+/// so the amplitude, is the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Peak {
     /// Frequency \[Hz\], the power-weighted mean over the peak.

@@ -19,6 +19,7 @@ pub struct Density {
 
 impl Density {
     /// Spacing of the frequencies \[Hz\].
+    /// The sample rate over the segment's length; 0 of a density with one frequency.
     pub fn resolution_hz(&self) -> f64 {
         self.frequency_hz.get(1).copied().unwrap_or(0.0)
     }

@@ -107,6 +107,9 @@ pub fn adf(x: &[f64], deterministic: Deterministic, lags: Lags) -> Result<Adf, R
 }
 
 /// The lag that the rule picks, and its criterion.
+///
+/// Akaike's and Schwarz' criteria of all lags come from one Cholesky factor: its leading blocks are the
+/// regressions with fewer lags.
 fn search(
     products: &Products,
     deterministic: Deterministic,
@@ -166,6 +169,10 @@ enum Column {
 }
 
 /// Sums of products of the columns over rows t = lags+1 … n−1.
+///
+/// `Σ Δx_{t−i−1} Δx_{t−j−1}` is `Σ Δx_{t−i} Δx_{t−j}` with the first product of the rows added and the last
+/// taken off, so that one row of lags is summed over the record and the others are corrections of its ends: O(N
+/// L) instead of O(N L²).
 struct Products {
     lags: usize,
     rows: usize,

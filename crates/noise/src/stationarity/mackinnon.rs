@@ -42,6 +42,7 @@ pub fn critical_tau(deterministic: Deterministic, rows: usize) -> Critical {
 }
 
 /// Probability of a smaller Dickey-Fuller τ under a unit root, asymptotic; 0 and 1 beyond the range of the approximation.
+/// The normal distribution function of a polynomial in τ: of the second degree below a switch, of the third above it.
 pub fn p_tau(tau: f64, deterministic: Deterministic) -> f64 {
     // Range, switch between the two polynomials, and their coefficients.
     let (least, switch, most, small, large) = match deterministic {

@@ -1,6 +1,11 @@
 //! Phillips-Perron tests (Biometrika 75, 1988; Hamilton, Time Series Analysis, 1994, section 17.6),
 //! Z-tau and Z-rho as Python's arch computes them: residual variance with divisor n − k in the
 //! standard error, n in γ₀, Bartlett weights. (R's urca differs by terms of order 1/n.)
+//!
+//! Of the regression `x_t = ρ x_{t−1} + deterministic + u_t` the t of ρ − 1 is corrected by the long-run
+//! variance of u (Bartlett weights, Newey & West 1987) in place of lagged differences. With a moving-average
+//! root near 1, as white noise over a walk has, it over-rejects even more than the augmented Dickey-Fuller test
+//! (Schwert 1989).
 
 use super::mackinnon::{critical_tau, p_tau};
 use super::{Critical, Deterministic, long_run_variance, schwert};

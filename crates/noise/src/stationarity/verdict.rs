@@ -1,4 +1,14 @@
 //! The three tests weighed together.
+//!
+//! | unit root rejected (ADF and PP) | stationarity rejected (KPSS) | conclusion |
+//! |---|---|---|
+//! | yes | no | stationary |
+//! | no | yes | unit root |
+//! | no | no | undecided: too short |
+//! | yes | yes | conflict |
+//! | by one of the two | yes or no | conflict |
+//! | a moving-average root above 0.8 | no | nothing slow seen |
+//! | a moving-average root above 0.8 | yes | slow part seen |
 
 use super::{Adf, Kpss, PhillipsPerron};
 
@@ -53,6 +63,17 @@ pub struct Verdict {
 /// Weighs the tests at 5 %. `ma_root` is the largest inverse root of the moving-average part where a
 /// model has been fitted (θ of an ARMA(1,1), sign of docs/theory.md, section 1); near 1 it makes augmented
 /// Dickey-Fuller and Phillips-Perron reject a unit root that is there.
+///
+/// ```
+/// use undrift_noise::stationarity::{Adf, Conclusion, Critical, Kpss, PhillipsPerron, verdict};
+/// let critical = Critical { one: -3.43, five: -2.86, ten: -2.57 };
+/// let adf = Adf { statistic: -9.0, critical, ..Adf::default() };
+/// let corrected = PhillipsPerron { z_tau: -40.0, critical, ..PhillipsPerron::default() };
+/// let kpss = Kpss { statistic: 0.9, critical: Critical { one: 0.739, five: 0.463, ten: 0.347 }, ..Kpss::default() };
+/// // All three reject. With θ = 0.999 the first two would reject a random walk as well: KPSS alone counts.
+/// assert_eq!(verdict(&adf, &kpss, &corrected, None).conclusion, Conclusion::Conflict);
+/// assert_eq!(verdict(&adf, &kpss, &corrected, Some(0.999)).conclusion, Conclusion::SlowPartSeen);
+/// ```
 pub fn verdict(
     adf: &Adf,
     kpss: &Kpss,

@@ -1,4 +1,6 @@
 //! Small matrices of known size.
+//!
+//! Sums go in a fixed order and no product is left to a library, so that results are the same on every machine.
 
 /// A square matrix by rows.
 pub(crate) type Matrix<const N: usize> = [[f64; N]; N];

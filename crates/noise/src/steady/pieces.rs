@@ -1,4 +1,7 @@
 //! Pieces of a record run from a state of zeros, eight side by side.
+//!
+//! The state that a piece really starts from adds `H Aᵏ x` to its innovations; the sums of [`Summary`] and the
+//! tables of [`Tables`] give all products of that with the piece, so that no sample is looked at twice.
 
 use super::Innovations;
 use super::matrix::{Matrix, Vector, add, apply, dot, identity, product, transposed};

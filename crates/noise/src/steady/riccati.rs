@@ -1,4 +1,7 @@
 //! The steady state of a shaping filter's prediction.
+//!
+//! The recursion of the covariance over one sample is a linear fractional map; two of them in a row are one of
+//! the same form, so that k doublings give 2ᵏ samples: 22 are half a day at 100 Hz.
 
 use super::Innovations;
 use super::matrix::{Matrix, Vector, add, apply, dot, identity, product, solve, transposed};
@@ -21,6 +24,9 @@ pub(crate) struct Steps<const N: usize> {
 
 impl<const N: usize> Steps<N> {
     /// One sample; none where the filter has no noise of a sample's own.
+    ///
+    /// The driving noise is freed of its correlation s with the sample's own first: `F − s H/r` and
+    /// `q − s sᵀ/r` (Anderson & Moore 1979, section 5.3).
     fn one(filter: &ShapingFilter) -> Option<Self> {
         let r = filter.r;
         if !(r > 0.0 && r.is_finite()) {
@@ -56,6 +62,8 @@ impl<const N: usize> Steps<N> {
     }
 
     /// The covariance after them.
+    ///
+    /// `None` where `I + g P` is singular to working precision.
     pub(crate) fn after(&self, before: &Matrix<N>) -> Option<Matrix<N>> {
         let weight = add(&identity(), &product(&self.g, before), 1.0);
         let (wa, _) = solve(&weight, &self.a)?;

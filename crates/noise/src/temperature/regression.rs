@@ -1,5 +1,9 @@
 //! Generalised least squares on block averages: regressors under the covariance of a composite model, which is fitted
 //! with them by restricted maximum likelihood (Patterson & Thompson 1971; Harville 1974).
+//!
+//! With whitened level and regressors X and record y the coefficients are `(XᵀX)⁻¹ Xᵀy`, and −2 log of the
+//! restricted likelihood is `log|V| + log|XᵀX| + yᵀy − yᵀX(XᵀX)⁻¹Xᵀy` up to a constant. One pass of one filter
+//! whitens all four signals: what it needs of the model, gain and variance, does not depend on the data.
 
 use crate::composite::predictor::{Predictor, dot};
 use crate::composite::{CompositeTerms, GaussMarkov, TermSet, block_average};
@@ -156,6 +160,9 @@ impl Averages {
 
     /// What the restricted log-likelihood of a model changes by where the coefficients of the first `regressors` are
     /// integrated out too, under a flat prior as the level is.
+    ///
+    /// Half the change of `log|XᵀX| + S` from the level alone to level and regressors, with the sign turned:
+    /// models are compared by what they say of the record beyond what temperature may explain.
     pub(super) fn restriction(&self, filter: &ShapingFilter, regressors: usize) -> Option<f64> {
         let sums = self.products(filter)?;
         let [level, all] = [sums.solved(0)?, sums.solved(regressors)?];
@@ -197,6 +204,8 @@ impl Averages {
 
     /// White noise by the differences of neighbours, and slow terms by what least squares leave, at several shares and
     /// correlation times.
+    ///
+    /// `None` where the averages do not vary.
     fn starts(&self, set: TermSet, regressors: usize, length_s: f64) -> Option<Vec<Vec<f64>>> {
         let present = || self.rows.iter().filter(|row| !row[0].is_nan());
         let pairs = present().zip(present().skip(1));

@@ -23,6 +23,9 @@ const FINISHED: usize = 4;
 const TRACE: f64 = 1e-3;
 
 /// Composite terms fitted to a wavelet variance.
+///
+/// A deviance far above the degrees of freedom says that the set of terms lacks one, or that the record has a
+/// line or a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MomentFit {

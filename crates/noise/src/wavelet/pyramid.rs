@@ -1,4 +1,8 @@
 //! One pass over a record: running sums kept at strides 1, 2, 4, …, the last 65 of each.
+//!
+//! The coefficient at the scale of m samples is a second difference of the running sum over m: from sums at
+//! every sample up to m = 32, above that at every m/32-th, which are 32 coefficients to a scale's length still.
+//! Each stride needs the last 65 of its own sums, so the memory is that of the scales, not of the record.
 
 /// Means at the finest stride go up to this many samples; at stride 2^k the scale is this times 2^k.
 const WIDTH: usize = 32;
@@ -15,6 +19,7 @@ pub(super) struct Energy {
     pub(super) coefficients: usize,
 }
 
+/// A ring of sums at one stride: 2⁰ = every sample, 2ᵏ = every 2ᵏ-th.
 struct Level {
     sums: [f64; RING],
     /// Samples missing so far.
@@ -24,6 +29,7 @@ struct Level {
 }
 
 impl Level {
+    /// The sum after so many samples, and how many of these were missing.
     fn push(&mut self, sum: f64, missing: u32) {
         self.sums[self.count % RING] = sum;
         self.missing[self.count % RING] = missing;

@@ -3,6 +3,8 @@
 //! For a Gaussian process of spectrum S and Haar filters H, `cov(ν̂_j², ν̂_k²) = (2/n) ∫ |H_j|² |H_k|² S² df`
 //! over frequencies −½…½ a sample, n the coefficients of the longer scale: Percival & Walden 2000,
 //! section 8.4, Serroukh & Walden 2000. `|H_m|² = sin⁴(πfm) / (m² sin²(πf))`.
+//!
+//! The integral is taken octave by octave of frequency, by the middles of 64 steps in each.
 
 use super::WaveletPoint;
 use crate::terms::{CompositeTerms, GaussMarkov};
@@ -14,6 +16,10 @@ const POINTS: usize = 64;
 
 /// Spectrum \[unit²\] at sin²(πf), f in cycles a sample; its mean over −½…½ is the variance. `slow`: the terms'
 /// [`CompositeTerms::slow`].
+///
+/// White noise is flat, N²/T; quantisation rises as 4 sin²(πf) (a difference of white noise); a walk falls as
+/// 1/(4 sin²(πf)); an AR(1) of φ = e^{−a} has σ²(1 − φ²)/((1 − φ)² + 4φ sin²(πf)), whose small differences are
+/// taken by `exp_m1`.
 fn spectrum(
     terms: &CompositeTerms,
     slow: &(Vec<GaussMarkov>, f64),

@@ -1,4 +1,9 @@
 //! The Kalman filter that whitens the residuals of a window, with the parameters' effect beside the data.
+//!
+//! Residuals of successive fixes are not independent: gyro and accelerometer noise between them makes velocity
+//! and attitude wander. The filter predicts each fix from those before; what is new in it, over its standard
+//! deviation, is white, and so are the columns of the parameters that went the same way. Sums of squares and
+//! products of these are the normal equations of generalised least squares.
 
 use nalgebra::{SMatrix, SVector};
 use undrift_nav::{Matrix3, Quaternion, Vector3, preintegration::Preintegrated};

@@ -1,4 +1,8 @@
 //! The loops over the rows of a block.
+//!
+//! A row holds the same place of every piece. All loops go over rows, lane by lane, so that the feedback of the
+//! recursion waits once a row, not once a sample. Each [`Task`] is compiled for plain and for wide vectors
+//! ([`crate::vector`]).
 
 use super::{LANES, PIECE, Row};
 use crate::vector::{Task, add_products, multiply_add};
@@ -61,6 +65,8 @@ impl<const L: usize> Task for Recurse<'_, L> {
 }
 
 /// Lays the pieces of a block side by side, each with the samples before it that φ needs.
+///
+/// A transpose, four pieces at a time; `samples` begin p before the block, `turned` has p rows more than a piece.
 pub(super) struct Turn<'a> {
     pub(super) samples: &'a [f64],
     pub(super) centre: f64,
@@ -87,6 +93,8 @@ impl Task for Turn<'_> {
 
 /// One block at one point: autoregression, recursion from zeros, correction by the history before
 /// each piece. Leaves a in `work` after the first q rows and the history at the end in `history`.
+///
+/// `turned` are rows of [`Turn`]; `starts` and `history` have q entries, newest first.
 pub(super) struct Block<'a> {
     pub(super) phi: &'a [f64],
     pub(super) theta: &'a [f64],
@@ -124,6 +132,8 @@ impl Task for Block<'_> {
 }
 
 /// The history before every piece, from what each makes of zeros.
+///
+/// One piece after the other, q values each: the only part of a block that is serial.
 #[inline(always)]
 fn propagate(responses: &[[f64; PIECE]], rows: &[Row], history: &mut [f64], starts: &mut [Row]) {
     let q = responses.len();
@@ -143,6 +153,7 @@ fn propagate(responses: &[[f64; PIECE]], rows: &[Row], history: &mut [f64], star
 }
 
 /// `u_k = x_k − φ1 x_{k−1} − … − φp x_{k−p}`, x after its first p rows.
+/// The moving-average part of the whitening filter, without feedback.
 #[inline(always)]
 fn autoregress<const FUSED: bool>(phi: &[f64], x: &[Row], u: &mut [Row]) {
     let p = phi.len();
@@ -157,6 +168,8 @@ fn autoregress<const FUSED: bool>(phi: &[f64], x: &[Row], u: &mut [Row]) {
 }
 
 /// Adds what the history before each piece makes of it; sum and sum of squares.
+///
+/// A piece run from zeros plus h_0 w_0 + … + h_{q−1} w_{q−1}: the equation of [`super`].
 #[inline(always)]
 fn correct<const FUSED: bool>(
     responses: &[[f64; PIECE]],
@@ -242,6 +255,8 @@ impl Task for ProductsWith<'_> {
 }
 
 /// Sums of products of g, delayed by 0, 1, … rows, with a, g and o.
+///
+/// `impulse` begins r rows before the pieces, r the number of lags.
 pub(super) struct Lagged<'a> {
     pub(super) impulse: &'a [Row],
     pub(super) a: &'a [Row],

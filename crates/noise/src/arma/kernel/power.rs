@@ -1,4 +1,8 @@
 //! Powers summed over a rational spectrum.
+//!
+//! Whittle's likelihood and its gradient are sums over frequencies of the periodogram over the model's spectrum
+//! `|θ|²/|φ|²`; sixteen frequencies go side by side. Sine and cosine of each are computed once, since all
+//! evaluations of a search share them.
 
 use super::{LANES, Row};
 use crate::vector::{Task, total, vectorised};

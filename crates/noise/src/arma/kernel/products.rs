@@ -28,6 +28,7 @@ struct Filtered {
 
 impl Filtered {
     /// After the values of `head`, the newest last.
+    /// Zeros stand for what comes before the head.
     fn after(head: &[f64], q: usize, delays: usize) -> Self {
         let delays = delays.max(q);
         let newest = head.iter().rev().copied().chain(std::iter::repeat(0.0));

@@ -1,4 +1,8 @@
 //! The recursions at one point (φ, θ), from the start of the record to its end.
+//!
+//! The start of a record, up to a multiple of the block, goes sample by sample; blocks follow. While the
+//! response to the state before the record is above rounding, its sums are taken too; from then on only a
+//! itself is summed, and o stays at its limit.
 
 use super::{
     Accumulated, BLOCK, LANES, PIECE, Row,
@@ -221,6 +225,7 @@ impl<'a> Run<'a> {
     }
 
     /// The sums, with the last responses to the state before the record.
+    /// They are what [`information`](crate::arma::likelihood::information) takes off along its diagonals.
     pub(super) fn finish(mut self) -> Accumulated {
         let r = self.sums.state_cross.len();
         self.sums.last_impulse = self.impulse[..r].to_vec();

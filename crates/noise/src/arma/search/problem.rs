@@ -1,4 +1,8 @@
 //! The likelihood that is searched, and its gradient.
+//!
+//! Search coordinates are the artanh of partial autocorrelations, φ's and then θ's
+//! ([`crate::arma::polynomial`]): every point of them is stationary and invertible, and near a unit root they
+//! are the logarithm of its distance.
 
 use crate::arma::{
     gradient::At,

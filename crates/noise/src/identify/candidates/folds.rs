@@ -1,4 +1,7 @@
 //! The parts of records that candidates are fitted to and scored on.
+//!
+//! Records are scored both ways, so that one quiet half does not decide alone: a stationary normal process
+//! looks the same in both directions of time, and so do the increments of a random walk.
 
 use super::LEFT_OUT_SINGLY;
 use crate::{
@@ -28,6 +31,7 @@ pub(super) struct Fold<'a> {
 }
 
 impl<'a> TrainingSet<'a> {
+    /// The Allan deviation of the records and its terms; `None` where they cannot be fitted.
     pub(super) fn new(records: Vec<&'a [f64]>, rate_hz: f64, block: usize) -> Option<Self> {
         let bridged: Vec<Vec<f64>> = records.iter().map(|record| bridge(record, 0.0)).collect();
         let curve = |record: &Vec<f64>| {
@@ -47,6 +51,9 @@ impl<'a> TrainingSet<'a> {
         })
     }
 
+    /// The model of a method of the literature, of the records end to end.
+    /// # Errors
+    /// As [`Method::fit`].
     pub(super) fn compared(&self, method: Method) -> Result<CompositeTerms, Unfit> {
         method.fit(&self.end_to_end, &self.curve, &self.allan)
     }

@@ -1,4 +1,8 @@
 //! What is fitted, and the fits.
+//!
+//! A recipe is fitted to the whole, which gives the model, and to each part of it that a score leaves over,
+//! from the optimum of the whole. A part may miss a term that the whole shows; a whole in which a term vanishes
+//! is no candidate, since the smaller model is one.
 
 use super::{
     super::{HIGH_ORDER_SAMPLES, Origin},
@@ -145,6 +149,7 @@ impl Recipe {
         Some(self.fitted((model, origin)))
     }
 
+    /// A fit with its parameters counted.
     pub(super) fn fitted(self, (model, origin): (AxisModel, Origin)) -> Fitted {
         Fitted {
             model,
@@ -156,6 +161,7 @@ impl Recipe {
 }
 
 impl Fitted {
+    /// The filter that is scored: exact, with the turn-on constant; `None` where there is none at this rate.
     pub(super) fn shaping(&self, turn_on: f64, rate_hz: f64) -> Option<ShapingFilter> {
         let model = AxisModel {
             turn_on,
@@ -185,6 +191,7 @@ pub(super) fn name_of(set: TermSet) -> String {
     name
 }
 
+/// White noise of an Allan deviation alone.
 pub(super) fn white(terms: &Terms) -> AxisModel {
     AxisModel {
         white: Some(terms.white.value.max(f64::MIN_POSITIVE)),

@@ -52,6 +52,7 @@ impl Between {
     }
 
     /// Degrees of freedom of the spread, n − 1.
+    /// 0 of one record, which shows no spread.
     pub fn degrees_of_freedom(&self) -> usize {
         self.records.saturating_sub(1)
     }

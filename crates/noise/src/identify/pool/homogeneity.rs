@@ -151,6 +151,7 @@ impl Records {
     }
 
     /// The most likely factors of some averages.
+    /// From factors of 1, by BFGS in their logarithms.
     fn best(&self, of: &[&Averages]) -> Best {
         Self::least(&|at| self.cost(of, at), vec![0.0; self.factors])
     }
@@ -181,6 +182,7 @@ impl Records {
     }
 
     /// How much the halves of a record differ, over what the model allows.
+    /// The mean of the halves' likelihood ratios over their degrees of freedom, at least 1.
     fn inflation(&self) -> f64 {
         let ratios = self.halves.iter().filter_map(|halves| match halves {
             [Some(first), Some(second)] => {

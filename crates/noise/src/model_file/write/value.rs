@@ -1,4 +1,8 @@
 //! Values of TOML in lines of a readable length.
+//!
+//! Strings and lists that are longer than 100 characters go over several lines, so that a model file can be
+//! read and compared in an editor. What is read back is the same text: the breaks are TOML's own continuation
+//! of lines.
 
 use std::fmt::Write;
 

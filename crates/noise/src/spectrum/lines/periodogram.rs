@@ -1,4 +1,10 @@
 //! The periodogram of a whole record, and the peaks of it that chance does not make.
+//!
+//! White noise gives bins that are exponential, so the ratio of one to the mean of others has an F distribution
+//! with 2 and twice their number degrees of freedom. Medians in place of means are blind to a second line
+//! nearby, at the price of some efficiency, which counts as fewer neighbours. The level is divided by the
+//! number of all bins and bands that are looked at (Bonferroni), so that the false-alarm probability is one of
+//! the whole record.
 
 use crate::screening::record::mean;
 use realfft::RealFftPlanner;
@@ -39,9 +45,9 @@ pub(super) struct Periodogram {
 pub(super) struct Peak {
     /// Frequency \[1/sample\].
     pub(super) frequency: f64,
-    /// Power [unit²], the mean over its band.
+    /// Power \[unit²\], the mean over its band.
     pub(super) power: f64,
-    /// Power beside it [unit²].
+    /// Power beside it \[unit²\].
     pub(super) background: f64,
     /// Width of its band \[1/sample\].
     pub(super) width: f64,
@@ -180,7 +186,7 @@ impl Periodogram {
         })
     }
 
-    /// Where between its neighbours a bin's peak is, by the parabola through the logarithms of three [bins].
+    /// Where between its neighbours a bin's peak is, by the parabola through the logarithms of three \[bins\].
     fn offset(&self, bin: usize) -> f64 {
         let [a, b, c] = [bin - 1, bin, bin + 1].map(|k| self.power[k].max(f64::MIN_POSITIVE).ln());
         let bend = a - 2.0 * b + c;
@@ -222,7 +228,7 @@ impl Periodogram {
     }
 }
 
-/// Most power of a sine at a distance [bins] from its peak, of the peak's: a Hann window's lobes fall as
+/// Most power of a sine at a distance \[bins\] from its peak, of the peak's: a Hann window's lobes fall as
 /// 1/(π d³), and between two bins the peak itself is 0.85 of its height.
 fn lobe(peak: f64, distance: f64) -> f64 {
     0.15 * peak / distance.powi(6)

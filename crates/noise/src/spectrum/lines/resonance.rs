@@ -1,4 +1,12 @@
 //! A narrow resonance: its spectrum by Whittle's likelihood, and the notch filter that takes it out.
+//!
+//! A second-order system that noise drives has nearly this spectrum about its centre. Its four numbers are
+//! found by Fisher's scoring of Whittle's likelihood, in which each ordinate of the periodogram is exponential
+//! about the spectrum.
+//!
+//! The notch has its zeros on the poles of the resonance and poles that are broader by √(1 + H/B), so that what
+//! comes out has the level beside it. Its state begins where the start of the record varies least: no transient
+//! is left in the record.
 
 use super::Line;
 use super::periodogram::{Peak, Periodogram};
@@ -25,9 +33,9 @@ pub(super) struct Resonance {
     frequency: f64,
     /// w, its full width at half its height \[1/sample\].
     width: f64,
-    /// H, its height [unit²].
+    /// H, its height \[unit²\].
     height: f64,
-    /// B, the level beside it [unit²].
+    /// B, the level beside it \[unit²\].
     background: f64,
 }
 
@@ -80,7 +88,7 @@ impl Resonance {
         (peak.frequency - self.frequency).abs() < (WIDTHS * self.width).max(BINS * step)
     }
 
-    /// Spectrum at a frequency \[1/sample\], [unit²].
+    /// Spectrum at a frequency \[1/sample\], \[unit²\].
     fn density(&self, frequency: f64) -> f64 {
         let u = 2.0 * (frequency - self.frequency) / self.width;
         self.background + self.height / (1.0 + u * u)

@@ -1,4 +1,8 @@
 //! A sine of unknown frequency by least squares.
+//!
+//! For a given frequency the coefficients of sine and cosine are linear least squares; the frequency follows by
+//! Gauss and Newton's method from within the main lobe of the periodogram, where there is one minimum. Time
+//! runs from the middle of the record: frequency and phase are then uncorrelated.
 
 use super::Line;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
@@ -18,7 +22,7 @@ pub(super) struct Sine {
     cosine: f64,
     /// Coefficient b of the sine \[unit\].
     sine: f64,
-    /// Variance of the white noise, from the power near the line [unit²].
+    /// Variance of the white noise, from the power near the line \[unit²\].
     pub(super) background: f64,
 }
 
