@@ -7,50 +7,28 @@
 
 use serde_json::{Map, Value, json};
 use std::{cell::RefCell, collections::BTreeMap, path::Path};
-use undrift_nav::units::Quantity;
-
-/// What a reader takes from a key.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Takes {
-    Text,
-    Words(Vec<String>),
-    ListOf(Vec<String>),
-    Switch,
-    Whole,
-    Positive,
-    Numbers,
-    Column,
-    ThreeColumns,
-    FourColumns,
-    Quantity(Quantity),
-    Quantities(Quantity),
-    Vector(Quantity),
-    Unit(Quantity),
-    Table,
-    Tables,
-    Model,
-}
+use undrift_config::Takes;
 
 /// Table and key.
 type Key = (String, String);
 
-thread_local! {
-    static ASKED: RefCell<BTreeMap<Key, Vec<Takes>>> = RefCell::default();
-}
+/// What readers asked for.
+#[derive(Default)]
+pub(crate) struct Asked(RefCell<BTreeMap<Key, Vec<Takes>>>);
 
-/// Notes that a reader asked for a key of a table.
-pub(crate) fn note(table: &str, key: &str, takes: Takes) {
-    ASKED.with_borrow_mut(|asked| {
+impl Asked {
+    /// Notes that a reader asked for a key of a table.
+    pub(crate) fn note(&self, table: &str, key: &str, takes: Takes) {
+        let mut asked = self.0.borrow_mut();
         let all = asked.entry((table.into(), key.into())).or_default();
         if !all.contains(&takes) {
             all.push(takes);
         }
-    });
-}
+    }
 
-/// What this thread's readers asked for since this was called last.
-pub(crate) fn asked() -> BTreeMap<Key, Vec<Takes>> {
-    ASKED.take()
+    pub(crate) fn all(self) -> BTreeMap<Key, Vec<Takes>> {
+        self.0.into_inner()
+    }
 }
 
 /// What a page says of a key.

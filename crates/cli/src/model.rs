@@ -13,7 +13,7 @@ use std::{
 };
 use undrift::{
     Drive,
-    drive::{self, Section},
+    drive::{self, Logs, Section},
     noise::{ImuModel, ModelError, ModelFormat},
     results,
 };
@@ -102,13 +102,16 @@ fn of_drive(file: &Path) -> Result<Option<(ImuModel, Option<f64>)>> {
         return Ok(None);
     }
     let home = file.parent().unwrap_or(Path::new(""));
-    let interval = Drive::load(file, None)
-        .ok()
-        .map(|drive| drive.sample_interval());
-    let rate = interval
-        .and_then(Result::ok)
-        .map(|interval| (1e3 / interval).round() / 1e3);
-    let model = top.model("model", home)?.map(|model| (model, rate));
+    let logs = Logs {
+        folder: home.to_owned(),
+        ..Logs::default()
+    };
+    let (model, interval) = match Drive::from_tables(&top, home, logs) {
+        Ok(mut drive) => (drive.model.take(), drive.sample_interval().ok()),
+        Err(_) => (drive::model(&top, "model", home)?, None),
+    };
+    let rate = interval.map(|interval| (1e3 / interval).round() / 1e3);
+    let model = model.map(|model| (model, rate));
     model.map(Some).with_context(|| {
         let file = file.display();
         format!(

@@ -25,13 +25,13 @@ mod epoch;
 mod error;
 pub(crate) mod gnss;
 pub(crate) mod imu;
+mod keys;
 mod logs;
 mod memory;
 mod named;
 pub(crate) mod poses;
 mod result;
 mod scalars;
-mod section;
 pub(crate) mod tables;
 #[cfg(test)]
 mod tests;
@@ -42,15 +42,16 @@ pub use epoch::Beginning;
 pub(crate) use epoch::OTHER_CLOCK;
 pub use error::{ConfigError, DriveError};
 pub use imu::{ImuLog, load_imu};
+pub(crate) use keys::{DEGREES_MINUTES, column};
+pub use keys::{columns, file_name, model};
 pub use logs::Logs;
 pub use named::{files_named, log_tables};
 pub use poses::Poses;
 pub use scalars::{ScalarLog, Scalars};
-pub(crate) use section::DEGREES_MINUTES;
-pub use section::{Section, Table, Value};
 pub(crate) use tables::AXLE_STD;
-pub use tables::{read_initial, read_switch};
+pub use tables::read_initial;
 pub use text::{parse, read_text};
+pub use undrift_config::{Section, Table, Value};
 
 use crate::{
     align::{AlignSettings, Heading},
@@ -214,12 +215,11 @@ impl Drive {
         Self::from_tables(&Section::top(table.get_ref(), text, file), home, logs)
     }
 
-    /// Reads the tables of a drive file.
-    pub(crate) fn from_tables(
-        top: &Section,
-        home: &Path,
-        mut logs: Logs,
-    ) -> Result<Self, DriveError> {
+    /// Reads the tables of a drive file that is parsed already, in the manner of [`Drive::with_logs`].
+    ///
+    /// # Errors
+    /// As [`Drive::from_toml`].
+    pub fn from_tables(top: &Section, home: &Path, mut logs: Logs) -> Result<Self, DriveError> {
         let tables = [
             "model", "epoch", "initial", "span", "vehicle", "states", "local",
         ];
@@ -278,13 +278,13 @@ impl Drive {
             poses,
             scalars,
             constraints,
-            gating: tables::read_switch(&gnss, "gate")?.unwrap_or(true),
+            gating: gnss.switch("gate")?.unwrap_or(true),
             imu,
             imu_read: BytesRead::default(),
             estimate_mounting: options.estimate_mounting,
             // By a hand or a copter as at rest: what shakes above the band of motion is a vehicle's engine.
             vibration: options.vibration.filter(|_| !posed || vibration_is_stated),
-            adapt: tables::read_switch(&gnss, "adapt")?.unwrap_or(false),
+            adapt: gnss.switch("adapt")?.unwrap_or(false),
             quality,
             correlation,
             std_factors,
@@ -293,7 +293,7 @@ impl Drive {
             gnss_use,
             lever_arm,
             align: tables::read_initial(&top.section("initial")?)?,
-            model: top.model("model", home)?,
+            model: keys::model(top, "model", home)?,
             epoch: None,
             beginning: Beginning::default(),
             guessed_rate: None,

@@ -9,7 +9,7 @@ pub use choice::{Choice, Verb};
 use super::{Job, Task};
 use choice::read_choice;
 use std::path::Path;
-use undrift_drive::drive::{ConfigError, Section, parse};
+use undrift_drive::drive::{ConfigError, Section, file_name, parse};
 
 /// Logs by name, or by a pattern with `*`, `?` and `[…]`.
 #[derive(Clone, Debug, PartialEq)]
@@ -145,7 +145,7 @@ impl Manifest {
             choice.name = log.text("name")?.map(str::to_owned);
             change(&mut choice);
             let table = match log.get("table") {
-                Some(_) => Some(log.file("table")?.to_owned()),
+                Some(_) => Some(file_name(&log, "table")?.to_owned()),
                 None => None,
             };
             let key = match (log.text("drive")?, log.text("record")?) {
@@ -159,7 +159,7 @@ impl Manifest {
                     ));
                 }
             };
-            let pattern = key.map_or(Ok(""), |key| log.file(key))?.to_owned();
+            let pattern = key.map_or(Ok(""), |key| file_name(&log, key))?.to_owned();
             log.only_known()?;
             let line = log.line_of(key.unwrap_or("table"));
             if let Some(key) = key.filter(|_| table.is_some() && is_pattern(&pattern)) {

@@ -1,13 +1,10 @@
 //! Names of files near one that is not there.
 
 use std::path::Path;
+use undrift_base::nearby::{edits, question};
 
 /// Entries of a folder that are looked at.
 const MOST: usize = 10_000;
-/// Names that are shown.
-const SHOWN: usize = 3;
-/// Longest name that is compared \[bytes\].
-const LONGEST: usize = 255;
 
 /// "did you mean imu.csv.gz?", from the folder of a file that is not there; `None` without a near name.
 pub fn names(path: &Path) -> Option<String> {
@@ -25,25 +22,7 @@ pub fn names(path: &Path) -> Option<String> {
         })
         .collect();
     near.sort();
-    let names: Vec<String> = near.into_iter().take(SHOWN).map(|(_, name)| name).collect();
-    (!names.is_empty()).then(|| format!("did you mean {}?", names.join(" or ")))
-}
-
-/// "did you mean gyro_unit?", of the known names that are one that is unknown in another case or misspelt; `None`
-/// without such.
-pub fn known<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    let near = |name: &&str| name.eq_ignore_ascii_case(unknown) || misspelt(unknown, name);
-    let mut near = Vec::from_iter(known.into_iter().filter(near));
-    near.sort_unstable_by_key(|name| (edits(unknown, name), *name));
-    near.dedup();
-    let names = Vec::from_iter(near.into_iter().take(SHOWN)).join(" or ");
-    (!names.is_empty()).then(|| format!("did you mean {names}?"))
-}
-
-/// Whether a name is another with a letter wrong, or two of six and more.
-pub fn misspelt(name: &str, known: &str) -> bool {
-    let most = (known.len() / 3).min(2);
-    known.len() > 3 && edits(name, known).is_some_and(|edits| edits <= most)
+    question(&Vec::from_iter(near.iter().map(|(_, name)| name.as_str())))
 }
 
 /// How far a name is from the wanted one, small first; `None` for too far.
@@ -61,30 +40,9 @@ fn distance(wanted: &str, name: &str) -> Option<usize> {
     (edits <= wanted.chars().count().max(3) / 3).then_some(edits)
 }
 
-/// Least number of characters to insert, drop, replace or exchange with their neighbour.
-fn edits(a: &str, b: &str) -> Option<usize> {
-    (a.len().max(b.len()) <= LONGEST).then(|| strsim::osa_distance(a, b))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn known_names_near_an_unknown_one() {
-        let columns = ["t", "gx", "gyro_unit", "gnss"];
-        for (unknown, mend) in [
-            ("gyro_units", Some("did you mean gyro_unit?")),
-            ("gnns", Some("did you mean gnss?")),
-            ("GX", Some("did you mean gx?")),
-            ("accelerometer", None),
-            ("gy", None),
-        ] {
-            assert_eq!(known(unknown, columns).as_deref(), mend);
-        }
-        assert!(misspelt("gyro_units", "gyro_unit") && misspelt("tiem", "time"));
-        assert!(!misspelt("position_unit", "position_std") && !misspelt("x", "y"));
-    }
 
     #[test]
     fn near_and_far() {
@@ -102,8 +60,6 @@ mod tests {
         ] {
             assert_eq!(distance(wanted, name), near, "{wanted} {name}");
         }
-        assert_eq!(edits("kitten", "sitting"), Some(3));
-        assert_eq!(edits(&"a".repeat(300), "b"), None);
     }
 
     #[test]

@@ -1,39 +1,46 @@
 //! A drive file's text without keys that do not hold while the vehicle drives.
 
-use toml_edit::DocumentMut;
+use toml::{
+    Spanned,
+    de::{DeTable, DeValue},
+};
 
-/// The text of a drive file without some of its keys and tables at the top, in whose lines nothing is left: messages count lines as in
-/// the file. Where that would change more than these, they are taken out.
-pub(crate) fn without(text: &str, names: &[&str]) -> String {
-    let mut document: DocumentMut = text.parse().unwrap_or_default();
-    for name in names {
-        document.remove(name);
+/// The text of a drive file with these `tables` without some of the keys and tables at its top, in whose lines nothing is left: messages
+/// count lines as in the file.
+pub(crate) fn without(text: &str, tables: &DeTable, names: &[&str]) -> String {
+    let mut spans = Vec::new();
+    let is_named = |key: &str| names.contains(&key);
+    for (key, value) in tables.iter().filter(|(key, _)| is_named(key.get_ref())) {
+        spans.push(key.span());
+        collect(value, &mut spans);
     }
-    let (mut in_table, mut skips, mut depth) = (false, false, 0_i32);
-    let mut blanked = String::with_capacity(text.len());
-    for line in text.split_inclusive('\n') {
-        let start = line.trim_start();
-        let name = start.trim_start_matches('[').trim_start();
-        let name = name
-            .split(|c: char| !(c.is_alphanumeric() || c == '_'))
-            .next();
-        let is_named = name.is_some_and(|name| names.contains(&name));
-        if start.starts_with('[') && depth == 0 {
-            (in_table, skips) = (true, is_named);
-        } else if !in_table && depth == 0 {
-            skips = is_named;
+    let mut start = 0;
+    let lines = text.split_inclusive('\n').map(|line| {
+        let (first, end) = (start, start + line.len());
+        start = end;
+        let is_blank = spans
+            .iter()
+            .any(|span| span.start < end && first < span.end);
+        match (is_blank, line.ends_with('\n')) {
+            (true, true) => "\n",
+            (true, false) => "",
+            (false, _) => line,
         }
-        // An array or inline table may go over lines.
-        let count = |of: &[char]| start.matches(of).count() as i32;
-        depth = (depth + count(&['[', '{']) - count(&[']', '}'])).max(0);
-        match skips {
-            true => blanked.extend(line.ends_with('\n').then_some('\n')),
-            false => blanked.push_str(line),
+    });
+    lines.collect()
+}
+
+/// Where a value is in the text, and all keys and values in it \[bytes\].
+fn collect(value: &Spanned<DeValue>, spans: &mut Vec<std::ops::Range<usize>>) {
+    spans.push(value.span());
+    match value.get_ref() {
+        DeValue::Table(table) => {
+            for (key, value) in table {
+                spans.push(key.span());
+                collect(value, spans);
+            }
         }
-    }
-    let values = |text: &str| text.parse::<toml::Table>().ok();
-    match values(&blanked) {
-        Some(same) if Some(&same) == values(&document.to_string()).as_ref() => blanked,
-        _ => document.to_string(),
+        DeValue::Array(items) => items.iter().for_each(|item| collect(item, spans)),
+        _ => {}
     }
 }

@@ -128,9 +128,9 @@ pub fn with_model(
     home: &Path,
     model: Option<&ImuModel>,
 ) -> Result<String, DriveError> {
-    parse(text, name)?;
-    let document: DocumentMut = text.parse().unwrap_or_default();
-    let named = document.get("model").and_then(Item::as_str);
+    let tables = parse(text, name)?;
+    let named = tables.get_ref().get("model");
+    let named = named.and_then(|named| named.get_ref().as_str());
     let read = match (model, named) {
         (Some(model), _) => Some(model.clone()),
         (None, Some(name)) => match ImuModel::resolve(name, home) {
@@ -147,7 +147,7 @@ pub fn with_model(
     let mut table: DocumentMut = read.to_toml().parse().unwrap_or_default();
     let mut whole = DocumentMut::new();
     whole.insert("model", Item::Table(std::mem::take(table.as_table_mut())));
-    let text = without(text, &["model"]);
+    let text = without(text, tables.get_ref(), &["model"]);
     let end = if text.ends_with('\n') { "" } else { "\n" };
     Ok(format!("{text}{end}{whole}"))
 }
@@ -173,6 +173,7 @@ pub fn files(text: &str) -> Vec<(&'static str, PathBuf)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::keys;
 
     #[test]
     fn a_drive_file_takes_its_model_in() {
@@ -190,6 +191,9 @@ mod tests {
     fn lines_stay_where_they_are() {
         let text = "# Mine.\nmodel = \"mpu6050\" # Or so.\nspan = { start = 1 }\n[imu]\nfile = \"imu.csv\"\n[truth]\nfile = \"t.csv\"\nposition = [\n \"lat\",\n[\"x\"]]\n[gnss]\nfile = \"g.csv\"";
         let whole = with_model(text, "drive.toml", Path::new(""), None).unwrap();
+        let without = |text: &str, names: &[&str]| {
+            keys::without(text, parse(text, "").unwrap().get_ref(), names)
+        };
         let kept = without(&whole, &["truth", "span"]);
         let lines: Vec<&str> = kept.lines().take(12).collect();
         let expected = [

@@ -38,7 +38,6 @@
 
 mod read;
 mod reason;
-mod table;
 #[cfg(test)]
 mod tests;
 mod write;
@@ -50,6 +49,7 @@ use crate::presets;
 use crate::temperature::Temperature;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
+use undrift_config::{ConfigError, Section};
 use undrift_nav::shaping::{MAX_ORDER, ShapingError};
 
 /// Value of the key `format` of a model file.
@@ -279,6 +279,23 @@ pub enum ModelError {
     },
 }
 
+impl From<ConfigError> for ModelError {
+    fn from(error: ConfigError) -> Self {
+        let ConfigError {
+            file,
+            line,
+            key,
+            message,
+        } = error;
+        Self::Entry {
+            file,
+            line,
+            key,
+            message,
+        }
+    }
+}
+
 fn place(file: &str, line: Option<usize>) -> String {
     match line {
         Some(line) => format!("{file} line {line}"),
@@ -336,18 +353,12 @@ impl ImuModel {
         read::from_text(text, file)
     }
 
-    /// Reads a model from a table in the `text` of another file, e.g. an inline `model = { … }`, where `format`
-    /// and `version` are optional. Messages name `file` and the dotted key `path` of the table.
+    /// Reads a model from a table of another file, e.g. an inline `model = { … }`, where `format` and `version` are optional.
     ///
     /// # Errors
-    /// [`ModelError::Entry`] as [`ImuModel::from_toml`], with the line in `text`.
-    pub fn from_spanned(
-        table: &toml::de::DeTable<'_>,
-        text: &str,
-        file: &str,
-        path: &str,
-    ) -> Result<Self, ModelError> {
-        read::model(&table::Table::top(table, Some(text), file, path))
+    /// [`ModelError::Entry`] as [`ImuModel::from_toml`], with the file, line and dotted key of the table.
+    pub fn from_section(section: &Section) -> Result<Self, ModelError> {
+        read::model(section)
     }
 
     /// Reads the model file at `path`; errors name it.

@@ -73,8 +73,8 @@ pub fn near(name: &str) -> Vec<&'static str> {
     if wanted.len() < 3 || wanted.len() > LONGEST {
         return Vec::new();
     }
-    let distance = |preset: &str| match strsim::osa_distance(&wanted, preset) {
-        edits if edits <= wanted.len() / 4 => Some(edits),
+    let distance = |preset: &str| match undrift_base::nearby::edits(&wanted, preset) {
+        Some(edits) if edits <= wanted.len() / 4 => Some(edits),
         _ => preset.starts_with(&wanted).then_some(wanted.len()),
     };
     let distances: Vec<_> = NAMES

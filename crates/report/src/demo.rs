@@ -5,7 +5,7 @@ use super::{
     numbers::short,
     outages, paper,
     parts::{Run, points, prefixed, quartiles, spoken_list, text},
-    plain::{Mark, plain_table},
+    plain::{self, Mark},
 };
 use undrift_results::{
     CutLength, Demo, DemoModel, Drive, Estimate, Number, OutageSeries, Outages, PooledErrors,
@@ -80,21 +80,16 @@ pub(crate) fn sections(runs: &[Run<'_, Demo>]) -> Vec<Section> {
 
 /// The demo for a terminal: the conclusion, every model, what is not better.
 pub fn plain(demo: &Demo, mark: Mark) -> String {
-    let mut text = format!("{}\n\n{CAPTION}\n", mark(&demo.conclusion));
-    for of in &demo.lengths {
+    let lengths = demo.lengths.iter().map(|of| {
         let mut table = drifts(demo, of);
-        let length = seconds(of.length_s);
-        table.head[0] = format!("{length} s, {} outages", of.cuts);
-        text += &format!("\n{}", plain_table(&table, mark));
-    }
-    let bounds = bounds(demo);
-    if !bounds.rows.is_empty() {
-        text += &format!("\n{BOUNDS}\n{}", plain_table(&bounds, mark));
-    }
-    for note in not_better(demo) {
-        text += &format!("\n{note}");
-    }
-    text + "\n"
+        table.head[0] = format!("{} s, {} outages", seconds(of.length_s), of.cuts);
+        table.captioned("")
+    });
+    let conclusion = Block::Verdict(Usability::Usable, demo.conclusion.clone());
+    let blocks = [Some(conclusion), text([CAPTION.into()])];
+    let blocks = blocks.into_iter().chain(lengths);
+    let not_better = text([not_better(demo).join("\n")]);
+    plain::plain(blocks.chain([bounds(demo).block(), not_better]), mark)
 }
 
 const CAPTION: &str = "RMS over the outages of the largest horizontal error; how many times less that is than of white noise in the same outages. In brackets 95 % intervals by bootstrap over the outages. ≈ where the least drift of all is not beyond chance less.";
@@ -126,12 +121,8 @@ fn head(demo: &Demo) -> Option<Section> {
         ],
     );
     let tables = demo.lengths.iter().map(|of| drifts(demo, of).block());
-    let blocks = [Some(Block::Verdict(
-        Usability::Usable,
-        demo.conclusion.clone(),
-    ))]
-    .into_iter()
-    .chain(tables);
+    let conclusion = Block::Verdict(Usability::Usable, demo.conclusion.clone());
+    let blocks = [Some(conclusion)].into_iter().chain(tables);
     let blocks = blocks.chain([
         bounds(demo).block(),
         text(not_better(demo)),

@@ -164,6 +164,12 @@ impl Table {
             && cells().any(|cell| !cell.text.is_empty())
     }
 
+    /// The table as a block with another caption, if it has a row.
+    pub(crate) fn captioned(self, caption: &str) -> Option<Block> {
+        let caption = caption.into();
+        Self { caption, ..self }.block()
+    }
+
     /// The table as a block, if it has a row.
     pub(crate) fn block(self) -> Option<Block> {
         (!self.rows.is_empty()).then_some(Block::Table(self))

@@ -8,7 +8,7 @@ use super::{
     Section, Table,
     numbers::count,
     parts::{Run, first_few, prefixed, text, warnings},
-    plain::{Mark, plain_table},
+    plain::{self, Mark},
 };
 use std::collections::BTreeMap;
 use undrift_results::{Fleet, Trouble};
@@ -58,18 +58,15 @@ fn sections_of_run(name: &str, run: &Fleet) -> Vec<Section> {
 
 /// The measures for a terminal.
 pub fn plain(run: &Fleet, mark: Mark) -> String {
-    let measures = run.measures.iter().map(|measure| {
-        let table = plain_table(&measure::overview(run, measure), mark);
-        let outliers = measure::of_outliers(measure).map_or(String::new(), |text| text + "\n");
-        let answers = answers::sentences(measure).join(" ");
-        let answers = if answers.is_empty() {
-            answers
-        } else {
-            answers + "\n"
-        };
-        format!("{answers}{}\n{table}{outliers}", measure.what)
+    let measures = run.measures.iter().flat_map(|measure| {
+        let table = measure::overview(run, measure);
+        [
+            text(answers::sentences(measure)),
+            table.captioned(&measure.what),
+            text(measure::of_outliers(measure)),
+        ]
     });
-    Vec::from_iter(measures).join("\n")
+    plain::plain(measures, mark)
 }
 
 /// A count and a noun in its number, the digits in groups.

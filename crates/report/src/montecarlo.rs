@@ -4,7 +4,7 @@ use super::{
     Block, Cell, Figure, Panel, PlotAxis, Section, Series, Table,
     numbers::{error, percent, short, span},
     parts::{Run, model_colour, prefixed, text, warnings},
-    plain::{Mark, plain_table},
+    plain::{self, Mark},
 };
 use undrift_results::{Group, MonteCarlo, MonteCarloModel, Number, Verdict};
 use undrift_results::{
@@ -55,16 +55,19 @@ pub fn sections(runs: &[Run<'_, MonteCarlo>]) -> Vec<Section> {
 /// The same for a terminal.
 pub fn plain(run: &MonteCarlo, mark: Mark) -> String {
     let models = models(&[(String::new(), run)]);
-    let tables = [nees(&models), innovations(&models), coverage(&models)];
-    let tables = tables.map(|table| plain_table(&table, mark)).join("\n");
     let verdicts = models.iter().map(|model| {
         let diverged = diverged(model).map(|diverged| format!("; {diverged}"));
         let (name, diverged) = (&model.name, diverged.unwrap_or_default());
-        format!("{name}: {}{diverged}.\n", verdict(model))
+        format!("{name}: {}{diverged}.", verdict(model))
     });
-    let verdicts: String = verdicts.collect();
-    let done = what_was_done(run);
-    format!("{done}\n\n{tables}\n{}", verdicts.trim_end())
+    let blocks = [
+        text([what_was_done(run)]),
+        nees(&models).captioned(""),
+        innovations(&models).captioned(""),
+        coverage(&models).captioned(""),
+        text([Vec::from_iter(verdicts).join("\n")]),
+    ];
+    plain::plain(blocks, mark)
 }
 
 fn diverged(model: &Model<'_>) -> Option<String> {

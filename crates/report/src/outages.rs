@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     date,
-    plain::{Mark, plain_table},
+    plain::{self, Mark},
 };
 use drift::drift;
 use undrift_base::order_statistics::quantile;
@@ -260,13 +260,30 @@ type Statistic = fn(&ModelErrors) -> &Numbers;
 /// errors.
 pub fn plain(result: &Outages, mark: Mark) -> String {
     let models = models(&[(String::new(), result)]);
-    let mut lines = vec![cuts(result)];
+    let mut found = vec![cuts(result)];
     if !models.is_empty() {
-        lines.extend(findings(&models));
+        found.extend(findings(&models));
     }
-    lines.push(plain_tables(&models, mark));
-    let lines: Vec<String> = lines.into_iter().filter(|line| !line.is_empty()).collect();
-    lines.join("\n")
+    found.retain(|line| !line.is_empty());
+    let models: Vec<&Model<'_>> = models.iter().collect();
+    let statistics: [(&str, Statistic); 3] = [
+        ("maximum", |m| &m.max),
+        ("RMS", |m| &m.rms),
+        ("median", |m| &m.median),
+    ];
+    let tables = statistics.iter().filter_map(|(name, of)| {
+        let mut table = table_of("", "", &models, *of)?;
+        table.head[0] = (*name).into();
+        Some(Block::Table(table))
+    });
+    let mut blocks = Vec::from_iter(text([found.join("\n")]));
+    let tables = Vec::from_iter(tables);
+    if !tables.is_empty() {
+        blocks.push(Block::Text("Errors inside the outages:".into()));
+        blocks.extend(tables);
+        blocks.extend(consistency(&models).map(Block::Table));
+    }
+    plain::plain(blocks.into_iter().map(Some), mark)
 }
 
 /// How many outages of which length, and the reference.
@@ -294,29 +311,6 @@ fn cuts(run: &Outages) -> String {
         "{count} outages of {}, reference: {reference}{form}",
         between(&lengths)
     )
-}
-
-fn plain_tables(models: &[Model<'_>], mark: Mark) -> String {
-    let models: Vec<&Model<'_>> = models.iter().collect();
-    let statistics: [(&str, Statistic); 3] = [
-        ("maximum", |m| &m.max),
-        ("RMS", |m| &m.rms),
-        ("median", |m| &m.median),
-    ];
-    let tables = statistics.iter().filter_map(|(name, of)| {
-        let mut table = table_of("", "", &models, *of)?;
-        table.head[0] = (*name).into();
-        Some(plain_table(&table, mark))
-    });
-    let tables = Vec::from_iter(tables).join("\n");
-    if tables.is_empty() {
-        return tables;
-    }
-    let tables = format!("\nErrors inside the outages:\n\n{tables}");
-    match consistency(&models) {
-        Some(table) => format!("{tables}\n{COVERED}\n{}", plain_table(&table, mark)),
-        None => tables,
-    }
 }
 
 /// What the table of [`consistency`] has.

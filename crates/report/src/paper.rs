@@ -4,15 +4,15 @@ mod figures;
 mod words;
 
 use super::{
-    Cell, Section, Table,
+    Block, Cell, Section, Table,
     identify::{adequacy, pandit_wu, units},
     numbers::{get, short},
     parts::{COMPONENTS, text},
-    plain::{Mark, plain_table},
+    plain::{self, Mark},
 };
 use undrift_nav::earth::STANDARD_GRAVITY;
 use undrift_results::{
-    Axis, Demo, Numbers, Paper,
+    Axis, Demo, Numbers, Paper, Usability,
     demo::{PAPER_EXACT, WHITE},
 };
 use words::{agreement, literal};
@@ -93,17 +93,14 @@ pub fn plain(demo: &Demo, mark: Mark) -> String {
     };
     let tables = tables(demo, axis, paper).map(|table| {
         let caption = table.caption.split(". ").next().unwrap_or_default();
-        format!(
-            "{}\n{}\n",
-            caption.trim_end_matches('.'),
-            plain_table(&table, mark)
-        )
+        let caption = caption.trim_end_matches('.').to_owned();
+        table.captioned(&caption)
     });
-    let words = agreement(demo, axis, paper)
-        .into_iter()
-        .chain(literal(paper));
-    let words = Vec::from_iter(words).join("\n\n");
-    format!("{}\n\n{}{words}\n", mark(&demo.conclusion), tables.concat())
+    let words = agreement(demo, axis, paper).into_iter();
+    let words = words.chain(literal(paper)).map(|part| text([part]));
+    let conclusion = Block::Verdict(Usability::Usable, demo.conclusion.clone());
+    let blocks = [Some(conclusion)].into_iter().chain(tables);
+    plain::plain(blocks.chain(words), mark)
 }
 
 fn tables(demo: &Demo, axis: &Axis, paper: &Paper) -> [Table; 6] {

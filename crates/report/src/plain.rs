@@ -1,6 +1,6 @@
-//! Tables as plain text.
+//! Blocks and tables as plain text.
 
-use crate::{Cell, Table};
+use crate::{Block, Cell, Table};
 use undrift_io::visible;
 
 /// How a terminal marks emphasised text; another place takes [`unmarked`].
@@ -9,6 +9,22 @@ pub type Mark = fn(&str) -> String;
 /// Text as it is.
 pub fn unmarked(text: &str) -> String {
     text.to_owned()
+}
+
+/// The blocks there are with an empty line between them: verdicts marked, tables below their captions, no figures.
+pub(crate) fn plain(blocks: impl IntoIterator<Item = Option<Block>>, mark: Mark) -> String {
+    let texts = blocks
+        .into_iter()
+        .flatten()
+        .filter_map(|block| match block {
+            Block::Verdict(_, text) => Some(mark(&text)),
+            Block::Text(text) | Block::Warning(text) => Some(text),
+            Block::Warnings(texts) => Some(texts.join("\n")),
+            Block::Table(table) => Some(table.caption.clone() + "\n" + &plain_table(&table, mark)),
+            Block::Figure(_) => None,
+        });
+    let texts = texts.map(|text| text.trim_matches('\n').to_owned());
+    Vec::from_iter(texts).join("\n\n")
 }
 
 /// A table in columns of their own width: names from the left, numbers to the right; heads are marked, and

@@ -6,7 +6,7 @@ use super::{
     Block, Figure, Panel, PlotAxis, Section, Series, Table,
     numbers::{percent, short, span},
     parts::{Run, capital, prefixed, text},
-    plain::{Mark, plain_table},
+    plain::{self, Mark},
 };
 use undrift_results::{Tune, TunedDrift, TunedParameter};
 pub use verdict::{is_usable, is_worse, usability, verdict};
@@ -44,19 +44,14 @@ pub fn sections(runs: &[Run<'_, Tune>]) -> Vec<Section> {
 
 /// The same for a terminal.
 pub fn plain(tune: &Tune, mark: Mark) -> String {
-    let tables = [drift(tune), parameters(tune)].map(|table| plain_table(&table, mark));
-    let undetermined = undetermined(tune);
-    format!(
-        "{}\n\n{}\n\n{}\n{}{}{}",
-        verdict(tune),
-        what_was_done(tune),
-        tables[0],
-        tables[1],
-        if undetermined.is_empty() { "" } else { "\n" },
-        undetermined
-    )
-    .trim_end()
-    .to_owned()
+    let blocks = [
+        text([verdict(tune)]),
+        text([what_was_done(tune)]),
+        drift(tune).captioned(""),
+        parameters(tune).captioned(""),
+        text([undetermined(tune)]),
+    ];
+    plain::plain(blocks, mark)
 }
 
 fn what_was_done(tune: &Tune) -> String {

@@ -1,7 +1,8 @@
 //! The date of a drive, its logs on one clock, and how its inertial log begins.
 
-use super::{Drive, error::ConfigError, logs::Logs, section::Section};
+use super::{Drive, error::ConfigError, logs::Logs};
 use std::path::PathBuf;
+use undrift_config::Section;
 use undrift_io::{
     epoch::Epoch,
     gnss::Fixes,

@@ -2,8 +2,8 @@
 
 use super::{
     error::{ConfigError, DriveError},
+    keys,
     logs::Logs,
-    section::Section,
     tables::{VELOCITY_AXES, read_delimiter},
 };
 use crate::{
@@ -11,6 +11,7 @@ use crate::{
     settings::fix_errors::{Correlated, Correlation, StdFactors},
 };
 use std::path::PathBuf;
+use undrift_config::Section;
 use undrift_io::{
     format::Format,
     gnss::{FixOptions, GnssFormat, GnssLog, GnssSource, PositionColumns, VelocityAxes},
@@ -210,7 +211,7 @@ fn read_stds<'a>(
     columns: &'a str,
     unit: &str,
 ) -> Result<Option<[Column; 3]>, ConfigError> {
-    match (stated, section.columns(columns)?) {
+    match (stated, keys::columns(section, columns)?) {
         (Some(_), Some(_)) => {
             Err(section.error(columns, format!("set {constant} or {columns}, not both")))
         }
@@ -224,9 +225,12 @@ fn read_stds<'a>(
 
 /// The columns of the velocity and its axes: `velocity`, or `speed` and `course`.
 fn read_velocity(section: &Section) -> Result<(Option<[Column; 3]>, VelocityAxes), ConfigError> {
-    let velocity = section.columns("velocity")?;
+    let velocity = keys::columns(section, "velocity")?;
     let axes = section.word("velocity_axes", &VELOCITY_AXES)?;
-    let polar = (section.column("speed")?, section.column("course")?);
+    let polar = (
+        keys::column(section, "speed")?,
+        keys::column(section, "course")?,
+    );
     match (velocity, polar) {
         (velocity, (None, None)) => Ok((velocity, axes.unwrap_or_default())),
         (Some(_), _) => Err(section.error("speed", "set velocity, or speed and course, not both")),
@@ -244,18 +248,17 @@ fn read_velocity(section: &Section) -> Result<(Option<[Column; 3]>, VelocityAxes
 
 /// The fixes in named columns of a table.
 fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, ConfigError> {
-    let time = section
-        .column("time")?
-        .ok_or_else(|| section.missing("time", "the time column"))?;
-    let (angle_scale, degrees_minutes) = section.place_unit("position_unit")?;
+    let time =
+        keys::column(section, "time")?.ok_or_else(|| section.missing("time", "the time column"))?;
+    let (angle_scale, degrees_minutes) = keys::place_unit(section, "position_unit")?;
     let height_scale = section.unit("height_unit", Quantity::Length, 1.0)?;
-    let ecef = section.columns("ecef")?;
+    let ecef = keys::columns(section, "ecef")?;
     let height = section.quantity("height", Quantity::Length)?;
     let position = match height {
-        Some(_) => section.two_columns("position")?,
-        None => section.columns("position")?,
+        Some(_) => keys::two_columns(section, "position")?,
+        None => keys::columns(section, "position")?,
     };
-    let place = match (position, section.columns("baseline")?) {
+    let place = match (position, keys::columns(section, "baseline")?) {
         (Some(_), Some(_)) => {
             return Err(section.error("baseline", "set position or baseline, not both"));
         }
@@ -283,7 +286,7 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
     let (velocity, velocity_axes) = read_velocity(section)?;
     let stds = |wanted: bool, stated, columns, unit| match wanted {
         true => read_stds(section, stated, columns, unit),
-        false => section.columns(columns).map(|_| None),
+        false => keys::columns(section, columns).map(|_| None),
     };
     let stated = ("position_std", fixes.position_std);
     let position_std = stds(place.is_some(), stated, "position_std_columns", "m")?;
@@ -291,7 +294,7 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
     let velocity_std = stds(velocity.is_some(), stated, "velocity_std_columns", "m/s")?;
     Ok(GnssFormat {
         time,
-        date: section.column("date")?,
+        date: keys::column(section, "date")?,
         time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
         place,
         position_std,
@@ -299,7 +302,7 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
         velocity_axes,
         velocity_scale: section.unit("velocity_unit", Quantity::Velocity, 1.0)?,
         velocity_std,
-        quality: section.column("quality")?,
+        quality: keys::column(section, "quality")?,
         delimiter: read_delimiter(section)?,
         fixes,
     })

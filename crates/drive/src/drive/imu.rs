@@ -2,12 +2,13 @@
 
 use super::{
     error::{ConfigError, DriveError},
+    keys,
     logs::Logs,
-    section::{Section, Value},
     tables::{read_delimiter, read_span},
     text::{parse, read_text},
 };
 use std::path::{Path, PathBuf};
+use undrift_config::{Section, Value};
 use undrift_io::{format::Format, imu::ImuFormat, layouts};
 use undrift_nav::{Matrix3, Vector3, attitude::from_rpy, covariance::AXES, units::Quantity};
 use undrift_noise::model_file;
@@ -163,10 +164,10 @@ fn read_columns(section: &Section) -> Result<ImuFormat, ConfigError> {
     let need = |key, columns: Option<_>| {
         columns.ok_or_else(|| section.missing(key, "the three columns x, y, z"))
     };
-    let gyro = need("gyro", section.columns("gyro")?)?;
-    let accel = need("accel", section.columns("accel")?)?;
-    let mut format =
-        ImuFormat::new(section.column("time")?, gyro, accel).delimited_by(read_delimiter(section)?);
+    let gyro = need("gyro", keys::columns(section, "gyro")?)?;
+    let accel = need("accel", keys::columns(section, "accel")?)?;
+    let mut format = ImuFormat::new(keys::column(section, "time")?, gyro, accel)
+        .delimited_by(read_delimiter(section)?);
     format.increments = section
         .word("data", &[("rates", false), ("increments", true)])?
         .unwrap_or(false);
@@ -185,7 +186,7 @@ fn read_columns(section: &Section) -> Result<ImuFormat, ConfigError> {
     }
     let mut format = with_units(section, format)?;
     format.time_scale = section.unit("time_unit", Quantity::Time, 1.0)?;
-    format.date = section.column("date")?;
+    format.date = keys::column(section, "date")?;
     let blanks = section.word("blanks", &[("skip", false), ("interpolate", true)])?;
     format.apart = blanks.unwrap_or(false);
     let shared = section.word("shared_stamps", &[("skip", false), ("spread", true)])?;

@@ -2,12 +2,13 @@
 
 use super::{
     error::{ConfigError, DriveError},
-    section::Section,
+    keys,
 };
 use std::{
     collections::BTreeMap,
     path::{Path, PathBuf},
 };
+use undrift_config::Section;
 use undrift_io::{
     Memory, Opened, ReadError,
     format::{FORMATS, Format},
@@ -49,7 +50,7 @@ impl Logs {
 
     /// The log that a table names by `file`; what cannot be opened again is held in memory.
     pub(super) fn named(&mut self, section: &Section) -> Result<PathBuf, DriveError> {
-        let path = match section.file("file")? {
+        let path = match keys::file_name(section, "file")? {
             "-" => PathBuf::from("-"),
             name => self.folder.join(name),
         };

@@ -4,15 +4,16 @@ use super::{
     error::{ConfigError, DriveError},
     gnss,
     imu::rotation_of_axes,
+    keys,
     logs::Logs,
-    section::Section,
-    tables::{read_delimiter, read_std, read_switch},
+    tables::{read_delimiter, read_std},
 };
 use crate::columns;
 use std::{
     f64::consts::FRAC_PI_2,
     path::{Path, PathBuf},
 };
+use undrift_config::Section;
 use undrift_io::{
     gnss::{GnssSource, PoseFixes},
     poses::{AttitudeColumns, PoseFormat, PoseLog, PoseSource, QuaternionOrder},
@@ -134,7 +135,7 @@ fn read_frame(section: &Section) -> Result<Quaternion, ConfigError> {
 fn read_local(local: &Section) -> Result<(f64, bool), ConfigError> {
     let latitude = local.quantity("latitude", Quantity::Angle)?;
     let stated = local.quantity("gravity", Quantity::Acceleration)?;
-    let earth_rate = read_switch(local, "earth_rate")?.unwrap_or(false);
+    let earth_rate = local.switch("earth_rate")?.unwrap_or(false);
     local.only_known()?;
     let latitude = match (latitude, stated) {
         (Some(_), Some(_)) => {
@@ -209,15 +210,14 @@ fn known_layout(
 
 /// The poses in named columns of a table.
 fn read_columns(section: &Section) -> Result<PoseFormat, DriveError> {
-    let time = section
-        .column("time")?
-        .ok_or_else(|| section.missing("time", "the time column"))?;
-    let position = section.columns("position")?;
+    let time =
+        keys::column(section, "time")?.ok_or_else(|| section.missing("time", "the time column"))?;
+    let position = keys::columns(section, "position")?;
     if position.is_none() {
         let what = "set position, the three columns x, y, z: attitudes alone do not show what accelerometers err by";
         return Err(section.missing("position", what).into());
     }
-    let attitude = section.four_columns("attitude")?;
+    let attitude = keys::four_columns(section, "attitude")?;
     let w_first = section.word("attitude_order", &ORDERS)?;
     let attitude = match (attitude, w_first) {
         (Some(columns), Some(w_first)) => Some(AttitudeColumns::Quaternion { columns, w_first }),
@@ -230,8 +230,7 @@ fn read_columns(section: &Section) -> Result<PoseFormat, DriveError> {
                 .error("attitude_order", "needs attitude, the four columns")
                 .into());
         }
-        (None, None) => section
-            .columns("euler")?
+        (None, None) => keys::columns(section, "euler")?
             .map(|columns| {
                 section
                     .unit("euler_unit", Quantity::Angle, 1f64.to_radians())
@@ -240,11 +239,11 @@ fn read_columns(section: &Section) -> Result<PoseFormat, DriveError> {
             .transpose()?,
     };
     Ok(PoseFormat {
-        date: section.column("date")?,
+        date: keys::column(section, "date")?,
         time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
         position_scale: section.unit("position_unit", Quantity::Length, 1.0)?,
-        position_std: section.columns("position_std_columns")?,
-        attitude_std: section.columns("attitude_std_columns")?,
+        position_std: keys::columns(section, "position_std_columns")?,
+        attitude_std: keys::columns(section, "attitude_std_columns")?,
         attitude_std_scale: section.unit("attitude_std_unit", Quantity::Angle, 1.0)?,
         quaternion_order: QuaternionOrder::Stated,
         delimiter: read_delimiter(section)?,

@@ -3,14 +3,15 @@
 use super::{
     Drive,
     error::{ConfigError, DriveError},
+    keys,
     logs::Logs,
-    section::Section,
     tables::{read_delimiter, read_std},
 };
 use std::{
     ops::{Index, IndexMut},
     path::PathBuf,
 };
+use undrift_config::Section;
 pub use undrift_engine::ScalarLog;
 use undrift_io::{
     scalar::{Reading, ScalarFormat, ScalarStd},
@@ -149,7 +150,10 @@ fn read_odometer(
     let path = logs.named(section)?;
     let per_metre = section.factor("ticks_per_metre")?;
     let unit = section.unit("speed_unit", Quantity::Velocity, 1.0)?;
-    let (value, reading, std_unit) = match (section.column("speed")?, section.column("ticks")?) {
+    let (value, reading, std_unit) = match (
+        keys::column(section, "speed")?,
+        keys::column(section, "ticks")?,
+    ) {
         (Some(_), Some(_)) => {
             return Err(section
                 .error("ticks", "set speed or ticks, not both")
@@ -199,8 +203,10 @@ fn read_barometer(
     let units = [("hPa", 100.0), ("mbar", 100.0), ("kPa", 1e3), ("Pa", 1.0)];
     let pressure_unit = section.word("pressure_unit", &units)?.unwrap_or(100.0);
     let height_unit = section.unit("height_unit", Quantity::Length, 1.0)?;
-    let (value, reading, std_unit) = match (section.column("height")?, section.column("pressure")?)
-    {
+    let (value, reading, std_unit) = match (
+        keys::column(section, "height")?,
+        keys::column(section, "pressure")?,
+    ) {
         (Some(_), Some(_)) => {
             return Err(section
                 .error("pressure", "set height or pressure, not both")
@@ -272,7 +278,7 @@ fn read_scalar_std<'a>(
 ) -> Result<(&'static str, ScalarStd), ConfigError> {
     match (
         section.quantity(constant, quantity)?,
-        section.column(column)?,
+        keys::column(section, column)?,
     ) {
         (Some(_), Some(_)) => {
             Err(section.error(column, format!("set {constant} or {column}, not both")))
@@ -296,10 +302,9 @@ fn read_format(
 ) -> Result<ScalarFormat, ConfigError> {
     Ok(ScalarFormat {
         table,
-        time: section
-            .column("time")?
+        time: keys::column(section, "time")?
             .ok_or_else(|| section.missing("time", "the time column"))?,
-        date: section.column("date")?,
+        date: keys::column(section, "date")?,
         time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
         time_offset: section
             .quantity("time_offset", Quantity::Time)?

@@ -2,14 +2,15 @@
 
 use super::{
     error::{ConfigError, DriveError},
+    keys,
     logs::Logs,
-    section::{Section, Value},
 };
 use crate::{
     align::{AlignSettings, Heading},
     vehicle::{Constraints, NonHolonomic, Profile},
 };
 use std::path::PathBuf;
+use undrift_config::{Section, Takes, Value};
 use undrift_io::{
     format::Format,
     gnss::VelocityAxes,
@@ -86,10 +87,12 @@ pub(crate) fn read_truth(
 
 /// The reference in named columns of a table.
 fn read_truth_columns(section: &Section) -> Result<TruthFormat, ConfigError> {
-    let time = section
-        .column("time")?
-        .ok_or_else(|| section.missing("time", "the time column"))?;
-    let (position, ecef) = match (section.columns("position")?, section.columns("ecef")?) {
+    let time =
+        keys::column(section, "time")?.ok_or_else(|| section.missing("time", "the time column"))?;
+    let (position, ecef) = match (
+        keys::columns(section, "position")?,
+        keys::columns(section, "ecef")?,
+    ) {
         (Some(_), Some(_)) => {
             return Err(section.error("ecef", "set position or ecef, not both"));
         }
@@ -103,15 +106,15 @@ fn read_truth_columns(section: &Section) -> Result<TruthFormat, ConfigError> {
     let degree = 1f64.to_radians();
     Ok(TruthFormat {
         time,
-        date: section.column("date")?,
+        date: keys::column(section, "date")?,
         time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
         time_offset: 0.0,
         week: None,
         position,
         ecef,
         angle_scale: section.unit("position_unit", Quantity::Angle, degree)?,
-        velocity: section.columns("velocity")?,
-        attitude: section.columns("attitude")?,
+        velocity: keys::columns(section, "velocity")?,
+        attitude: keys::columns(section, "attitude")?,
         attitude_scale: section.unit("attitude_unit", Quantity::Angle, degree)?,
         delimiter: read_delimiter(section)?,
         velocity_axes: section
@@ -168,20 +171,6 @@ pub fn read_initial(section: &Section) -> Result<AlignSettings, ConfigError> {
     Ok(align)
 }
 
-/// A switch, as `gate = true`.
-///
-/// # Errors
-/// A value that is neither `true` nor `false`.
-pub fn read_switch<'a>(section: &Section<'a>, key: &'a str) -> Result<Option<bool>, ConfigError> {
-    #[cfg(test)]
-    section.note(key, super::section::page::Takes::Switch);
-    match section.get(key) {
-        None => Ok(None),
-        Some(Value::Switch(on)) => Ok(Some(on)),
-        Some(_) => Err(section.error(key, "must be true or false")),
-    }
-}
-
 /// A standard deviation that switches something on, `"off"`, or else the one given.
 pub(super) fn read_std<'a>(
     section: &Section<'a>,
@@ -189,13 +178,16 @@ pub(super) fn read_std<'a>(
     quantity: Quantity,
     otherwise: Option<f64>,
 ) -> Result<Option<f64>, ConfigError> {
-    #[cfg(test)]
-    section.note_std(key, quantity);
+    // A pure number needs no quotes.
+    let is_pure = quantity == Quantity::Dimensionless;
+    let takes = [Takes::Quantity(quantity), Takes::Positive];
+    for takes in takes.into_iter().take(1 + usize::from(is_pure)) {
+        section.note(key, takes);
+    }
     let std = match section.get(key) {
         Some(Value::Text("off")) => return Ok(None),
         Some(Value::Text(_)) => section.quantity(key, quantity)?,
-        // A pure number needs no quotes.
-        Some(_) if quantity == Quantity::Dimensionless => section.factor(key)?,
+        Some(_) if is_pure => section.factor(key)?,
         _ => section.quantity(key, quantity)?,
     };
     match std {

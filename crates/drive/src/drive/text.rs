@@ -6,7 +6,7 @@ use std::{
     path::Path,
 };
 use toml::{Spanned, de::DeTable};
-use undrift_base::toml_text::{is_log, line_at, syntax_error};
+use undrift_config::is_log;
 use undrift_io::foreign::{self, Foreign};
 
 /// Reads a configuration file: its text, and its name in messages.
@@ -73,18 +73,10 @@ fn text_of(path: &Path) -> Result<String, String> {
 const EXPECTED: &str =
     "expected TOML, such as the drive file that `undrift inspect LOG -o drive.toml` writes";
 
-/// Parses the tables of a configuration file's text; `file` is its name in messages. [`Section::top`](super::Section::top) reads them.
+/// Parses the tables of a configuration file's text; `file` is its name in messages. [`Section::top`](undrift_config::Section::top) reads them.
 ///
 /// # Errors
 /// Text that is not TOML, with its line.
 pub fn parse<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, ConfigError> {
-    DeTable::parse(text).map_err(|error| {
-        let start = error.span().map(|span| span.start);
-        ConfigError {
-            file: file.to_owned(),
-            line: start.map(|start| line_at(text, start)),
-            key: String::new(),
-            message: syntax_error(text, start.unwrap_or(0), error.message(), EXPECTED),
-        }
-    })
+    undrift_config::parse(text, file, EXPECTED)
 }

@@ -1,7 +1,7 @@
 //! What an inspection guesses of a table's columns and units.
 
 use crate::{
-    drive::{Section, Table},
+    drive::{Section, Table, column, columns},
     inspect,
 };
 use undrift_io::table::{Column, Preview};
@@ -30,10 +30,10 @@ impl Guess {
         let keys = Section::values(Table::Values(&lines), "");
         let unit = |key| Some(keys.text(key).ok()??.to_owned());
         Some(Self {
-            gyro: keys.columns("gyro").ok()??,
-            accel: keys.columns("accel").ok()??,
+            gyro: columns(&keys, "gyro").ok()??,
+            accel: columns(&keys, "accel").ok()??,
             units: [unit("gyro_unit")?, unit("accel_unit")?],
-            time: keys.column("time").ok()?,
+            time: column(&keys, "time").ok()?,
             increments: keys.text("data").ok()? == Some("increments"),
         })
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use undrift_drive::{
-    drive::{ConfigError, DriveError, Section, parse, read_initial, read_text},
+    drive::{self, ConfigError, DriveError, Section, parse, read_initial, read_text},
     replay::Settings,
 };
 use undrift_engine::{
@@ -97,16 +97,14 @@ impl Spec {
             "states",
         ])?;
         let names = BiasModel::ALL.map(|kind| (kind.name(), kind));
-        let model = top.model("model", home)?.ok_or_else(|| {
+        let model = drive::model(&top, "model", home)?.ok_or_else(|| {
             let what = "the sensors' noise model, a preset, a file, or a table";
             top.missing("model", format_args!("{what}; {LISTED}"))
         })?;
         let bias_model = top.word("bias_model", &names)?.unwrap_or(BiasModel::Arma);
 
         let filter = top.section("filter")?;
-        let filter_model = filter
-            .model("model", home)?
-            .unwrap_or_else(|| model.clone());
+        let filter_model = drive::model(&filter, "model", home)?.unwrap_or_else(|| model.clone());
         let bias_models = filter
             .words("bias_models", &names)?
             .unwrap_or_else(|| vec![bias_model]);

@@ -3,7 +3,7 @@
 use crate::{OutagePlan, RecordSettings};
 use std::collections::BTreeMap;
 use undrift_drive::{
-    drive::{ConfigError, Section, read_switch},
+    drive::{ConfigError, Section, columns},
     identify::Trend,
 };
 use undrift_io::table::Column;
@@ -90,7 +90,7 @@ pub(super) fn read_choice(
     if let Some(models) = section.words("bias_models", &models)? {
         choice.bias_models = models;
     }
-    if let Some(smooth) = read_switch(section, "smooth")? {
+    if let Some(smooth) = section.switch("smooth")? {
         choice.smooth = smooth;
     }
     for (key, slot, what) in [
@@ -185,7 +185,7 @@ fn read_record(section: &Section, record: &mut RecordSettings) -> Result<(), Con
         }
         record.rate_hz = Some(rate);
     }
-    match (section.columns("gyro")?, section.columns("accel")?) {
+    match (columns(section, "gyro")?, columns(section, "accel")?) {
         (Some(gyro), Some(accel)) => {
             let name = |column: Column| match column {
                 Column::Name(name) => name,

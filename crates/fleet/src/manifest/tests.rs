@@ -247,7 +247,7 @@ fn mistakes_are_reported_with_their_line() {
         ),
         (
             "[[log]]\ndrive='a'\noutages={count=0}\n",
-            "fleet.toml line 3, outages.count: must be 1 or more",
+            "fleet.toml line 3, log.outages.count: must be 1 or more",
         ),
         (
             "bias_models=[]\n[[log]]\ndrive='a'\n",

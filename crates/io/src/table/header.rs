@@ -11,7 +11,8 @@ use crate::skipped::{SkipKind, Skipped, shown};
 use crate::source::Source;
 use crate::table::lines::{Lines, MAX_LINE, NextLine};
 use crate::time::WeekClock;
-use crate::{ReadError, angle, nearby, visible};
+use crate::{ReadError, angle, visible};
+use undrift_base::nearby;
 
 /// How to read the rows.
 pub(super) struct TextLayout {

@@ -19,8 +19,8 @@ const MOST: usize = 64 << 20;
 /// The drive file without what a vehicle that drives does not have: a reference solution, a span of time.
 pub(super) fn without_reference(text: &str, name: &str) -> Result<String, SessionError> {
     // Its mistakes are said as those of any drive file.
-    parse(text, name).map_err(DriveError::from)?;
-    Ok(without(text, &["truth", "span"]))
+    let tables = parse(text, name).map_err(DriveError::from)?;
+    Ok(without(text, tables.get_ref(), &["truth", "span"]))
 }
 
 /// Whether each log has a source.

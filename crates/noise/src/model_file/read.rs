@@ -1,6 +1,6 @@
 //! Reading of model files.
 //!
-//! Text to [`DeTable`], whose keys know their place, to [`Table`], several layers of which lie one over the
+//! Text to [`DeTable`], whose keys know their place, to [`Section`], several layers of which lie one over the
 //! other: the axis' own table, then that of its group, then both of the preset. A key is looked for from the
 //! top, so that an axis may override one number of its group and a file one number of its preset. Numbers come
 //! with their units and leave in SI; nothing is guessed from a bare number.
@@ -9,17 +9,16 @@
 //! of another quantity or out of its range, an ARMA that makes no filter, and what is recognisably another
 //! file, a log or a drive file.
 
-use super::table::Table;
 use super::{
     AXES, Arma, AxisModel, FORMAT, ImuModel, Line, MAX_PROCESSES, ModelError, Provenance,
     Recording, VERSION, group,
 };
 use crate::composite::GaussMarkov;
 use crate::presets;
-use crate::temperature::Temperature;
+use crate::temperature::{Temperature, celsius};
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
-use undrift_base::toml_text::{is_log, line_at, syntax_error};
+use toml::de::DeTable;
+use undrift_config::{ConfigError, Section, Table, Value, is_log};
 use undrift_nav::shaping::ShapingFilter;
 use undrift_nav::units::Quantity;
 
@@ -78,13 +77,11 @@ const RECORDING_KEYS: [&str; 3] = ["record", "samples", "sha256"];
 ///
 /// Errors are [`ModelError::Syntax`] with the line of the place that TOML's parser gives.
 fn parse<'a>(text: &'a str, file: &str) -> Result<Spanned<DeTable<'a>>, ModelError> {
-    DeTable::parse(text).map_err(|error| {
-        let start = error.span().map_or(0, |span| span.start);
-        ModelError::Syntax {
-            file: file.to_owned(),
-            line: line_at(text, start),
-            message: syntax_error(text, start, error.message(), &format!("expected {A_MODEL}")),
-        }
+    let expected = format!("expected {A_MODEL}");
+    undrift_config::parse(text, file, &expected).map_err(|error| ModelError::Syntax {
+        file: error.file,
+        line: error.line.unwrap_or(1),
+        message: error.message,
     })
 }
 
@@ -108,7 +105,7 @@ pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> 
         return Err(not_a_model("a log", file));
     }
     let table = parse(text, file)?;
-    let top = Table::top(table.get_ref(), Some(text), file, "");
+    let top = Section::top(table.get_ref(), text, file);
     if top.get("imu").is_some() {
         return Err(not_a_model("a drive file", file));
     }
@@ -118,7 +115,7 @@ pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> 
     ] {
         if top.get(key).is_none() {
             let message = format!("missing; a model file starts with {key} = {example}");
-            return Err(top.error(key, message));
+            return Err(top.error(key, message).into());
         }
     }
     model(&top)
@@ -128,36 +125,37 @@ pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> 
 ///
 /// At least one axis must have a noise model; the axes that have none are left at [`AxisModel::default`] and
 /// are an error only where a filter is asked of them.
-pub(super) fn model(top: &Table<'_>) -> Result<ImuModel, ModelError> {
+pub(super) fn model(top: &Section) -> Result<ImuModel, ModelError> {
     top.only(&TOP_KEYS)?;
     if let Some(format) = top.text("format")?
         && format != FORMAT
     {
         let message = format!("{format:?} is not a noise model; expected \"{FORMAT}\"");
-        return Err(top.error("format", message));
+        return Err(top.error("format", message).into());
     }
     let said = match top.get("version") {
         None => VERSION.to_string(),
-        Some(DeValue::Integer(number)) => number.to_string(),
-        Some(other) => format!("a {}", other.type_str()),
+        Some(Value::Whole(number)) => number.into_owned(),
+        Some(other) => other.kind().into(),
     };
     if said != VERSION.to_string() {
         let message = format!(
             "this program reads version {VERSION} of the format, the file has version {said}"
         );
-        return Err(top.error("version", message));
+        return Err(top.error("version", message).into());
     }
     let mut base = ImuModel::default();
     let parsed;
     let mut sources = vec![top.clone()];
     if let Some(name) = top.text("preset")? {
-        let text = presets::text(&name).ok_or_else(|| {
-            let suggestion = presets::suggestion(&name);
+        let text = presets::text(name).ok_or_else(|| {
+            let suggestion = presets::suggestion(name);
             top.error("preset", format!("no preset {name:?}; {suggestion}"))
         })?;
-        base = from_text(text, &name)?;
-        parsed = parse(text, &name)?;
-        sources.push(Table::top(parsed.get_ref(), None, top.file, &top.path));
+        base = from_text(text, name)?;
+        parsed = parse(text, name)?;
+        let table = Table::Parsed(parsed.get_ref(), None);
+        sources.push(Section::values(table, top.file).under(&top.path));
     }
     let mut axes: [AxisModel; 6] = Default::default();
     for (axis, slot) in AXES.iter().zip(&mut axes) {
@@ -165,22 +163,21 @@ pub(super) fn model(top: &Table<'_>) -> Result<ImuModel, ModelError> {
         // The axis' own table over that of all three, the file over its preset.
         let mut tables = Vec::new();
         for (source, key) in sources.iter().flat_map(|of| [(of, *axis), (of, group)]) {
-            if let Some(table) = source.table(key)? {
+            let table = source.section(key)?;
+            if table.exists() {
                 table.only(&AXIS_KEYS)?;
                 tables.push(table);
             }
         }
         // Errors are named after the first table. Without any, ImuModel::shaping says so where the axis is needed.
-        let Some(first) = tables.first().cloned() else {
-            continue;
-        };
-        let layers = tables.into_iter().flat_map(|table| table.layers).collect();
-        *slot = axis_model(&Table { layers, ..first }, group == "gyro")?;
+        if let Some(table) = tables.into_iter().reduce(Section::over) {
+            *slot = axis_model(&table, group == "gyro")?;
+        }
     }
     if !axes.iter().any(AxisModel::is_known) {
         let message =
             "no axis has a noise model; give [gyro] and [accel], or [gyro_x] to [accel_z]";
-        return Err(top.error("", message));
+        return Err(top.error("", message).into());
     }
     let [gx, gy, gz, ax, ay, az] = axes;
     let mut read_from = format!("{}: ", top.file);
@@ -188,8 +185,8 @@ pub(super) fn model(top: &Table<'_>) -> Result<ImuModel, ModelError> {
         read_from += &format!("{}.", top.path);
     }
     Ok(ImuModel {
-        name: top.text("name")?.unwrap_or(base.name),
-        source: top.text("source")?.unwrap_or(base.source),
+        name: top.text("name")?.map_or(base.name, str::to_owned),
+        source: top.text("source")?.map_or(base.source, str::to_owned),
         provenance: provenance(top)?,
         gyro: [gx, gy, gz],
         accel: [ax, ay, az],
@@ -198,31 +195,33 @@ pub(super) fn model(top: &Table<'_>) -> Result<ImuModel, ModelError> {
 }
 
 /// Reads `[provenance]`.
-fn provenance(top: &Table<'_>) -> Result<Provenance, ModelError> {
-    let Some(table) = top.table("provenance")? else {
-        return Ok(Provenance::default());
-    };
+fn provenance(top: &Section) -> Result<Provenance, ConfigError> {
+    let table = top.section("provenance")?;
     table.only(&PROVENANCE_KEYS)?;
     Ok(Provenance {
-        record: table.text("record")?,
+        record: text(&table, "record")?,
         rate_hz: table.positive("rate", Quantity::Frequency)?,
         samples: table.whole("samples")?,
-        sha256: table.text("sha256")?,
-        program: table.text("program")?,
+        sha256: text(&table, "sha256")?,
+        program: text(&table, "program")?,
         recordings: recordings(&table)?,
     })
 }
 
+fn text(table: &Section, key: &str) -> Result<Option<String>, ConfigError> {
+    Ok(table.text(key)?.map(str::to_owned))
+}
+
 /// Reads `[[provenance.recording]]`.
-fn recordings(provenance: &Table<'_>) -> Result<Vec<Recording>, ModelError> {
-    let tables = provenance.tables("recording")?;
-    let recording = |table: &Table<'_>| {
+fn recordings(provenance: &Section) -> Result<Vec<Recording>, ConfigError> {
+    let tables = provenance.sections("recording")?;
+    let recording = |table: &Section| {
         table.only(&RECORDING_KEYS)?;
         let missing = || table.error("record", "missing; a recording needs its name");
         Ok(Recording {
-            record: table.text("record")?.ok_or_else(missing)?,
+            record: text(table, "record")?.ok_or_else(missing)?,
             samples: table.whole("samples")?,
-            sha256: table.text("sha256")?,
+            sha256: text(table, "sha256")?,
         })
     };
     tables.iter().map(recording).collect()
@@ -231,7 +230,7 @@ fn recordings(provenance: &Table<'_>) -> Result<Vec<Recording>, ModelError> {
 /// Reads one axis, its group's keys beneath its own.
 ///
 /// `gyro` chooses the quantities: angle and angular rate, or velocity and acceleration.
-fn axis_model(table: &Table<'_>, gyro: bool) -> Result<AxisModel, ModelError> {
+fn axis_model(table: &Section, gyro: bool) -> Result<AxisModel, ConfigError> {
     let (rounding, level, noise, walk) = if gyro {
         (
             Quantity::Angle,
@@ -249,13 +248,15 @@ fn axis_model(table: &Table<'_>, gyro: bool) -> Result<AxisModel, ModelError> {
     };
     let instability = processes(table, level)?;
     let white = table.measure("white_noise", noise)?;
-    let arma = table.table("arma")?;
-    let arma = arma.map(|inside| arma_of(&inside, level)).transpose()?;
-    let lines = table.tables("line")?;
+    let arma = table.section("arma")?;
+    let arma = arma.exists().then(|| arma_of(&arma, level)).transpose()?;
+    let lines = table.sections("line")?;
     let lines = lines.iter().map(|inside| line_of(inside, level));
     let lines = lines.collect::<Result<_, _>>()?;
-    let temperature = table.table("temperature")?;
-    let temperature = temperature.map(|inside| temperature_of(&inside, gyro));
+    let temperature = table.section("temperature")?;
+    let temperature = temperature
+        .exists()
+        .then(|| temperature_of(&temperature, gyro));
     if white.is_none() && arma.is_none() {
         let example = noise.examples();
         let message =
@@ -277,7 +278,7 @@ fn axis_model(table: &Table<'_>, gyro: bool) -> Result<AxisModel, ModelError> {
 }
 
 /// The Gauss-Markov processes: as many standard deviations as correlation times.
-fn processes(table: &Table<'_>, level: Quantity) -> Result<Vec<GaussMarkov>, ModelError> {
+fn processes(table: &Section, level: Quantity) -> Result<Vec<GaussMarkov>, ConfigError> {
     let (sigma_key, tau_key) = ("bias_instability", "correlation_time");
     let sigmas = table.measures(sigma_key, level)?;
     let taus = table.measures(tau_key, Quantity::Time)?;
@@ -312,7 +313,7 @@ fn processes(table: &Table<'_>, level: Quantity) -> Result<Vec<GaussMarkov>, Mod
 }
 
 /// Reads one `[[…line]]`.
-fn line_of(table: &Table<'_>, level: Quantity) -> Result<Line, ModelError> {
+fn line_of(table: &Section, level: Quantity) -> Result<Line, ConfigError> {
     table.only(&LINE_KEYS)?;
     Ok(Line {
         frequency_hz: needed(table, "frequency", Quantity::Frequency, "a line")?,
@@ -324,7 +325,7 @@ fn line_of(table: &Table<'_>, level: Quantity) -> Result<Line, ModelError> {
 /// Reads `[….temperature]`.
 ///
 /// The range of the record is required beside the slope: beyond it the effect is an extrapolation.
-fn temperature_of(table: &Table<'_>, gyro: bool) -> Result<Temperature, ModelError> {
+fn temperature_of(table: &Section, gyro: bool) -> Result<Temperature, ConfigError> {
     table.only(&TEMPERATURE_KEYS)?;
     let (slope, quadratic) = match gyro {
         true => (Quantity::RatePerKelvin, Quantity::RatePerKelvin2),
@@ -337,43 +338,42 @@ fn temperature_of(table: &Table<'_>, gyro: bool) -> Result<Temperature, ModelErr
         let message = format!("missing; a temperature table needs {key}, such as {example}");
         table.error(key, message)
     };
-    let celsius = |key| {
-        let found = table.celsius(key)?;
-        found.ok_or_else(|| missing(key, "\"25 degC\""))
+    let temperature = |key| {
+        let text = table.text(key)?;
+        let text = text.ok_or_else(|| missing(key, "\"25 degC\""))?;
+        celsius(text).ok_or_else(|| {
+            let message = format!("\"{text}\": must be such as \"25 degC\" or \"298 K\"");
+            table.error(key, message)
+        })
     };
     let (reference_c, range_c) = (
-        celsius("reference")?,
-        [celsius("lowest")?, celsius("highest")?],
+        temperature("reference")?,
+        [temperature("lowest")?, temperature("highest")?],
     );
     let [lowest, highest] = range_c;
     if !(lowest < highest && (lowest..=highest).contains(&reference_c)) {
         let message = "must be above lowest, and reference between them";
         return Err(table.error("highest", message));
     }
-    let body_axes = match table.text("axes")?.as_deref() {
+    let body_axes = match table.text("axes")? {
         None | Some("sensor") => false,
         Some("body") => true,
         Some(_) => return Err(table.error("axes", "must be \"sensor\" or \"body\"")),
     };
-    let found = table.signed("slope", slope)?;
+    let found = table.quantity("slope", slope)?;
     Ok(Temperature {
         reference_c,
         range_c,
         slope: found.ok_or_else(|| missing("slope", slope.examples()))?,
         slope_sigma: table.measure("slope_sigma", slope)?.unwrap_or(0.0),
-        quadratic: table.signed("quadratic", quadratic)?.unwrap_or(0.0),
+        quadratic: table.quantity("quadratic", quadratic)?.unwrap_or(0.0),
         quadratic_sigma: table.measure("quadratic_sigma", quadratic)?.unwrap_or(0.0),
         body_axes,
     })
 }
 
 /// A number above zero that `whose` table cannot do without.
-fn needed(
-    table: &Table<'_>,
-    key: &str,
-    quantity: Quantity,
-    whose: &str,
-) -> Result<f64, ModelError> {
+fn needed(table: &Section, key: &str, quantity: Quantity, whose: &str) -> Result<f64, ConfigError> {
     table.positive(key, quantity)?.ok_or_else(|| {
         let (name, example) = (quantity.name(), quantity.examples());
         let message = format!("missing; {whose} needs {name} such as {example}");
@@ -382,7 +382,7 @@ fn needed(
 }
 
 /// Reads `[….arma]`.
-fn arma_of(table: &Table<'_>, level: Quantity) -> Result<Arma, ModelError> {
+fn arma_of(table: &Section, level: Quantity) -> Result<Arma, ConfigError> {
     table.only(&ARMA_KEYS)?;
     let arma = Arma {
         rate_hz: needed(table, "rate", Quantity::Frequency, "an arma table")?,

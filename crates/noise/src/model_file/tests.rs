@@ -1,17 +1,22 @@
 //! The published schema of `IMU.toml` is what its reader takes.
 
-use super::table::page::{Tables, asked, publish, rows};
 use super::{AXES, FORMAT, ImuModel, VERSION};
 use crate::presets;
+use page::{Asked, Tables, publish, rows};
 use serde_json::json;
 use std::{collections::BTreeSet, path::Path};
+use undrift_config::{Section, parse};
+
+#[path = "../../../../tools/schema/page.rs"]
+mod page;
 
 const ARMA: &str = "arma = { rate = \"200 Hz\", ar = [0.9], ma = [0.5], sigma = ";
 
 #[test]
 fn the_schema_of_a_model_file_is_what_its_reader_takes() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    asked();
+    let asked = Asked::default();
+    let note = |table: &str, key: &str, takes| asked.note(table, key, takes);
     let head = format!("format = \"{FORMAT}\"\nversion = {VERSION}\n[provenance]\n");
     let axis = |name: &str| {
         let sigma = if name.starts_with("gyro") {
@@ -27,9 +32,12 @@ fn the_schema_of_a_model_file_is_what_its_reader_takes() {
     };
     for names in [&["gyro", "accel"][..], &AXES] {
         let axes: String = names.iter().map(|name| axis(name)).collect();
-        ImuModel::from_toml(&(head.clone() + &axes), "imu.toml").unwrap();
+        let text = head.clone() + &axes;
+        let table = parse(&text, "imu.toml", "").unwrap();
+        let top = Section::top(table.get_ref(), &text, "imu.toml").watched(&note);
+        ImuModel::from_section(&top).unwrap();
     }
-    let asked = asked();
+    let asked = asked.all();
     let page = std::fs::read_to_string(root.join("docs/imu-file.md")).unwrap();
     let mut rows = rows(&page);
     rows.retain(|(table, _), _| {

@@ -1,6 +1,7 @@
 //! The model file: what is read, what is refused and how, and that it survives writing.
 
 use std::path::Path;
+use undrift_config::Section;
 use undrift_nav::earth::STANDARD_GRAVITY as G;
 use undrift_noise::composite::{CompositeTerms, GaussMarkov};
 use undrift_noise::{AxisModel, BiasModel, ImuModel, ModelError};
@@ -250,8 +251,7 @@ fn errors_name_line_key_and_mend() {
             with("turn_on = \"3 deg/s\"", "turn_on = 3"),
             &[
                 "imu.toml line 14, gyro.turn_on:",
-                "needs a unit",
-                "\"deg/s\"",
+                "needs a unit: write \"3 deg/s\"",
             ],
         ),
         (
@@ -278,12 +278,12 @@ fn errors_name_line_key_and_mend() {
             with("frequency = \"7.3 Hz\"", "hertz = 7.3"),
             &[
                 "gyro.line.hertz: unknown key",
-                "frequency, amplitude, width",
+                "amplitude, frequency, width",
             ],
         ),
         (
             with("[accel]", "[gyro_x]\nline = 7.3\n[accel]"),
-            &["gyro_x.line: must be tables [[line]], not float"],
+            &["gyro_x.line: must be tables: write [[line]], not a number"],
         ),
         (
             with("correlation_time = \"100 s\"\n", ""),
@@ -413,7 +413,9 @@ fn errors_name_line_key_and_mend() {
 fn a_preset_can_be_overridden_key_by_key() {
     let text = "preset = \"mpu6050\"\n[gyro]\nturn_on = \"0 deg/s\"\n[accel]\nturn_on = \"1 mg\"";
     let table = toml::de::DeTable::parse(text).unwrap();
-    let model = ImuModel::from_spanned(table.get_ref(), text, "drive.toml", "model").unwrap();
+    let model =
+        ImuModel::from_section(&Section::top(table.get_ref(), text, "drive.toml").under("model"))
+            .unwrap();
     let preset = ImuModel::preset("mpu6050").unwrap();
     assert_eq!(
         model.gyro[1],
@@ -436,14 +438,8 @@ fn a_preset_can_be_overridden_key_by_key() {
 fn inline_tables_are_named_with_their_path() {
     let text = "a = 1\n[model.gyro]\nwhite = \"2 deg/sqrt(h)\"\n";
     let document = toml::de::DeTable::parse(text).unwrap();
-    let inner = document
-        .get_ref()
-        .get("model")
-        .unwrap()
-        .get_ref()
-        .as_table()
-        .unwrap();
-    let error = ImuModel::from_spanned(inner, text, "drive.toml", "model").unwrap_err();
+    let top = Section::top(document.get_ref(), text, "drive.toml");
+    let error = ImuModel::from_section(&top.section("model").unwrap()).unwrap_err();
     assert!(
         error
             .to_string()

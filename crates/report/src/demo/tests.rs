@@ -301,7 +301,7 @@ fn a_terminal_has_a_table_for_each_length_and_the_bounds() {
         text.contains("\n30 s, 45 outages ") && text.contains(&format!("\n{BOUNDS}\nmodel")),
         "{text}"
     );
-    assert!(text.ends_with("in 30 s: none.\n"), "{text}");
+    assert!(text.ends_with("in 30 s: none."), "{text}");
     for model in &mut demo.models {
         model.bound = false;
     }

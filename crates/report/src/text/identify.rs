@@ -3,12 +3,13 @@
 mod terms;
 
 use crate::{
-    Table,
+    Block,
     identify::{
         adequacy_line, bounds, drift_table, identified, lines, of_others, pool, temperatures,
         units, verdict,
     },
-    plain::{Mark, plain_table},
+    parts::text,
+    plain::{self, Mark, plain_table},
 };
 use std::fmt::Write as _;
 use undrift_results::{Axis, Detrend, Identify};
@@ -17,76 +18,56 @@ use undrift_results::{Axis, Detrend, Identify};
 /// axis before.
 pub fn identify(result: &Identify, details: bool, mark: Mark) -> String {
     let alarm = result.pool.as_ref().and_then(pool::not_one);
-    let alarm = alarm.map_or(String::new(), |text| wrapped(&text));
-    let verdict = alarm + &wrapped(&verdict(result));
-    let temperatures = captioned(
-        "Bias over temperature, 95 % intervals:",
-        &temperatures(identified("", result)),
-        mark,
-    );
-    let lines = captioned(
-        "Lines and narrow resonances, not in the terms above:",
-        &lines(identified("", result)),
-        mark,
-    );
-    let terms =
-        terms::table(result, mark) + &temperatures + &lines + &several(result, details, mark);
-    match details {
-        true => format!("{verdict}\n{}\n{terms}", every_axis(result, mark)),
-        false => format!("{verdict}\n{terms}"),
-    }
-}
-
-/// A table under its caption, after an empty line; nothing of one without rows.
-fn captioned(caption: &str, table: &Table, mark: Mark) -> String {
-    match table.rows.is_empty() {
-        true => String::new(),
-        false => format!("\n{caption}\n{}", plain_table(table, mark)),
-    }
+    let verdict = alarm.into_iter().chain([verdict(result)]);
+    let temperatures = temperatures(identified("", result));
+    let lines = lines(identified("", result));
+    let blocks = [
+        text([wrapped(verdict)]),
+        text(details.then(|| every_axis(result, mark))),
+        text(terms::table(result, mark)),
+        temperatures.captioned("Bias over temperature, 95 % intervals:"),
+        lines.captioned("Lines and narrow resonances, not in the terms above:"),
+    ];
+    plain::plain(blocks.into_iter().chain(several(result, details)), mark)
 }
 
 /// What several records show beyond their model; `details` puts the records of each axis first.
-fn several(result: &Identify, details: bool, mark: Mark) -> String {
+fn several(result: &Identify, details: bool) -> [Option<Block>; 3] {
     let Some(pool) = &result.pool else {
-        return String::new();
+        return Default::default();
     };
-    let records = match details {
-        true => captioned(
-            "Each recording against the others:",
-            &pool::records("", pool),
-            mark,
-        ),
-        false => String::new(),
-    };
+    let records = pool::records("", pool);
     let count = pool.records.len();
-    let spread = captioned(
-        &format!("Turn-on constants of {count} switch-ons:"),
-        &pool::turn_on("", pool),
-        mark,
-    );
-    let notes = pool::of_constants(pool);
-    let notes: String = notes.iter().map(|note| wrapped(note)).collect();
-    records + &spread + &notes
+    [
+        records
+            .captioned("Each recording against the others:")
+            .filter(|_| details),
+        pool::turn_on("", pool).captioned(&format!("Turn-on constants of {count} switch-ons:")),
+        text([wrapped(pool::of_constants(pool))]),
+    ]
 }
 
 /// Characters of a line.
 const WIDTH: usize = 80;
 
-/// A text in lines, the later ones indented.
-fn wrapped(text: &str) -> String {
-    let (mut out, mut length) = (String::new(), 0);
-    for word in text.split(' ') {
-        let more = word.chars().count() + 1;
-        if length > 0 && length + more > WIDTH {
-            out.truncate(out.trim_end().len());
-            out += "\n  ";
-            length = 2;
+/// Texts below one another, each in lines, the later ones indented.
+fn wrapped(texts: impl IntoIterator<Item = String>) -> String {
+    let wrap = |text: String| {
+        let (mut out, mut length) = (String::new(), 0);
+        for word in text.split(' ') {
+            let more = word.chars().count() + 1;
+            if length > 0 && length + more > WIDTH {
+                out.truncate(out.trim_end().len());
+                out += "\n  ";
+                length = 2;
+            }
+            out += word;
+            out.push(' ');
+            length += more;
         }
-        out += word;
-        out.push(' ');
-        length += more;
-    }
-    format!("{}\n", out.trim_end())
+        out.trim_end().to_owned()
+    };
+    Vec::from_iter(texts.into_iter().map(wrap)).join("\n")
 }
 
 /// What was found of each axis, with its candidates by their drift.

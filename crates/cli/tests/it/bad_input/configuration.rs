@@ -329,7 +329,7 @@ fn models_and_bias_models_on_the_command_line() {
         (
             format!("{head}{whole}noise = \"1 mg\"\n"),
             &[
-                "imu.toml line 7, accel.noise: unknown key; known here: white_noise, bias_instability",
+                "imu.toml line 7, accel.noise: unknown key; known here: arma, bias_instability, correlation_time",
             ],
         ),
         (

@@ -252,7 +252,9 @@ fn mistakes_in_their_tables() {
         ),
         (
             vehicle("non_holonomic = true"),
-            &["vehicle.non_holonomic: the number needs a unit"],
+            &[
+                "vehicle.non_holonomic: must be a velocity with its unit such as \"1 m/s\", not a boolean",
+            ],
         ),
         (
             vehicle("non_holonomic = \"0.1 m\""),

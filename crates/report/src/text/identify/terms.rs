@@ -9,7 +9,7 @@ use crate::{
 use undrift_results::{Axis, Identify, Number};
 
 /// A row for each axis below one of units for its sensor.
-pub(super) fn table(result: &Identify, mark: Mark) -> String {
+pub(super) fn table(result: &Identify, mark: Mark) -> Option<String> {
     let known = || result.in_order().filter(|(_, axis)| axis.error.is_none());
     let mut rows: Vec<[String; 8]> = Vec::new();
     for sensor in ["gyro", "accel"] {
@@ -35,7 +35,7 @@ pub(super) fn table(result: &Identify, mark: Mark) -> String {
         rows.extend(axes.into_iter().map(|(name, axis)| row(name, axis, units)));
     }
     if rows.is_empty() {
-        return String::new();
+        return None;
     }
     let heads = ["axis", "N", "B", "σ", "τ", "K", "Q", "turn-on"];
     let table = Table {
@@ -50,10 +50,10 @@ pub(super) fn table(result: &Identify, mark: Mark) -> String {
     let text = plain_table(&table, mark);
     let of_allan = !is_allan(result) && known().any(|(_, axis)| is_arma(axis));
     let note = match of_allan {
-        true => "* terms of the Allan deviation: the model recommended is an ARMA\n",
+        true => "* terms of the Allan deviation: the model recommended is an ARMA",
         false => "",
     };
-    format!("{text}{LEGEND}{note}")
+    Some(format!("{text}{LEGEND}{note}"))
 }
 
 /// What the letters are.

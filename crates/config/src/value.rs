@@ -1,17 +1,17 @@
 //! Values of a table: from a file's text, or as a program has them.
 
+use serde::Deserialize;
 use std::borrow::Cow;
 use toml::{
     Spanned,
-    de::{DeTable, DeValue},
+    de::{DeTable, DeValue, ValueDeserializer},
 };
-use undrift_base::toml_text::line_at;
 
 /// A table, with or without a text behind it.
 #[derive(Clone, Copy)]
 pub enum Table<'a> {
-    /// A table of a file's text, and where it begins there \[bytes\].
-    Parsed(&'a DeTable<'a>, usize),
+    /// A table of a file's text, and where it begins there \[bytes\], where that is known.
+    Parsed(&'a DeTable<'a>, Option<usize>),
     /// A table made in a program.
     Values(&'a toml::Table),
 }
@@ -20,9 +20,9 @@ pub enum Table<'a> {
 pub enum Value<'a> {
     /// A string.
     Text(&'a str),
-    /// A whole number, in digits.
+    /// A whole number, in decimal digits.
     Whole(Cow<'a, str>),
-    /// Any other number, in digits.
+    /// Any other number, in decimal digits.
     Decimal(Cow<'a, str>),
     /// A switch, true or false.
     Switch(bool),
@@ -43,10 +43,10 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// The line where it begins in the text.
-    pub(super) fn line(self, text: &str) -> Option<usize> {
+    /// Where it begins in the text \[bytes\].
+    pub(super) fn place(self) -> Option<usize> {
         match self {
-            Self::Parsed(_, at) => Some(line_at(text, at)),
+            Self::Parsed(_, at) => at,
             Self::Values(_) => None,
         }
     }
@@ -61,6 +61,48 @@ impl<'a> Table<'a> {
             Self::Values(table) => Some((table.get(key)?.into(), None)),
         }
     }
+
+    /// It as a program has it; or what is wrong with a value in it.
+    pub(super) fn to_values(self) -> Result<toml::Table, String> {
+        match self {
+            Self::Parsed(table, _) => {
+                let value = Spanned::new(0..0, DeValue::Table(table.clone()));
+                toml::Table::deserialize(ValueDeserializer::from(value))
+                    .map_err(|error| error.message().to_owned())
+            }
+            Self::Values(table) => Ok(table.clone()),
+        }
+    }
+}
+
+impl Value<'_> {
+    /// What it is, for messages.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Text(_) => "a string",
+            Self::Whole(_) | Self::Decimal(_) => "a number",
+            Self::Switch(_) => "a boolean",
+            Self::List(_) => "a list",
+            Self::Table(_) => "a table",
+            Self::Other => "a date or time",
+        }
+    }
+
+    /// A number without unit, which may be infinite or NaN.
+    pub(super) fn number(&self) -> Option<f64> {
+        match self {
+            Self::Whole(digits) | Self::Decimal(digits) => digits.parse().ok(),
+            _ => None,
+        }
+    }
+}
+
+/// Digits without the underscores that TOML allows between them.
+fn digits(text: &str) -> Cow<'_, str> {
+    match text.contains('_') {
+        true => text.replace('_', "").into(),
+        false => text.into(),
+    }
 }
 
 impl<'a> From<&'a Spanned<DeValue<'a>>> for Value<'a> {
@@ -68,16 +110,16 @@ impl<'a> From<&'a Spanned<DeValue<'a>>> for Value<'a> {
         match value.get_ref() {
             DeValue::String(text) => Self::Text(text),
             DeValue::Integer(number) => match number.radix() {
-                10 => Self::Whole(number.as_str().into()),
+                10 => Self::Whole(digits(number.as_str())),
                 // `0x32` is held without its prefix.
-                radix => i64::from_str_radix(&number.as_str().replace('_', ""), radix)
+                radix => i64::from_str_radix(&digits(number.as_str()), radix)
                     .map_or(Self::Other, |number| Self::Whole(number.to_string().into())),
             },
-            DeValue::Float(number) => Self::Decimal(number.as_str().into()),
+            DeValue::Float(number) => Self::Decimal(digits(number.as_str())),
             DeValue::Boolean(on) => Self::Switch(*on),
             DeValue::Datetime(_) => Self::Other,
             DeValue::Array(items) => Self::List(items.iter().map(Self::from).collect()),
-            DeValue::Table(table) => Self::Table(Table::Parsed(table, value.span().start)),
+            DeValue::Table(table) => Self::Table(Table::Parsed(table, Some(value.span().start))),
         }
     }
 }

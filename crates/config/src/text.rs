@@ -1,13 +1,36 @@
-//! Text of TOML files that people write: its lines, and the remedy of what the parser refuses. Drive files, manifests, simulation
-//! specifications and model files are read by these; what their keys mean is their readers' own.
+//! The text of TOML files: its lines, and the remedy of what the parser refuses.
 
-/// Line of the byte `offset` in `text`, from 1.
+use crate::ConfigError;
+use toml::{Spanned, de::DeTable};
+
+/// Parses the tables of a file's `text`; `file` is its name in messages, and `expected` what they say of a text that is no TOML at all.
+/// [`Section::top`](crate::Section::top) reads them.
+///
+/// # Errors
+/// Text that is not TOML, with its line and the remedy where the mistake is a common one.
 ///
 /// ```
-/// use undrift_base::toml_text::line_at;
-/// assert_eq!(line_at("a = 1\nb = 2\n", 6), 2);
+/// let error = undrift_config::parse("file = C:\\logs\\imu.csv", "car.toml", "expected a drive file").unwrap_err();
+/// assert!(error.to_string().starts_with("car.toml line 1: ") && error.message.contains("write paths with /"));
 /// ```
-pub fn line_at(text: &str, offset: usize) -> usize {
+pub fn parse<'a>(
+    text: &'a str,
+    file: &str,
+    expected: &str,
+) -> Result<Spanned<DeTable<'a>>, ConfigError> {
+    DeTable::parse(text).map_err(|error| {
+        let start = error.span().map_or(0, |span| span.start);
+        ConfigError {
+            file: file.to_owned(),
+            line: Some(line_at(text, start)),
+            key: String::new(),
+            message: syntax_error(text, start, error.message(), expected),
+        }
+    })
+}
+
+/// Line of the byte `offset` in `text`, from 1.
+pub(super) fn line_at(text: &str, offset: usize) -> usize {
     let before = text.as_bytes().iter().take(offset);
     before.filter(|byte| **byte == b'\n').count() + 1
 }
@@ -15,7 +38,7 @@ pub fn line_at(text: &str, offset: usize) -> usize {
 /// Whether `text` begins as a table of numbers does: a log that was given in place of a TOML file.
 ///
 /// ```
-/// use undrift_base::toml_text::is_log;
+/// use undrift_config::is_log;
 /// assert!(is_log("time,gx,gy\n0.00,0.1,-0.2\n"));
 /// assert!(!is_log("name = \"my IMU\"\n[gyro]\n"));
 /// ```
@@ -33,13 +56,7 @@ pub fn is_log(text: &str) -> bool {
 
 /// What is wrong where the parser stopped, at the byte `start` of `text` with `message`: with the remedy where the mistake is a
 /// common one, and `expected` where the line is no TOML at all.
-///
-/// ```
-/// use undrift_base::toml_text::syntax_error;
-/// let problem = syntax_error("file = C:\\logs\\imu.csv", 7, "invalid string", "expected a drive file");
-/// assert!(problem.contains("write paths with /"));
-/// ```
-pub fn syntax_error(text: &str, start: usize, message: &str, expected: &str) -> String {
+fn syntax_error(text: &str, start: usize, message: &str, expected: &str) -> String {
     let line = text.lines().nth(line_at(text, start) - 1);
     let line = line.unwrap_or_default();
     let value = line.split_once('=').map_or("", |(_, value)| value);
