@@ -31,7 +31,10 @@ pub(crate) fn of_objects(source: Source, _: &[u8]) -> Source {
     for line in source.split(b'\n') {
         match line {
             Ok(line) => records.extend(record(&line)),
-            Err(error) => failure = Some(error),
+            Err(error) => {
+                failure = Some(error);
+                break;
+            }
         }
     }
     records.sort_by_key(|record| record.time);
