@@ -46,7 +46,7 @@ pub use logs::Logs;
 pub use named::{files_named, log_tables};
 pub use poses::Poses;
 pub use scalars::{ScalarLog, Scalars};
-pub(crate) use section::DEGREES_MINUTES;
+pub(crate) use section::{DEGREES_MINUTES, UTM};
 pub use section::{Section, Table, Value};
 pub(crate) use tables::AXLE_STD;
 pub use tables::{read_initial, read_switch};

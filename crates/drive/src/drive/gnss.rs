@@ -3,7 +3,7 @@
 use super::{
     error::{ConfigError, DriveError},
     logs::Logs,
-    section::Section,
+    section::{PlaceUnit, Section},
     tables::{VELOCITY_AXES, read_delimiter},
 };
 use crate::{
@@ -247,7 +247,7 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
     let time = section
         .column("time")?
         .ok_or_else(|| section.missing("time", "the time column"))?;
-    let (angle_scale, degrees_minutes) = section.place_unit("position_unit")?;
+    let unit = section.place_unit("position_unit")?;
     let height_scale = section.unit("height_unit", Quantity::Length, 1.0)?;
     let ecef = section.columns("ecef")?;
     let height = section.quantity("height", Quantity::Length)?;
@@ -262,12 +262,23 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
         (Some(_), _) | (_, Some(_)) if ecef.is_some() => {
             return Err(section.error("ecef", "set only one of position, baseline and ecef"));
         }
-        (Some(columns), None) => Some(PositionColumns::Geodetic {
-            columns,
-            angle_scale,
-            degrees_minutes,
-            height_scale,
-            height,
+        (Some(columns), None) => Some(match unit {
+            PlaceUnit::Utm(zone) => PositionColumns::Utm {
+                columns,
+                zone,
+                height_scale,
+                height,
+            },
+            PlaceUnit::Angle(_) | PlaceUnit::DegreesMinutes => PositionColumns::Geodetic {
+                columns,
+                angle_scale: match unit {
+                    PlaceUnit::Angle(scale) => scale,
+                    _ => 1f64.to_radians(),
+                },
+                degrees_minutes: unit == PlaceUnit::DegreesMinutes,
+                height_scale,
+                height,
+            },
         }),
         (None, Some(ned)) => Some(PositionColumns::Baseline {
             ned,

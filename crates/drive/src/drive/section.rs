@@ -3,6 +3,7 @@
 mod quantities;
 mod value;
 
+pub use quantities::PlaceUnit;
 pub use value::{Table, Value};
 
 use super::error::{ConfigError, DriveError};
@@ -20,6 +21,8 @@ use page::Takes;
 
 /// The unit of latitudes and longitudes that are degrees times 100 and minutes, as NMEA has them.
 pub(crate) const DEGREES_MINUTES: &str = "ddmm.mmmm";
+/// What the unit of eastings and northings begins with, before their zone.
+pub(crate) const UTM: &str = "UTM";
 
 /// One table of a file; remembers which keys were asked for, so that the others can be refused with the names of those known.
 ///

@@ -2,9 +2,9 @@
 
 #[cfg(test)]
 use super::Takes;
-use super::{DEGREES_MINUTES, Section, Value};
+use super::{DEGREES_MINUTES, Section, UTM, Value};
 use crate::drive::error::ConfigError;
-use undrift_io::table::Column;
+use undrift_io::{table::Column, utm::UtmZone};
 use undrift_nav::{
     Vector3,
     units::{self, Quantity},
@@ -14,6 +14,17 @@ use undrift_nav::{
 fn per_second(unit: &str, quantity: Quantity) -> Option<String> {
     let meant = format!("{}/s", unit.strip_suffix('s')?);
     units::unit_factor(&meant, quantity).ok().map(|_| meant)
+}
+
+/// The unit of two numbers that are a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PlaceUnit {
+    /// Latitude and longitude, by their factor to radians.
+    Angle(f64),
+    /// The same in degrees times 100 and minutes.
+    DegreesMinutes,
+    /// Easting and northing \[m\].
+    Utm(UtmZone),
 }
 
 impl<'a> Section<'a> {
@@ -124,17 +135,23 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// The unit of latitudes and longitudes, degrees without one: its factor to radians, and whether they are
-    /// degrees and minutes.
+    /// The unit of places, degrees without one.
     ///
     /// # Errors
-    /// As [`Section::unit`].
-    pub fn place_unit(&self, key: &'a str) -> Result<(f64, bool), ConfigError> {
+    /// As [`Section::unit`], and of UTM without its zone.
+    pub fn place_unit(&self, key: &'a str) -> Result<PlaceUnit, ConfigError> {
         let degree = 1f64.to_radians();
         if self.string(key)? == Some(DEGREES_MINUTES) {
-            return Ok((degree, true));
+            return Ok(PlaceUnit::DegreesMinutes);
         }
-        Ok((self.unit(key, Quantity::Angle, degree)?, false))
+        if let Some(zone) = self.string(key)?.and_then(|text| text.strip_prefix(UTM)) {
+            let zone = UtmZone::parse(zone.trim_start()).ok_or_else(|| {
+                let mend = "UTM needs its zone and hemisphere, such as \"UTM 32N\" or \"UTM 56S\"";
+                self.error(key, mend)
+            })?;
+            return Ok(PlaceUnit::Utm(zone));
+        }
+        Ok(PlaceUnit::Angle(self.unit(key, Quantity::Angle, degree)?))
     }
 
     /// The factor to SI of a unit without number, `default` where the key is absent; of a velocity or an angle a
