@@ -94,10 +94,8 @@ pub fn poses(reader: Result<TruthReader, undrift::io::ReadError>) {
 
 fn local(path: &Path, format: Format, stream: Option<String>) {
     let log = PoseLog {
-        format,
         stream,
-        time_offset: 0.0,
-        span: None,
+        ..PoseLog::new(format)
     };
     local_poses(PoseReader::open(path, &log.into()));
 }

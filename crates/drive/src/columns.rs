@@ -16,7 +16,7 @@ pub use words::RECEIVED;
 
 use undrift_nav::units::{Quantity, unit_factor};
 use words::{
-    ACCELS, ACCURACIES, COURSES, DATES, DIRECTIONS, ECEF_VELOCITIES, ECEFS, GYROS, HEIGHTS,
+    ACCELS, ACCURACIES, COURSES, DATES, DIRECTIONS, ECEF_VELOCITIES, ECEFS, GRID, GYROS, HEIGHTS,
     LATITUDES, LONGITUDES, POSITION_STDS, SPEEDS, SUFFIXES, TIME_ENDINGS, TIME_UNITS, TIMES,
     VELOCITIES, VELOCITY_STDS,
 };
@@ -36,6 +36,12 @@ pub enum Meaning {
     Longitude,
     /// Height.
     Height,
+    /// Easting, northing (0, 1) of a grid such as UTM.
+    Grid(usize),
+    /// Zone of the grid.
+    Zone,
+    /// Letter of the zone's band of latitudes.
+    Band,
     /// Date of a time of day.
     Date,
     /// Earth-centred, Earth-fixed x, y or z (0, 1, 2) of the position.
@@ -69,16 +75,18 @@ impl Meaning {
             Self::Gyro(_) => Quantity::AngularRate,
             Self::Accel(_) => Quantity::Acceleration,
             Self::Latitude | Self::Longitude | Self::Attitude(_) | Self::Course => Quantity::Angle,
-            Self::Height | Self::PositionStd(_) | Self::Ecef(_) | Self::Accuracy(0 | 1) => {
-                Quantity::Length
-            }
+            Self::Height
+            | Self::Grid(_)
+            | Self::PositionStd(_)
+            | Self::Ecef(_)
+            | Self::Accuracy(0 | 1) => Quantity::Length,
             Self::Velocity(_)
             | Self::VelocityUp
             | Self::Speed
             | Self::Accuracy(_)
             | Self::VelocityStd(_)
             | Self::EcefVelocity(_) => Quantity::Velocity,
-            Self::Temperature | Self::Date => return None,
+            Self::Temperature | Self::Date | Self::Zone | Self::Band => return None,
         })
     }
 }
@@ -155,7 +163,24 @@ pub fn meaning(column: &str) -> Option<(Meaning, Option<String>)> {
     let mut indexed =
         axis.filter_map(|(index, axis)| Some(name.strip_suffix(index)?.to_owned() + axis));
     let name = indexed.next().unwrap_or(name);
-    of_name(&name).or_else(|| of_name(without_source(&name)?))
+    let known = || of_name(&name).or_else(|| of_name(without_source(&name)?));
+    known().or_else(|| of_receiver(&name))
+}
+
+/// A name behind a word for the receiver, `locationLatitude` or `gps_alt`, where it is of what one has.
+fn of_receiver(name: &str) -> Option<(Meaning, Option<String>)> {
+    let rest = ["location", "gps", "gnss"]
+        .iter()
+        .find_map(|word| name.strip_prefix(word))?;
+    let rest = rest.trim_start_matches(['_', ' ', '-']);
+    // A letter behind it may be anything.
+    let found = (letters(rest).len() > 2).then(|| of_name(rest))??;
+    use Meaning as M;
+    let of_fixes = matches!(
+        found.0,
+        M::Latitude | M::Longitude | M::Height | M::Speed | M::Course | M::Accuracy(_)
+    );
+    of_fixes.then_some(found)
 }
 
 /// Words before the name of a value that say where it is from.
@@ -267,6 +292,8 @@ fn of_letters(name: &str) -> Option<Meaning> {
         Some(Meaning::Longitude)
     } else if HEIGHTS.contains(&name) {
         Some(Meaning::Height)
+    } else if let Some(axis) = GRID.iter().position(|names| names.contains(&name)) {
+        Some(Meaning::Grid(axis))
     } else if let Some(place) = direction(&VELOCITY_STDS).or_else(|| velocity_std(name)) {
         Some(Meaning::VelocityStd(place.min(2)))
     } else if let Some(place) = direction(&VELOCITIES) {
@@ -281,6 +308,8 @@ fn of_letters(name: &str) -> Option<Meaning> {
             "roll" => Some(Meaning::Attitude(0)),
             "pitch" => Some(Meaning::Attitude(1)),
             "yaw" | "heading" | "azimuth" => Some(Meaning::Attitude(2)),
+            "zone" | "utmzone" | "zonenumber" | "utmzonenumber" => Some(Meaning::Zone),
+            "zoneletter" | "utmzoneletter" | "utmletter" | "band" => Some(Meaning::Band),
             "temp" | "temperature" | "board" | "imutemp" => Some(Meaning::Temperature),
             _ => None,
         }

@@ -42,7 +42,7 @@ pub use epoch::Beginning;
 pub(crate) use epoch::OTHER_CLOCK;
 pub use error::{ConfigError, DriveError};
 pub use imu::{ImuLog, load_imu};
-pub(crate) use keys::{DEGREES_MINUTES, column};
+pub(crate) use keys::{DEGREES_MINUTES, UTM, column};
 pub use keys::{columns, file_name, model};
 pub use logs::Logs;
 pub use named::{files_named, log_tables};

@@ -35,6 +35,7 @@ const SHEET: Foreign = foreign(
     "a ZIP archive or a workbook",
     "extract it, or save the sheet as CSV",
 );
+const EXCEL: Foreign = foreign("an Excel workbook (.xlsx)", "save the sheet as CSV");
 const RETURNS: Foreign = foreign(
     "text with lines that end in CR alone",
     "convert them to LF or CR LF",
@@ -105,6 +106,10 @@ pub fn known(start: &[u8]) -> Option<Foreign> {
         };
         begin(start) || begin(text)
     };
+    let has = |name: &[u8]| start.windows(name.len()).any(|part| part == name);
+    if start.starts_with(b"PK\x03\x04") && (has(b"[Content_Types].xml") || has(b"xl/workbook")) {
+        return Some(EXCEL);
+    }
     if let Some((_, foreign)) = MARKS.iter().find(|(mark, _)| begins(mark)) {
         return Some(*foreign);
     }
@@ -197,6 +202,10 @@ mod tests {
             (b"\xef\xbb\xbf<HTML><body>", "an HTML page"),
             (b"%PDF-1.7\n%\xe2", "a PDF"),
             (b"PK\x03\x04\x14\0", "a ZIP archive or a workbook"),
+            (
+                b"PK\x03\x04\x14\0\x06\0[Content_Types].xml \xa2",
+                "an Excel workbook",
+            ),
             (b"\x89PNG\r\n\x1a\n\0", "an image"),
             (
                 b"version https://git-lfs.github.com/spec/v1\noid",

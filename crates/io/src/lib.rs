@@ -27,6 +27,7 @@ pub mod skipped;
 pub mod source;
 pub mod table;
 pub mod truth;
+pub mod utm;
 pub mod write;
 
 mod clock;

@@ -12,7 +12,7 @@ use crate::format::Format;
 use crate::log::rosbag2::{self, BagFile};
 use crate::log::{self, Log};
 use crate::source::{self, BytesRead, Failing, Source};
-use crate::table::{self, Columns, Preview, Table, TableOptions, TableSource};
+use crate::table::{self, Columns, Preview, Table, TableOptions, TableSource, objects};
 use undrift_nav::sample::{GnssFix, ImuSample, Scalar, TruthSample};
 
 /// Bytes that the format is detected from.
@@ -146,7 +146,23 @@ impl Opened {
     ) -> Result<Self, ReadError> {
         let mut opened = Self::begun(name, stream, read)?;
         opened.read_to(START as u64);
+        if objects::are_there(&opened.start) {
+            opened.rewritten(objects::lines);
+        }
+        if log::sensor_logger::are_objects(&opened.start) {
+            opened.rewritten(log::sensor_logger::of_objects);
+        }
         Ok(opened)
+    }
+
+    /// Reads it from now on as the text that is made of it and its beginning.
+    fn rewritten(&mut self, text: fn(Source, &[u8]) -> Source) {
+        let rest = std::mem::replace(&mut self.rest, Box::new(io::empty()));
+        let start = std::mem::take(&mut self.start);
+        let failure = self.failure.take();
+        let whole = whole(start.clone(), failure, rest);
+        self.rest = text(whole, &start);
+        self.read_to(START as u64);
     }
 
     fn begun(
@@ -425,8 +441,13 @@ impl Opened {
 
     /// The whole stream, from its start.
     fn into_source(self) -> Source {
-        let failure = self.failure.map(|(kind, why)| io::Error::new(kind, why));
-        let start = Cursor::new(self.start).chain(BufReader::new(Failing(failure)));
-        Box::new(start.chain(self.rest))
+        whole(self.start, self.failure, self.rest)
     }
+}
+
+/// A stream from its beginning, of which so much was read before it failed or not.
+fn whole(start: Vec<u8>, failure: Option<(io::ErrorKind, String)>, rest: Source) -> Source {
+    let failure = failure.map(|(kind, why)| io::Error::new(kind, why));
+    let start = Cursor::new(start).chain(BufReader::new(Failing(failure)));
+    Box::new(start.chain(rest))
 }

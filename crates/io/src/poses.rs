@@ -8,6 +8,8 @@
 mod columns;
 mod layout;
 mod motive;
+mod qualisys;
+mod vicon;
 
 use std::sync::Arc;
 
@@ -18,6 +20,7 @@ use crate::epoch::Epoch;
 use crate::format::Format;
 use crate::opened::Memory;
 use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
+use crate::rotation::of_quaternion;
 use crate::skipped::{SkipKind, Skipped};
 
 use columns::PoseColumns;
@@ -31,10 +34,28 @@ pub struct PoseLog {
     pub format: Format,
     /// Its stream; `None` for the only one.
     pub stream: Option<String>,
+    /// Factor from its positions to metres.
+    pub position_scale: f64,
+    /// Whether what it calls x, y, z, w of a quaternion is w, x, y, z.
+    pub w_first: bool,
     /// Added to the times \[s\].
     pub time_offset: f64,
     /// First and last time \[s\] to give out, after the offset.
     pub span: Option<(f64, f64)>,
+}
+
+impl PoseLog {
+    /// The only stream of a log, as it says itself what it holds.
+    pub fn new(format: Format) -> Self {
+        Self {
+            format,
+            stream: None,
+            position_scale: 1.0,
+            w_first: false,
+            time_offset: 0.0,
+            span: None,
+        }
+    }
 }
 
 /// Layout of a log of poses.
@@ -85,8 +106,8 @@ pub struct Poses(Of);
 /// Boxed: one holds its options, a few hundred bytes.
 enum Of {
     Columns(Box<PoseColumns>),
-    /// With what is added to their times \[s\].
-    Log(f64),
+    /// With what is added to their times \[s\], the factor of their positions and whether w is first.
+    Log(f64, f64, bool),
     /// The same in memory.
     Records(f64),
 }
@@ -108,7 +129,7 @@ impl Kind for Poses {
                 }
             }
             PoseSource::Log(log) => Plan {
-                kind: Self(Of::Log(log.time_offset)),
+                kind: Self(Of::Log(log.time_offset, log.position_scale, log.w_first)),
                 source: Want::Log(log.format, Wanted::LocalPoses(log.stream.clone())),
                 span: log.span,
             },
@@ -129,10 +150,19 @@ impl Kind for Poses {
     }
 
     fn of_entry(&mut self, entry: Entry, skipped: &mut Skipped) -> Option<(f64, LocalPose)> {
-        let (What::LocalPose(mut pose), Of::Log(time_offset)) = (entry.what, &self.0) else {
+        let (What::LocalPose(mut pose), &Of::Log(time_offset, scale, w_first)) =
+            (entry.what, &self.0)
+        else {
             return None;
         };
         pose.time += time_offset;
+        pose.position = pose.position.map(|position| position * scale);
+        pose.position_covariance = pose
+            .position_covariance
+            .map(|covariance| covariance * (scale * scale));
+        if let (true, Some(q)) = (w_first, &mut pose.attitude) {
+            *q = of_quaternion(q.i, [q.j, q.k, q.w]).ok()??;
+        }
         usable(pose, true, entry.at, skipped)
     }
 

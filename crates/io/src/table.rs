@@ -28,6 +28,7 @@ mod header;
 mod json;
 pub(crate) mod lines;
 mod monitor;
+pub(crate) mod objects;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod rewritten;

@@ -222,7 +222,8 @@ fn keys_of(poses: &PoseFormat) -> Option<Keys> {
             let unit = if *scale == 1.0 { "rad" } else { "deg" };
             keys.push(("euler_unit", text(unit)));
         }
-        Some(AttitudeColumns::Matrix(_)) | None => {}
+        // No names of columns show these.
+        Some(AttitudeColumns::Matrix(_) | AttitudeColumns::RotationVector { .. }) | None => {}
     }
     Some(keys)
 }

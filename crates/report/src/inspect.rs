@@ -135,6 +135,12 @@ fn known(known: &Known) -> String {
         Known::GpsSeconds => {
             "one log counts GPS seconds since 1980, the other Unix time, which is without leap seconds"
         }
+        Known::TimesOfDay { leap } => {
+            let leap = if *leap { " and the 18 s between GPS time and UTC" } else { "" };
+            return format!(
+                "guessed: the times are times of day without a date; whole days{leap} for the logs to overlap"
+            );
+        }
         Known::NoHeights => {
             "assumed: no height column; the heights of the solution mean nothing, and position_std has 50 m for them. Set the height of the place"
         }

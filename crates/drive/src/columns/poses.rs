@@ -114,7 +114,7 @@ pub fn poses(table: &Preview) -> Option<PoseFormat> {
         all.try_into().ok()
     };
     let (time, time_scale) = time(table)?;
-    let position = columns(Part::Position);
+    let position = columns(Part::Position).or_else(|| level(table));
     let length = |places: [usize; 3]| {
         let unit = unit(places[0]).unwrap_or("m");
         unit_factor(unit, Quantity::Length).unwrap_or(1.0)
@@ -163,6 +163,30 @@ pub fn poses(table: &Preview) -> Option<PoseFormat> {
         quaternion_order,
         ..PoseFormat::new(column(table, time), position.map(three), attitude)
     })
+}
+
+/// East, north and up, which a frame is that has z up.
+fn level(table: &Preview) -> Option<[usize; 3]> {
+    let names = Vec::from_iter(
+        table
+            .names
+            .iter()
+            .map(|name| split_unit(&name.to_lowercase()).0.to_owned()),
+    );
+    let at = |of: fn(Meaning) -> bool| {
+        let is = |name: &String| super::meaning(name).is_some_and(|(meaning, _)| of(meaning));
+        names.iter().position(is)
+    };
+    let up = || {
+        names
+            .iter()
+            .position(|name| matches!(name.as_str(), "up" | "u" | "z"))
+    };
+    Some([
+        at(|of| of == Meaning::Grid(0))?,
+        at(|of| of == Meaning::Grid(1))?,
+        at(|of| of == Meaning::Height).or_else(up)?,
+    ])
 }
 
 /// The column of a place: by its name, if that is the only one of it.

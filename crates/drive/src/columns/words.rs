@@ -158,7 +158,8 @@ pub(super) const GYROS: [&str; 27] = [
     "uncompangrate",
     "uncompgyro",
 ];
-pub(super) const ACCELS: [&str; 26] = [
+pub(super) const ACCELS: [&str; 27] = [
+    "totalacceleration",
     "a",
     "acc",
     "accel",
@@ -227,7 +228,9 @@ pub(super) const LONGITUDES: [&str; 20] = [
     "longitud",
     "longitudine",
 ];
-pub(super) const HEIGHTS: [&str; 28] = [
+pub(super) const HEIGHTS: [&str; 30] = [
+    "utmz",
+    "zutm",
     "hmsl",
     "heightmsl",
     "altmsl",
@@ -256,6 +259,27 @@ pub(super) const HEIGHTS: [&str; 28] = [
     "heightaboveellipsoid",
     "altitudeaboveellipsoid",
     "elev",
+];
+/// Eastings and northings.
+pub(super) const GRID: [&[&str]; 2] = [
+    &[
+        "easting",
+        "east",
+        "utmeasting",
+        "utmeast",
+        "utme",
+        "utmx",
+        "xutm",
+    ],
+    &[
+        "northing",
+        "north",
+        "utmnorthing",
+        "utmnorth",
+        "utmn",
+        "utmy",
+        "yutm",
+    ],
 ];
 pub(super) const VELOCITIES: [&str; 4] = ["v", "vel", "velocity", "vned"];
 pub(super) const SPEEDS: [&str; 7] = [

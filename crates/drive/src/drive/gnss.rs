@@ -2,7 +2,7 @@
 
 use super::{
     error::{ConfigError, DriveError},
-    keys,
+    keys::{self, PlaceUnit},
     logs::Logs,
     tables::{VELOCITY_AXES, read_delimiter},
 };
@@ -250,7 +250,7 @@ fn read_velocity(section: &Section) -> Result<(Option<[Column; 3]>, VelocityAxes
 fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, ConfigError> {
     let time =
         keys::column(section, "time")?.ok_or_else(|| section.missing("time", "the time column"))?;
-    let (angle_scale, degrees_minutes) = keys::place_unit(section, "position_unit")?;
+    let unit = keys::place_unit(section, "position_unit")?;
     let height_scale = section.unit("height_unit", Quantity::Length, 1.0)?;
     let ecef = keys::columns(section, "ecef")?;
     let height = section.quantity("height", Quantity::Length)?;
@@ -265,12 +265,23 @@ fn read_columns(section: &Section, fixes: FixOptions) -> Result<GnssFormat, Conf
         (Some(_), _) | (_, Some(_)) if ecef.is_some() => {
             return Err(section.error("ecef", "set only one of position, baseline and ecef"));
         }
-        (Some(columns), None) => Some(PositionColumns::Geodetic {
-            columns,
-            angle_scale,
-            degrees_minutes,
-            height_scale,
-            height,
+        (Some(columns), None) => Some(match unit {
+            PlaceUnit::Utm(zone) => PositionColumns::Utm {
+                columns,
+                zone,
+                height_scale,
+                height,
+            },
+            PlaceUnit::Angle(_) | PlaceUnit::DegreesMinutes => PositionColumns::Geodetic {
+                columns,
+                angle_scale: match unit {
+                    PlaceUnit::Angle(scale) => scale,
+                    _ => 1f64.to_radians(),
+                },
+                degrees_minutes: unit == PlaceUnit::DegreesMinutes,
+                height_scale,
+                height,
+            },
         }),
         (None, Some(ned)) => Some(PositionColumns::Baseline {
             ned,

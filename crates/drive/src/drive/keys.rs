@@ -3,12 +3,14 @@
 use super::error::{ConfigError, DriveError};
 use std::path::Path;
 use undrift_config::{Section, Takes, Value};
-use undrift_io::table::Column;
+use undrift_io::{table::Column, utm::UtmZone};
 use undrift_nav::units::Quantity;
 use undrift_noise::{ImuModel, ModelError};
 
 /// The unit of latitudes and longitudes that are degrees times 100 and minutes, as NMEA has them.
 pub(crate) const DEGREES_MINUTES: &str = "ddmm.mmmm";
+/// What the unit of eastings and northings begins with, before their zone.
+pub(crate) const UTM: &str = "UTM";
 
 /// The name of a file, which must be there and not be empty.
 ///
@@ -125,15 +127,40 @@ fn some_columns<const N: usize>(
     columns.map_err(|_| section.error(key, wrong))
 }
 
-/// The unit of latitudes and longitudes, degrees without one: its factor to radians, and whether they are
-/// degrees and minutes.
+/// The unit of two numbers that are a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum PlaceUnit {
+    /// Latitude and longitude, by their factor to radians.
+    Angle(f64),
+    /// The same in degrees times 100 and minutes.
+    DegreesMinutes,
+    /// Easting and northing \[m\].
+    Utm(UtmZone),
+}
+
+/// The unit of places, degrees without one.
 ///
 /// # Errors
-/// As [`Section::unit`].
-pub(super) fn place_unit(section: &Section, key: &str) -> Result<(f64, bool), ConfigError> {
-    let degree = 1f64.to_radians();
-    match section.get(key) {
-        Some(Value::Text(DEGREES_MINUTES)) => Ok((degree, true)),
-        _ => Ok((section.unit(key, Quantity::Angle, degree)?, false)),
+/// As [`Section::unit`], and of UTM without its zone.
+pub(super) fn place_unit(section: &Section, key: &str) -> Result<PlaceUnit, ConfigError> {
+    let text = match section.get(key) {
+        Some(Value::Text(text)) => text,
+        _ => "",
+    };
+    if text == DEGREES_MINUTES {
+        return Ok(PlaceUnit::DegreesMinutes);
     }
+    if let Some(zone) = text.strip_prefix(UTM) {
+        let zone = UtmZone::parse(zone.trim_start()).ok_or_else(|| {
+            let mend = "UTM needs its zone and hemisphere, such as \"UTM 32N\" or \"UTM 56S\"";
+            section.error(key, mend)
+        })?;
+        return Ok(PlaceUnit::Utm(zone));
+    }
+    let degree = 1f64.to_radians();
+    Ok(PlaceUnit::Angle(section.unit(
+        key,
+        Quantity::Angle,
+        degree,
+    )?))
 }

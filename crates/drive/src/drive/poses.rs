@@ -61,6 +61,8 @@ pub(crate) fn read(
         PoseSource::Log(PoseLog {
             format,
             stream: topic.map(str::to_owned),
+            position_scale: section.unit("position_unit", Quantity::Length, 1.0)?,
+            w_first: section.word("attitude_order", &ORDERS)?.unwrap_or(false),
             time_offset,
             span: logs.span,
         })
@@ -193,10 +195,6 @@ fn known_layout(
         return Err(section.missing("time", what).into());
     };
     let order = section.word("attitude_order", &ORDERS)?;
-    if order.is_some() && format.quaternion_order == QuaternionOrder::Stated {
-        let message = "the names of the columns or the format say which number of the quaternion is w: omit it, or name time, position and attitude, too";
-        return Err(section.error("attitude_order", message).into());
-    }
     if let (Some(AttitudeColumns::Quaternion { w_first, .. }), Some(order)) =
         (&mut format.attitude, order)
     {

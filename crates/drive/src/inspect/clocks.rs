@@ -32,7 +32,8 @@ const LESS: f64 = 0.03;
 /// An offset so near to a whole one is that \[s\].
 const NEAR: f64 = 0.6;
 /// GPS time less UTC \[s\].
-const LEAP: f64 = 18.0;
+pub(super) const LEAP: f64 = 18.0;
+const DAY: f64 = 86_400.0;
 const HOUR: f64 = 3600.0;
 /// Time zones and days.
 const MOST_HOURS: f64 = 24.0;
@@ -92,6 +93,21 @@ pub(super) fn gps_epoch(imu: (f64, f64), fixes: (f64, f64)) -> Option<f64> {
     let offset = apart * (imu.0 - fixes.0).signum();
     let overlap = imu.1.min(fixes.1 + offset) - imu.0.max(fixes.0 + offset);
     (overlap > 0.0 && (imu.0 - fixes.0).abs() > apart / 2.0).then_some(offset)
+}
+
+/// What is to be added to times of day, of which the first and last are `fixes` \[s\], for them to be of the same clock as those of `imu`:
+/// whole days, and `leap` seconds where that clock is GPS time. `None` where the logs then have not half of the shorter in common.
+pub(super) fn days(imu: (f64, f64), fixes: (f64, f64), leap: f64) -> Option<f64> {
+    let is_of_day = fixes.0 >= 0.0 && fixes.0 < DAY && fixes.1 - fixes.0 < DAY;
+    let whole = ((imu.0 - fixes.0) / DAY).round();
+    let shorter = (imu.1 - imu.0).min(fixes.1 - fixes.0);
+    [whole, whole - 1.0, whole + 1.0]
+        .into_iter()
+        .map(|days| DAY * days + leap)
+        .find(|offset| {
+            let overlap = imu.1.min(fixes.1 + offset) - imu.0.max(fixes.0 + offset);
+            is_of_day && *offset > DAY / 2.0 && 2.0 * overlap > shorter
+        })
 }
 
 /// The whole hours and leap seconds that an offset is.
@@ -226,6 +242,19 @@ mod tests {
             assert_eq!(gps_epoch(imu, (gps + 500.0, gps + 600.0)), None);
             assert_eq!(gps_epoch(imu, (0.0, 400.0)), None);
         }
+    }
+
+    #[test]
+    fn times_of_day_differ_by_whole_days() {
+        let fixes = (36_001.0, 36_300.0);
+        let days = |first: f64, leap: f64| days((first, first + 280.0), fixes, leap);
+        // Unix time, and the seconds of a GPS week.
+        let unix = 1_714_953_600.0;
+        assert_eq!(days(unix + 36_005.0, 0.0), Some(unix));
+        assert_eq!(days(86_400.0 + 36_023.0, 18.0), Some(86_418.0));
+        // The first day of the week, and another hour.
+        assert_eq!(days(36_005.0, 0.0), None);
+        assert_eq!(days(unix + 39_600.0, 0.0), None);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! What the columns of a table are: by their names, and where they have none by their numbers.
 
 use super::{
-    found::Found,
+    found::{Found, GRID},
     numbers::{by_numbers, means, steady, three_of, time_by_numbers},
     units::{self, Force},
 };
@@ -32,11 +32,20 @@ pub(super) fn parts_of(mut table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
     let mut found = by_names(&table);
     let is_nothing = [&found.gyro, &found.accel, &found.ecef, &found.place].map(all) == [None; 4];
     let posed = || crate::columns::poses(&table);
-    if is_nothing && posed().is_some_and(|of| of.position.is_some() && of.attitude.is_some()) {
-        return vec![super::poses::part()];
+    let is_grid = grid_of(&table, &found).is_some();
+    if is_nothing
+        && !is_grid
+        && let Some(format) = posed()
+    {
+        if format.position.is_some() && format.attitude.is_some() {
+            return vec![super::poses::part()];
+        }
+        if super::poses::is_path(&table, &format) {
+            return vec![super::poses::part_of_positions()];
+        }
     }
     // Columns of latitudes are never turned into gyros.
-    let is_place = found.place[0].or(found.place[1]).is_some();
+    let is_place = found.place[0].or(found.place[1]).is_some() || is_grid;
     if !is_place && [&found.gyro, &found.ecef].map(all) == [None; 2] {
         let by_numbers = by_numbers(&table);
         let shows = [by_numbers.accel[0], by_numbers.place[0], by_numbers.ecef[0]];
@@ -108,6 +117,9 @@ fn by_names(table: &Preview) -> Found {
             Some((Meaning::Latitude, _)) => &mut found.place[0],
             Some((Meaning::Longitude, _)) => &mut found.place[1],
             Some((Meaning::Height, _)) => &mut found.place[2],
+            Some((Meaning::Grid(axis), _)) => &mut found.grid[axis],
+            Some((Meaning::Zone, _)) => &mut found.zone[0],
+            Some((Meaning::Band, _)) => &mut found.zone[1],
             Some((Meaning::Date, _)) => &mut found.date,
             Some((Meaning::Ecef(axis), _)) => &mut found.ecef[axis],
             Some((Meaning::EcefVelocity(axis), _)) => &mut found.ecef_velocity[axis],
@@ -170,6 +182,20 @@ fn shared_stamps(rows: &[Vec<f64>], time: usize, gyro: [usize; 3], accel: [usize
     shared as f64 / rows.len().max(1) as f64
 }
 
+/// Easting, northing and height of a grid such as UTM; without a height the easting once more.
+pub(super) fn grid_of(table: &Preview, found: &Found) -> Option<[usize; 3]> {
+    let [east, north] = [found.grid[0]?, found.grid[1]?];
+    let far = |place: usize| {
+        let row = table.rows.iter().find_map(|row| row.get(place));
+        row.is_some_and(|number| number.abs() > GRID)
+    };
+    (far(east) || far(north) || found.zone[0].is_some()).then_some([
+        east,
+        north,
+        found.place[2].unwrap_or(east),
+    ])
+}
+
 pub(super) struct Columns {
     pub(super) table: Preview,
     /// Of the columns, by their names.
@@ -200,7 +226,9 @@ impl Columns {
             _ => None,
         };
         let place = all(&self.found.place).or_else(|| all(&self.found.ecef));
-        place.or_else(flat)
+        place
+            .or_else(flat)
+            .or_else(|| grid_of(&self.table, &self.found))
     }
 
     pub(super) fn three(&self, key: &'static str, places: [usize; 3]) -> Line {

@@ -2,6 +2,9 @@
 
 use undrift_results::inspect::Known;
 
+/// Eastings and northings from here on are those of a grid of the Earth, not of a local frame \[m\].
+pub(super) const GRID: f64 = 100_000.0;
+
 /// Columns found: their places.
 #[derive(Default)]
 pub(super) struct Found {
@@ -11,6 +14,9 @@ pub(super) struct Found {
     /// Of the times, where these are times of day.
     pub(super) date: Option<usize>,
     pub(super) place: [Option<usize>; 3],
+    /// Easting and northing, and the zone and the letter of its band.
+    pub(super) grid: [Option<usize>; 2],
+    pub(super) zone: [Option<usize>; 2],
     /// Earth-centred, Earth-fixed.
     pub(super) ecef: [Option<usize>; 3],
     pub(super) ecef_velocity: [Option<usize>; 3],

@@ -61,6 +61,11 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         return Motion::default();
     }
     let mut found = read(inspections);
+    let [of_imu, of_gnss] = [imu, gnss].map(|(file, part)| &inspections[file].parts[part]);
+    if let Some(line) = other_day(of_imu, of_gnss) {
+        inspections[gnss.0].parts[gnss.1].lines.push(line);
+        found = read(inspections);
+    }
     if let Ok(drive_so_far) = &found
         && let Some(note) = other_clock(&mut inspections[gnss.0].parts[gnss.1], drive_so_far)
     {
@@ -265,6 +270,25 @@ fn records(drive: &Drive) -> Option<(Vec<ImuSample>, Vec<GnssFix>)> {
         .collect::<Result<Vec<_>, _>>()
         .ok()?;
     Some((imu, with_velocities(fixes)))
+}
+
+/// Unix times of this century \[s\] are beyond this; seconds of a GPS week are below.
+const UNIX: f64 = 1e9;
+const WEEK: f64 = 604_800.0;
+
+/// Moves fixes that have times of day and no date to the day of the IMU.
+fn other_day(imu: &Part, gnss: &Part) -> Option<Line> {
+    let (imu, fixes) = (imu.measured.as_ref()?, gnss.measured.as_ref()?);
+    let leap = match &imu.start {
+        Some(_) if imu.first_s > UNIX => 0.0,
+        Some(start) => start.leap_seconds,
+        None if imu.last_s < WEEK => clocks::LEAP,
+        None => return None,
+    };
+    let spans = [imu, fixes].map(|of| (of.first_s, of.last_s));
+    let offset = clocks::days(spans[0], spans[1], leap).filter(|_| fixes.start.is_none())?;
+    let known = Known::TimesOfDay { leap: leap != 0.0 };
+    Some(Line::new("time_offset", format!("{offset:.0} s"), known))
 }
 
 /// Moves the fixes onto the clock of the IMU where the turns of both show by how much; what to note where the logs have no

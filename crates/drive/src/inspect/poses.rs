@@ -1,6 +1,13 @@
 //! How poses lie against the IMU, by the motion that both have in common.
 
-use super::{Inspection, Known, Line, Note, Part, SITS, logs, table};
+use super::{
+    Inspection, Known, Line, Note, Part, SITS,
+    found::GRID,
+    logs,
+    numbers::three_of,
+    table,
+    units::{Force, force},
+};
 use crate::{
     drive::{Drive, DriveError, Logs, Section, Table},
     hand_eye::{HandEye, INTERVAL, hand_eye},
@@ -9,7 +16,8 @@ use std::{f64::consts::PI, path::Path};
 use undrift_io::{
     Opened,
     gnss::GnssSource,
-    poses::{LocalPose, Poses},
+    poses::{LocalPose, PoseFormat, Poses},
+    table::Preview,
 };
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
@@ -43,6 +51,43 @@ pub(super) fn part() -> Part {
             std("attitude_std", ATTITUDE_STD),
         ],
     )
+}
+
+/// Standard deviations of positions alone where nothing shows them: of radio ranges, or a receiver's fixed solution.
+const POSITIONS_STD: &str = "0.1, 0.1, 0.1 m";
+
+/// Positions in a local frame without attitudes, of which only the log is known.
+pub(super) fn part_of_positions() -> Part {
+    let std = Line::new("position_std", POSITIONS_STD, Known::NotInLog);
+    Part::new("poses", vec![std])
+}
+
+/// How much less a path changes its direction from row to row than it is wide, at most.
+const SMOOTH: f64 = 0.1;
+
+/// Whether the positions of a table follow a path, as the values of a sensor do not.
+pub(super) fn is_path(table: &Preview, format: &PoseFormat) -> bool {
+    let places = format.position.as_ref().map(|of| of.each_ref());
+    let places = places.map(|of| of.map(|column| table.place(column)));
+    let Some([Some(x), Some(y), Some(z)]) = places else {
+        return false;
+    };
+    let rows = three_of(&table.rows, [x, y, z]);
+    if rows.iter().flatten().any(|along| along.abs() > GRID) {
+        return false;
+    }
+    let mean =
+        rows.iter().map(|row| Vector3::from(*row)).sum::<Vector3>() / rows.len().max(1) as f64;
+    let apart = |row: &[f64; 3]| (Vector3::from(*row) - mean).norm_squared();
+    let bent = |three: &[[f64; 3]]| {
+        let [a, b, c] = [0, 1, 2].map(|k| Vector3::from(three[k]));
+        (a - 2.0 * b + c).norm_squared()
+    };
+    let width: f64 = rows.iter().map(apart).sum();
+    let turns: f64 = rows.windows(3).map(bent).sum();
+    rows.len() > 10
+        && turns < SMOOTH * SMOOTH * width
+        && !matches!(force(&rows, None), Force::Rates(_))
 }
 
 /// Looks at an IMU and at poses, each a file and a part of it, and writes marker, lever arm, frame, clock and accuracy into the part of the
@@ -257,5 +302,34 @@ mod tests {
         let down = from_rpy(&Vector3::from_row_slice(&angles)) * gravity.normalize();
         // To a hundredth of a degree in each angle.
         assert!((down - Vector3::z()).norm() < 3e-4, "{down}");
+    }
+
+    #[test]
+    fn positions_alone_are_those_of_a_path() {
+        let table = |names: &str, row: &dyn Fn(f64) -> [f64; 3]| {
+            let rows = (0..200).map(|k| {
+                let t = 0.2 * f64::from(k);
+                [&[t], &row(t)[..]].concat()
+            });
+            let table = Preview {
+                names: names.split(',').map(str::to_owned).collect(),
+                rows: rows.collect(),
+                ..Preview::default()
+            };
+            let parts = super::super::of_table(table);
+            parts.iter().map(|part| part.table).collect::<Vec<_>>()
+        };
+        let path = |t: f64| [20.0 * (0.1 * t).cos(), 10.0 * (0.1 * t).sin(), 0.2];
+        for names in ["t,x,y,z", "time,east,north,up"] {
+            assert_eq!(table(names, &path), ["poses"], "{names}");
+        }
+        // Accelerometers, and what changes from row to row as gyros do.
+        let gravity = |t: f64| [0.1 * (0.1 * t).cos(), 0.1 * (0.1 * t).sin(), 9.8];
+        let noise = |t: f64| [(91.0 * t).sin(), (57.0 * t).cos(), (33.0 * t).sin()];
+        assert!(table("t,x,y,z", &gravity).is_empty());
+        assert!(table("t,x,y,z", &noise).is_empty());
+        // Far from their origin they are of a grid of the Earth.
+        let far = |t: f64| [686_000.0 + t, 5_330_000.0 + t, 500.0];
+        assert_eq!(table("time,east,north,up", &far), ["gnss"]);
     }
 }

@@ -6,7 +6,7 @@ use super::{
     numbers::three_of,
 };
 use crate::columns::{FIX_STEP, ordinary_step};
-use crate::drive::DEGREES_MINUTES;
+use crate::drive::{DEGREES_MINUTES, UTM};
 use undrift_base::order_statistics::upper_median;
 use undrift_io::angle::{are_degrees_minutes, of_degrees_minutes};
 use undrift_nav::{
@@ -24,6 +24,9 @@ const LARGE_STD: f64 = 50.0;
 /// ground.
 const FLAT_STD: &str = "3, 3, 50 m";
 
+/// Northings of the band S, 32° to 40° north \[m\]: as southern ones they are at the end of South America.
+const BAND_S: std::ops::Range<f64> = 3.54e6..4.43e6;
+
 /// Most that a speed in the right unit differs from that of the positions.
 const ALIKE: std::ops::Range<f64> = 0.7..1.4;
 
@@ -31,7 +34,8 @@ impl Columns {
     /// The lines of a place: columns and their units.
     pub(super) fn place(&self, place: [usize; 3]) -> Vec<Line> {
         let flat = is_flat(place);
-        if all(&self.found.place).is_none() && !flat {
+        let grid = self.found.place[0].is_none() && self.found.ecef[0].is_none();
+        if all(&self.found.place).is_none() && !flat && !grid {
             return vec![self.three("ecef", place)];
         }
         let mut lines = vec![self.three("position", place)];
@@ -39,6 +43,10 @@ impl Columns {
             let columns = [place[0], place[1]].map(|place| self.name(place));
             lines[0].value = Vec::from(columns).into();
             lines.push(Line::new("height", "0 m", Known::NoHeights));
+        }
+        if grid {
+            lines.push(self.grid_unit(place));
+            return lines;
         }
         let angles = three_of(&self.table.rows, place);
         let small = angles.iter().all(|[lat, lon, _]| {
@@ -60,6 +68,36 @@ impl Columns {
             None => {}
         }
         lines
+    }
+
+    /// The zone of eastings and northings, by its columns.
+    fn grid_unit(&self, place: [usize; 3]) -> Line {
+        let [zone, band] = self.found.zone;
+        let text = |place: Option<usize>| -> &str {
+            let text = place.and_then(|place| self.table.texts.get(place));
+            text.map_or("", |text| text.trim())
+        };
+        let zone = text(zone);
+        let number = zone.trim_end_matches(|c: char| !c.is_ascii_digit());
+        let behind = zone.get(number.len()..).unwrap_or_default().trim();
+        let row = self.table.rows.first();
+        let northing = row.and_then(|row| row.get(place[1])).copied();
+        let is_band = !text(band).is_empty() || northing.is_some_and(|n| BAND_S.contains(&n));
+        let letter = format!("{behind}{}", text(band)).to_ascii_uppercase();
+        let hemisphere = match letter.as_str() {
+            "S" | "SOUTH" if !is_band => "S",
+            "NORTH" | "SOUTH" => &letter[..1],
+            "C" | "D" | "E" | "F" | "G" | "H" | "J" | "K" | "L" | "M" => "S",
+            band if band.len() == 1 && ("N".."Y").contains(&band) => "N",
+            _ => "",
+        };
+        match number.parse::<u8>() {
+            Ok(number) if !hemisphere.is_empty() => {
+                let unit = format!("{UTM} {number}{hemisphere}");
+                Line::new("position_unit", unit, NAMES)
+            }
+            _ => Line::new("position_unit", UTM, Known::NotInLog),
+        }
     }
 
     /// The unit of the heights: receivers that count 1e-7 degrees count millimetres.
@@ -249,8 +287,13 @@ impl Columns {
             unit => unit_factor(unit.unwrap_or("deg"), Quantity::Angle).ok()?,
         };
         let packed = self.unit(place[0]).is_none() && self.are_degrees_minutes(place);
+        let grid = self.found.place[0].is_none() && self.found.ecef[0].is_none();
         let fix = |row: &Vec<f64>| {
             let at = |k: usize| row.get(k).copied().filter(|number| number.is_finite());
+            if grid {
+                let flat = Vector3::new(at(place[0])?, at(place[1])?, 0.0);
+                return Some((at(time)? * scale, flat, at(speed)?));
+            }
             let [lat, lon] = [at(place[0])?, at(place[1])?].map(|angle| match packed {
                 true => of_degrees_minutes(angle) * degrees,
                 false => angle * degrees,

@@ -10,6 +10,7 @@ use crate::fix::{VelocityAxes, diagonal, finite, on_earth, quality_of_rtklib};
 use crate::reader::TableRow;
 use crate::skipped::{SkipKind, Skipped};
 use crate::table::{Column, TableOptions, check_time_scale, three};
+use crate::utm::UtmZone;
 use crate::{Key, ReadError};
 
 /// Where the columns of a GNSS log are and what they mean.
@@ -57,6 +58,17 @@ pub enum PositionColumns {
         /// Factor from the column of heights to metres.
         height_scale: f64,
         /// Height of all fixes \[m\] in place of the column's, of logs without one.
+        height: Option<f64>,
+    },
+    /// Universal transverse Mercator: easting, northing \[m\], and height above the ellipsoid.
+    Utm {
+        /// Easting, northing, height.
+        columns: [Column; 3],
+        /// Their zone.
+        zone: UtmZone,
+        /// Factor from the column of heights to metres.
+        height_scale: f64,
+        /// As of [`PositionColumns::Geodetic`].
         height: Option<f64>,
     },
     /// Earth-centred, Earth-fixed x, y, z \[m\].
@@ -115,6 +127,7 @@ impl FixColumns {
         };
         let place = format.place.as_ref().map(|place| {
             let (PositionColumns::Geodetic { columns, .. }
+            | PositionColumns::Utm { columns, .. }
             | PositionColumns::Baseline { ned: columns, .. }
             | PositionColumns::Ecef(columns)) = place;
             part(
@@ -196,7 +209,11 @@ impl FixColumns {
             return Some(None);
         };
         Some(Some(match place {
-            PositionColumns::Geodetic { .. } | PositionColumns::Ecef(_) => {
+            PositionColumns::Baseline { base, .. } => Position::Baseline {
+                base: *base,
+                ned: values,
+            },
+            place => {
                 let place = match place {
                     PositionColumns::Geodetic {
                         angle_scale,
@@ -209,19 +226,28 @@ impl FixColumns {
                             true => [values.x, values.y].map(of_degrees_minutes),
                             false => [values.x, values.y],
                         };
-                        Geodetic {
+                        Some(Geodetic {
                             lat: lat * angle_scale,
                             lon: lon * angle_scale,
                             height: height.unwrap_or(values.z * height_scale),
-                        }
+                        })
                     }
-                    _ => Geodetic::from_ecef(&values),
+                    PositionColumns::Utm {
+                        zone,
+                        height_scale,
+                        height,
+                        ..
+                    } => {
+                        let height = height.unwrap_or(values.z * height_scale);
+                        zone.place(values.x, values.y, height)
+                    }
+                    _ => Some(Geodetic::from_ecef(&values)),
                 };
-                if on_earth(place).is_err() {
+                let Some(place) = place.filter(|place| on_earth(*place).is_ok()) else {
                     let detail = format_args!("{}, {}, {}", values.x, values.y, values.z);
                     skipped.add(SkipKind::OutOfRange, row.line, detail);
                     return None;
-                }
+                };
                 // From 0° to 360° as well as from −180° to 180°.
                 let lon = match place.lon {
                     lon if lon.abs() > std::f64::consts::PI => wrap_pi(lon),
@@ -229,10 +255,6 @@ impl FixColumns {
                 };
                 Position::Geodetic(Geodetic { lon, ..place })
             }
-            PositionColumns::Baseline { base, .. } => Position::Baseline {
-                base: *base,
-                ned: values,
-            },
         }))
     }
 
@@ -263,6 +285,10 @@ impl FixColumns {
     ) -> Option<(Vector3, Matrix3)> {
         let at = self.velocity?;
         let velocity = self.finite(row, at, skipped)?;
+        // Telephones write −1 for a speed or course that they do not know.
+        if self.format.velocity_axes == VelocityAxes::Course && velocity.x.min(velocity.y) == -1.0 {
+            return None;
+        }
         let scale = self.format.velocity_scale;
         let velocity = self.format.velocity_axes.vector(velocity, scale);
         let geodetic = match place {

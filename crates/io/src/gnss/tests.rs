@@ -6,6 +6,7 @@ use undrift_nav::sample::{FixQuality, Position};
 use super::*;
 use crate::Opened;
 use crate::table::Column;
+use crate::utm::UtmZone;
 use std::path::Path;
 use undrift_nav::Vector3;
 
@@ -232,4 +233,32 @@ fn earth_fixed_columns() {
     };
     let error = reader(row, &unplaced).err().unwrap().to_string();
     assert!(error.contains("gnss.velocity_axes"), "{error}");
+}
+
+/// Munich by PROJ, as in [`crate::utm`].
+#[test]
+fn eastings_and_northings() {
+    let utm = GnssFormat {
+        place: Some(PositionColumns::Utm {
+            columns: group(2),
+            zone: UtmZone::parse("32N").unwrap(),
+            height_scale: 1.0,
+            height: None,
+        }),
+        velocity: None,
+        quality: None,
+        fixes: FixOptions {
+            position_std: Some([1.0; 3]),
+            ..FixOptions::default()
+        },
+        ..format()
+    };
+    let text = "t e n h\n1 691611.2155 5334758.0528 520\n2 1e9 5334758 520\n3 nan 5334758 520\n";
+    let (fixes, skipped) = all(text, &utm);
+    assert_eq!((fixes.len(), skipped.total()), (1, 2), "{skipped}");
+    let Some((Position::Geodetic(place), _)) = fixes[0].position else {
+        panic!("{:?}", fixes[0]);
+    };
+    let expected = Geodetic::from_degrees(48.1372, 11.5756, 520.0);
+    assert!((place.to_ecef() - expected.to_ecef()).norm() < 1e-4);
 }

@@ -1,6 +1,6 @@
 //! Recordings of robots, whatever container they are in: topics of sensor_msgs/Imu,
 //! sensor_msgs/NavSatFix, and geometry_msgs/TwistStamped or TwistWithCovarianceStamped; poses of
-//! geometry_msgs/PoseStamped, PoseWithCovarianceStamped, TransformStamped and nav_msgs/Odometry.
+//! geometry_msgs/PoseStamped, PoseWithCovarianceStamped, TransformStamped and nav_msgs/Odometry, and of tf2_msgs/TFMessage by pairs of frames.
 //!
 //! Times are the messages' own stamps (`header.stamp`, Unix time), or where one is not set the time
 //! at which it was recorded. A topic of velocities that is not named is used, from the first position
@@ -13,6 +13,7 @@ mod container;
 mod fixes;
 mod message;
 mod topics;
+mod transforms;
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -43,7 +44,13 @@ pub(super) fn streams(mut recording: impl Events) -> Result<Vec<Stream>, ReadErr
             Event::Topic(topic) => topics.declare(topic),
             Event::Message { number, bytes, .. } => {
                 if let Some((_, topic, Some(encoding))) = topics.count(number) {
-                    note_frame(topic, encoding, recording.bytes(bytes));
+                    let bytes = recording.bytes(bytes);
+                    match topic.kind {
+                        Some(Type::Transforms) => {
+                            transforms::count(&mut topics, number, encoding, bytes);
+                        }
+                        _ => note_frame(topic, encoding, bytes),
+                    }
                 }
             }
             Event::Skipped(..) => {}
@@ -224,7 +231,9 @@ impl Recording {
                 bytes,
             } => {
                 self.messages += 1;
-                if self.of_accelerometers(number, time, bytes.clone(), ready)? {
+                if self.of_accelerometers(number, time, bytes.clone(), ready)?
+                    || self.of_transforms(number, time, bytes.clone(), ready)
+                {
                     return Ok(true);
                 }
                 let read = self.message(number, time, bytes);
@@ -344,6 +353,8 @@ impl Recording {
                     quality: FixQuality::Unknown,
                 }
             }
+            // Taken before.
+            Type::Transforms => return Ok(None),
             Type::PoseStamped
             | Type::PoseWithCovarianceStamped
             | Type::TransformStamped

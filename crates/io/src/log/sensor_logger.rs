@@ -5,7 +5,9 @@
 //! its file; so all else reads it as any log. `time` is Unix time in nanoseconds. A sample is a rate of
 //! Gyroscope or GyroscopeUncalibrated, with the force of TotalAcceleration or AccelerometerUncalibrated on the
 //! straight line at its time; without these two the sum of Accelerometer, from which the app has taken gravity, and Gravity.
-//! Accelerometer alone is refused.
+//! Accelerometer alone is refused. [`of_objects`] makes the same text of its JSON.
+
+mod objects;
 
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
@@ -22,6 +24,8 @@ use crate::skipped::{SkipKind, shown};
 use crate::source::{self, Source};
 use crate::table::lines::{Lines, MAX_LINE};
 use crate::time::WeekClock;
+
+pub(crate) use objects::{are_objects, of_objects};
 
 /// The first line of the text that is made of a folder.
 const MARK: &str = "# Sensor Logger";
@@ -54,26 +58,15 @@ const PLACE: [&str; 10] = [
 pub(crate) fn folder(path: &Path) -> Result<Option<Source>, ReadError> {
     let mut text = format!("{MARK}\n");
     let mut files = Vec::new();
-    let is_there = |name: &&str| file(path, name).is_some();
-    let first = |names: [&'static str; 2]| names.into_iter().find(is_there);
-    let summands = match first(ACCELS) {
-        Some(whole) => vec![whole],
-        None if is_there(&GRAVITY) && is_there(&LINEAR) => vec![GRAVITY, LINEAR],
-        None => Vec::new(),
-    };
-    let linear = is_there(&LINEAR) && !summands.contains(&LINEAR);
-    let names = first(GYROS)
-        .into_iter()
-        .chain(summands)
-        .chain(first(PLACES));
-    for name in names {
+    let sensors = chosen(|name| file(path, name).is_some());
+    for name in sensors.names {
         let mut rows = SensorFile::open(path, name)?;
         text += &format!("# {name},{}\n", rows.header);
         rows.step()
             .map_err(|error| source::cannot_open(path, error))?;
         files.push(rows);
     }
-    if linear {
+    if sensors.linear {
         text += &format!("# {LINEAR}\n");
     }
     if files.is_empty() {
@@ -85,6 +78,29 @@ pub(crate) fn folder(path: &Path) -> Result<Option<Source>, ReadError> {
         at: 0,
     };
     Ok(Some(Box::new(BufReader::new(merged))))
+}
+
+/// Which sensors are read.
+struct Chosen {
+    names: Vec<&'static str>,
+    /// Whether there are accelerations without gravity that are not.
+    linear: bool,
+}
+
+/// Those of the sensors that are there.
+fn chosen(is_there: impl Fn(&str) -> bool) -> Chosen {
+    let first = |names: [&'static str; 2]| names.into_iter().find(|name| is_there(name));
+    let summands = match first(ACCELS) {
+        Some(whole) => vec![whole],
+        None if is_there(GRAVITY) && is_there(LINEAR) => vec![GRAVITY, LINEAR],
+        None => Vec::new(),
+    };
+    let linear = is_there(LINEAR) && !summands.contains(&LINEAR);
+    let sensors = first(GYROS).into_iter().chain(summands);
+    Chosen {
+        names: sensors.chain(first(PLACES)).collect(),
+        linear,
+    }
 }
 
 /// The file of a sensor, plain or compressed.
@@ -336,10 +352,10 @@ impl Reader {
             Some(join) if !join.given => {
                 let problem = match (has(&GYROS), has_force) {
                     (true, false) if self.linear => {
-                        "Accelerometer.csv is without gravity, which an inertial solution needs"
+                        "Accelerometer is without gravity, which an inertial solution needs"
                     }
-                    (true, false) => "no accelerometers in this folder",
-                    (false, _) => "no gyroscopes in this folder",
+                    (true, false) => "no accelerometers in this recording",
+                    (false, _) => "no gyroscopes in this recording",
                     (true, true) => "gyroscopes and accelerometers at no common time",
                 };
                 let mend = "record Gyroscope, and Total Acceleration, Accelerometer Uncalibrated, or Accelerometer and Gravity";

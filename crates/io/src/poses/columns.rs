@@ -63,6 +63,13 @@ pub enum AttitudeColumns {
         /// Factor from them to radians.
         scale: f64,
     },
+    /// Rotation vector: along the axis, as long as the angle.
+    RotationVector {
+        /// Its columns x, y, z.
+        columns: [Column; 3],
+        /// Factor from them to radians.
+        scale: f64,
+    },
     /// Rotation matrix, row by row.
     Matrix([Column; 9]),
 }
@@ -108,7 +115,7 @@ impl AttitudeColumns {
     fn columns(&self) -> &[Column] {
         match self {
             Self::Quaternion { columns, .. } => columns,
-            Self::Euler { columns, .. } => columns,
+            Self::Euler { columns, .. } | Self::RotationVector { columns, .. } => columns,
             Self::Matrix(columns) => columns,
         }
     }
@@ -130,7 +137,10 @@ impl PoseColumns {
     pub(super) fn new(format: &PoseFormat) -> Result<(Self, TableOptions), ReadError> {
         check_time_scale(format.time_scale, "poses.time")?;
         let angle_scale = match format.attitude {
-            Some(AttitudeColumns::Euler { scale, .. }) => scale,
+            Some(
+                AttitudeColumns::Euler { scale, .. }
+                | AttitudeColumns::RotationVector { scale, .. },
+            ) => scale,
             _ => 1.0,
         };
         for (scale, key) in [
@@ -228,6 +238,9 @@ impl PoseColumns {
             },
             Some(AttitudeColumns::Euler { scale, .. }) => {
                 Ok(Some(attitude::from_rpy(&(first * *scale))))
+            }
+            Some(AttitudeColumns::RotationVector { scale, .. }) => {
+                Ok(Some(attitude::from_rotation_vector(&(first * *scale))))
             }
             Some(AttitudeColumns::Matrix(_)) => {
                 let rows = [first, second, third].map(|row| row.transpose());

@@ -4,12 +4,12 @@
 //!   first; without a header only the numbers can show it.
 //! * Rows of KITTI with a time before them: the three by four matrix of rotation and position, row by row.
 //! * EuRoC: `data.csv` of `state_groundtruth_estimate0`, `vicon0` and `leica0`, by its header.
-//! * OptiTrack Motive: see [`super::motive`].
+//! * OptiTrack Motive, Vicon and Qualisys: see [`super::motive`], [`super::vicon`] and [`super::qualisys`].
 
 use undrift_nav::{Matrix3, Vector3};
 
 use super::columns::{AttitudeColumns, PoseFormat, QuaternionOrder};
-use super::{PoseLog, PoseSource, motive};
+use super::{PoseLog, PoseSource, motive, qualisys, vicon};
 use crate::ReadError;
 use crate::format::Format;
 use crate::opened::Opened;
@@ -30,10 +30,8 @@ pub fn detect(opened: &mut Opened, stream: Option<&str>) -> Result<Option<PoseSo
     let format = opened.format();
     if matches!(format, Format::RosBag | Format::Mcap | Format::RosBag2) {
         let log = PoseLog {
-            format,
             stream: stream.map(str::to_owned),
-            time_offset: 0.0,
-            span: None,
+            ..PoseLog::new(format)
         };
         return Ok(Some(log.into()));
     }
@@ -43,6 +41,8 @@ pub fn detect(opened: &mut Opened, stream: Option<&str>) -> Result<Option<PoseSo
     }
     if format == Format::Csv
         && let Some(format) = motive::format(opened.start(), stream)
+            .or_else(|| vicon::format(opened.start(), stream))
+            .or_else(|| qualisys::format(opened.start(), stream))
     {
         let format = format.map_err(|error| error.in_log(opened.name()))?;
         return Ok(Some(format.into()));

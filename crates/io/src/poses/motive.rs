@@ -34,6 +34,32 @@ pub(super) fn format(start: &[u8], body: Option<&str>) -> Option<Result<PoseForm
     None
 }
 
+/// The body of a name, or the only one; `kind` is what an export calls them.
+///
+/// # Errors
+/// Without bodies, without that of the name, and of several without a name.
+pub(super) fn the_body<'a>(
+    mut known: Vec<&'a str>,
+    body: Option<&'a str>,
+    kind: &str,
+) -> Result<&'a str, ReadError> {
+    known.dedup();
+    let refused = |problem: String| {
+        let error = ReadError::nameless(problem).key(Key::Topic("poses"));
+        Err(error.mend(the_file_has(&known, NAMES_SHOWN)))
+    };
+    match (body, &known[..]) {
+        (Some(body), known) if known.contains(&body) => Ok(body),
+        (Some(body), _) => refused(format!("no {kind} \"{body}\"")),
+        (None, [only]) => Ok(only),
+        (None, []) => {
+            let problem = "an export of motion capture without rigid bodies and markers";
+            Err(ReadError::nameless(problem).mend("export with rigid bodies"))
+        }
+        (None, _) => refused(format!("more than one {kind}")),
+    }
+}
+
 fn of_block(block: &[Line], body: Option<&str>) -> Result<PoseFormat, ReadError> {
     let header = block.first().map_or(&[][..], Vec::as_slice);
     let stated = |name: &str| {
@@ -60,22 +86,8 @@ fn of_block(block: &[Line], body: Option<&str>) -> Result<PoseFormat, ReadError>
         .filter(|(_, (of, _))| **of == kind)
         .map(|(column, (_, name))| (column, *name))
         .collect();
-    let mut known: Vec<&str> = bodies.iter().map(|(_, name)| *name).collect();
-    known.dedup();
-    let refused = |problem: String| {
-        let error = ReadError::nameless(problem).key(Key::Topic("poses"));
-        Err(error.mend(the_file_has(&known, NAMES_SHOWN)))
-    };
-    let name = match (body, &known[..]) {
-        (Some(body), known) if known.contains(&body) => body,
-        (Some(body), _) => return refused(format!("no {} \"{body}\"", kind.to_lowercase())),
-        (None, [only]) => only,
-        (None, []) => {
-            let problem = "a Motive export without rigid bodies and markers";
-            return Err(ReadError::nameless(problem).mend("export with rigid bodies"));
-        }
-        (None, _) => return refused(format!("more than one {}", kind.to_lowercase())),
-    };
+    let known = bodies.iter().map(|(_, name)| *name).collect();
+    let name = the_body(known, body, &kind.to_lowercase())?;
     let column = |quantity: &str, axis: &str| {
         let is = |column: usize| {
             quantities.get(column) == Some(&quantity) && axes.get(column) == Some(&axis)

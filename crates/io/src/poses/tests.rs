@@ -216,12 +216,7 @@ fn options_that_cannot_be_meant_are_refused() {
             "poses.csv line 1: no column \"w\" (key poses.position); the file has: t, x, y, z",
         ),
         (
-            PoseSource::from(PoseLog {
-                format: Format::Nmea,
-                stream: None,
-                time_offset: 0.0,
-                span: None,
-            }),
+            PoseSource::from(PoseLog::new(Format::Nmea)),
             "poses.csv: NMEA 0183 has no poses in a local frame (key poses.file)",
         ),
     ] {

@@ -85,8 +85,8 @@ impl Cells {
             return None;
         }
         let behind = self.vectors.numbers(&cells);
-        for cell in &mut cells {
-            if let Some(number) = self.notation.number(cell) {
+        for (place, cell) in cells.iter_mut().enumerate() {
+            if let Some(number) = self.notation.number(place, cell) {
                 *cell = number;
             }
         }
@@ -155,6 +155,7 @@ fn looks_like_a_row(line: &[u8]) -> bool {
         crate::number::parse_with_comma(cell).is_some()
             || numbers::hexadecimal(cell).is_some()
             || numbers::of_fortran(cell).is_some()
+            || numbers::is_bare(cell)
             || super::stamps::any(&mut crate::time::WeekClock::default(), cell).is_some()
     };
     let count = |cell: Vec<u8>| {

@@ -182,7 +182,8 @@ fn first_line(
     let mut above: VecDeque<(u64, Vec<u8>)> = VecDeque::new();
     loop {
         match lines.step() {
-            NextLine::Line(_) if lines.number() <= behind => {}
+            // A header that is made of the rows has the number 0.
+            NextLine::Line(_) if (1..=behind).contains(&lines.number()) => {}
             NextLine::Line(range) => {
                 let number = lines.number();
                 let mut line = lines.bytes(range);
@@ -398,6 +399,7 @@ pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError>
         names: if is_header { own } else { above },
         rows: Vec::new(),
         times: Vec::new(),
+        texts: Vec::new(),
     };
     let mut weeks = WeekClock::default();
     let is_angle = |name: &String| {
@@ -441,6 +443,7 @@ pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError>
     } else {
         Some(&first)
     };
+    preview.texts = row.map_or(Vec::new(), |row| names_of(row, delimiter));
     let texts = row
         .into_iter()
         .flat_map(|row| Fields::new(row, delimiter).enumerate());

@@ -4,7 +4,7 @@
 use serde_json::Value;
 
 /// Objects that are looked at.
-const OBJECTS: usize = 50;
+const OBJECTS: usize = 1000;
 /// Of ten lines, so many are objects.
 const MOST: usize = 8;
 
@@ -67,6 +67,20 @@ fn cells(line: &[u8]) -> Option<Vec<(String, String)>> {
         return None;
     }
     put(&value, "", &mut cells);
+    // Objects of one sensor each: its name is before those of the axes.
+    let text = |key: &str| value.get(key).and_then(Value::as_str);
+    let (sensor, name) = (text("sensor"), text("name"));
+    for (member, _) in &mut cells {
+        let (of, axis) = member.rsplit_once('.').unwrap_or(("", member.as_str()));
+        let sensor = match of {
+            "" => sensor,
+            "values" | "data" => sensor.or(name),
+            _ => None,
+        };
+        if let (Some(sensor), "x" | "y" | "z") = (sensor, axis) {
+            *member = format!("{sensor}_{axis}");
+        }
+    }
     Some(cells)
 }
 
@@ -133,6 +147,18 @@ mod tests {
         assert!(rows[1].contains("\"a, b\""));
         assert_eq!(rows[2], "broken");
         assert_eq!(at(&rows[4], "t"), "4");
+    }
+
+    #[test]
+    fn objects_of_one_sensor_each() {
+        let text = "{\"t\": 1, \"sensor\": \"gyro\", \"x\": 1}\n\
+                    {\"t\": 2, \"name\": \"acc\", \"values\": [2, 3, 4]}\n\
+                    {\"t\": 3, \"name\": \"imu\", \"a\": {\"x\": 5}, \"g\": {\"x\": 6}}\n";
+        let lines = || text.lines().map(str::as_bytes);
+        let header = String::from_utf8(JsonLines::detect(lines()).unwrap().header()).unwrap();
+        for name in ["gyro_x", "acc_x", "acc_z", "a.x", "g.x"] {
+            assert!(header.split(',').any(|other| other == name), "{header}");
+        }
     }
 
     #[test]

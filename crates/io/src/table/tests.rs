@@ -395,3 +395,18 @@ fn names_in_latin_1_are_read() {
     let mut opened = Opened::stream(Path::new("imu.csv"), Cursor::new(text.to_vec())).unwrap();
     assert_eq!(opened.preview(5).unwrap().names[1], "w [\u{b0}/s]");
 }
+
+#[test]
+fn objects_of_json_have_names() {
+    let lines = "{\"t\": 1, \"g\": {\"x\": \"2.5\"}}\n{\"t\": 2, \"g\": {\"x\": 3}}\n";
+    let array = "[\n {\"t\": 1, \"g\": {\"x\": \"2.5\"}},\n {\"t\": 2, \"g\": {\"x\": 3}}\n]\n";
+    for text in [lines, array] {
+        let mut table = from(text.as_bytes(), &named(&["t", "g.x"])).unwrap();
+        let mut row = [0.0; 2];
+        let mut rows = Vec::new();
+        while table.next_row(&mut row).unwrap().is_some() {
+            rows.push(row);
+        }
+        assert_eq!(rows, [[1.0, 2.5], [2.0, 3.0]], "{text}");
+    }
+}

@@ -248,6 +248,8 @@ pub struct Preview {
     pub rows: Vec<Vec<f64>>,
     /// Places of the columns whose first field is a date with a time of day, or a time of day.
     pub times: Vec<usize>,
+    /// The fields of the first row as texts; none of Parquet and of columns in memory.
+    pub texts: Vec<String>,
 }
 
 impl Preview {

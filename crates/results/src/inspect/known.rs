@@ -68,6 +68,11 @@ pub enum Known {
     NoColumns,
     /// One log counts GPS seconds since 1980, the other Unix time.
     GpsSeconds,
+    /// The fixes have times of day without a date, the IMU another clock.
+    TimesOfDay {
+        /// Whether leap seconds are part of the offset.
+        leap: bool,
+    },
     /// Assumed: the log has no heights.
     NoHeights,
     /// Guessed, as the log does not say it: to be set as fits the receiver.

@@ -16,13 +16,17 @@ fn solved(name: &str, [imu, gnss]: [Option<(&str, Rewritten)>; 2]) -> (String, [
             rewrite(&dir.join(file), header, rewritten);
         }
     }
-    let logs = ["imu.csv", "gnss.csv"];
-    text(&undrift(
-        &[&["inspect"], &logs[..], &["-o", "drive.toml"]].concat(),
-        &dir,
-    ));
+    let solved = navigated(&dir, &["imu.csv", "gnss.csv"]);
+    fs::remove_dir_all(&dir).unwrap();
+    solved
+}
+
+/// The drive file that `inspect` makes of logs, and the end of the solution.
+fn navigated(dir: &Path, logs: &[&str]) -> (String, [f64; 2]) {
+    let inspect = [&["inspect"], logs, &["-o", "drive.toml"]].concat();
+    text(&undrift(&inspect, dir));
     let file = fs::read_to_string(dir.join("drive.toml")).unwrap();
-    let run = undrift(&["navigate", "drive.toml", "-o", "nav.csv"], &dir);
+    let run = undrift(&["navigate", "drive.toml", "-o", "nav.csv"], dir);
     assert!(text(&run).contains("navigated"), "{file}");
     let nav = fs::read_to_string(dir.join("nav.csv")).unwrap();
     let names: Vec<&str> = nav.lines().next().unwrap().split(',').collect();
@@ -31,7 +35,6 @@ fn solved(name: &str, [imu, gnss]: [Option<(&str, Rewritten)>; 2]) -> (String, [
         let place = names.iter().position(|known| *known == name).unwrap();
         last[place].parse().unwrap()
     });
-    fs::remove_dir_all(&dir).unwrap();
     (file, end)
 }
 
@@ -231,5 +234,144 @@ fn recordings_without_names() {
     let stated = ["--columns", "1,2,3,4,5,6", "--units", "deg/s,g"];
     let typed = undrift(&[&identify[..], &stated].concat(), &dir);
     assert_eq!(text(&guessed), text(&typed));
+    fs::remove_dir_all(&dir).unwrap();
+}
+
+/// The app SensorLog writes the last fix in each row, as a table or as an array of objects whose numbers are texts.
+#[test]
+fn rows_of_a_telephone() {
+    let names = [
+        "loggingTime(txt)",
+        "loggingSample(N)",
+        "locationTimestamp_since1970(s)",
+        "locationLatitude(WGS84)",
+        "locationLongitude(WGS84)",
+        "locationAltitude(m)",
+        "locationSpeed(m/s)",
+        "locationCourse(°)",
+        "locationVerticalAccuracy(m)",
+        "locationHorizontalAccuracy(m)",
+        "accelerometerTimestamp_sinceReboot(s)",
+        "accelerometerAccelerationX(G)",
+        "accelerometerAccelerationY(G)",
+        "accelerometerAccelerationZ(G)",
+        "gyroTimestamp_sinceReboot(s)",
+        "gyroRotationX(rad/s)",
+        "gyroRotationY(rad/s)",
+        "gyroRotationZ(rad/s)",
+        "motionAttitudeReferenceFrame(txt)",
+    ];
+    let dir = folder("telephone");
+    drive(&dir, NAMED, row);
+    let numbers = |name: &str| -> Vec<Vec<f64>> {
+        let text = fs::read_to_string(dir.join(name)).unwrap();
+        let rows = text.lines().skip(1).map(|line| line.split(','));
+        rows.map(|row| row.map(|field| field.parse().unwrap()).collect())
+            .collect()
+    };
+    let (samples, fixes) = (numbers("imu.csv"), numbers("gnss.csv"));
+    let rows = samples.iter().enumerate().map(|(k, sample)| {
+        let (t, fix) = (sample[0], &fixes[k / 20]);
+        let mut fields = vec![
+            format!(
+                "2024-05-06 10:{:02}:{:06.3} +0000",
+                (t / 60.0) as u32,
+                t % 60.0
+            ),
+            k.to_string(),
+            format!("{:.3}", 1_714_989_600.0 + fix[0]),
+        ];
+        fields.extend(fix[1..].iter().map(f64::to_string));
+        // −1 where they are not known.
+        fields.extend(["-1", "-1", "6", "3"].map(str::to_owned));
+        fields.push(format!("{:.3}", 62_608.0 + t));
+        fields.extend(sample[4..].iter().map(f64::to_string));
+        fields.push(format!("{:.3}", 62_608.0 + t));
+        fields.extend(
+            sample[1..4]
+                .iter()
+                .map(|rate| rate.to_radians().to_string()),
+        );
+        fields.push("XArbitraryZVertical".to_owned());
+        fields
+    });
+    let rows: Vec<Vec<String>> = rows.collect();
+    let mut table = names.join(",") + "\n";
+    let mut objects = Vec::new();
+    for row in &rows {
+        table += &(row.join(",") + "\n");
+        let members = names.iter().zip(row).map(|(name, value)| {
+            let name = name.split('(').next().unwrap_or_default();
+            format!("\"{name}\":\"{value}\"")
+        });
+        objects.push(format!("{{{}}}", members.collect::<Vec<_>>().join(",")));
+    }
+    for (name, text) in [
+        ("phone.csv", table),
+        ("phone.json", format!("[{}]", objects.join(","))),
+    ] {
+        fs::write(dir.join(name), text).unwrap();
+        let (file, end) = navigated(&dir, &[name]);
+        for line in ["position = [\"locationLatitude", "gyro = [\"gyroRotationX"] {
+            assert!(file.contains(line), "{line}: {file}");
+        }
+        ends_there(end);
+    }
+    fs::remove_dir_all(&dir).unwrap();
+}
+
+#[test]
+fn times_of_day_beside_a_date() {
+    // The fixes have times of day of UTC alone.
+    let clock = |t: f64| format!("10:{:02}:{:05.2}", (t / 60.0) as u32, t % 60.0);
+    let gnss = |numbers: &[f64]| format!("{},{}", clock(numbers[0]), joined(&numbers[1..], ","));
+    let header = "UTC,lat,lon,alt\n";
+    // Unix time, and the seconds of the GPS week, of a Monday.
+    for (first, offset) in [(1_714_989_600.0, "1714953600 s"), (122_418.0, "86418 s")] {
+        let imu =
+            |numbers: &[f64]| format!("{:.2},{}", first + numbers[0], joined(&numbers[1..], ","));
+        let logs = [Some((NAMED, &imu as Rewritten)), Some((header, &gnss))];
+        let (file, end) = solved("of_day", logs);
+        assert!(
+            file.contains(&format!("time_offset = \"{offset}\"")),
+            "{file}"
+        );
+        ends_there(end);
+    }
+}
+
+/// Eastings and northings in zone 32 of 48.1° and 48.11° north, 11.5° east, by PROJ; the line between is straight to 1 mm.
+const GRID: [[f64; 2]; 2] = [
+    [686_121.755_8, 5_330_438.130_2],
+    [686_085.636_5, 5_331_549.495_5],
+];
+
+#[test]
+fn eastings_and_northings() {
+    let grid = |lat: f64| {
+        let along = (lat - 48.1) / 0.01;
+        [0, 1].map(|k| GRID[0][k] + along * (GRID[1][k] - GRID[0][k]))
+    };
+    let row = |numbers: &[f64], zone: &str| {
+        let [east, north] = grid(numbers[1]);
+        format!("{},{east:.4},{north:.4},{}{zone}", numbers[0], numbers[3])
+    };
+    for (header, zone) in [
+        ("time,easting,northing,height,zone\n", ",32N"),
+        ("time,utm_x,utm_y,utm_z,zone_number,zone_letter\n", ",32,U"),
+    ] {
+        let gnss = |numbers: &[f64]| row(numbers, zone);
+        let (file, end) = solved("utm", [None, Some((header, &gnss))]);
+        assert!(file.contains("position_unit = \"UTM 32N\""), "{file}");
+        ends_there(end);
+    }
+    // Without a zone.
+    let dir = folder("no-zone");
+    drive(&dir, NAMED, super::row);
+    let gnss = |numbers: &[f64]| row(numbers, "");
+    rewrite(&dir.join("gnss.csv"), "time,utm_e,utm_n,alt\n", &gnss);
+    let run = undrift(&["navigate", "imu.csv", "gnss.csv"], &dir);
+    let said = String::from_utf8_lossy(&run.stderr).into_owned();
+    assert!(said.contains("UTM needs its zone and hemisphere"), "{said}");
     fs::remove_dir_all(&dir).unwrap();
 }

@@ -31,6 +31,8 @@ pub(super) enum Type {
     PoseWithCovarianceStamped,
     TransformStamped,
     Odometry,
+    /// Several [`Type::TransformStamped`] in a message.
+    Transforms,
 }
 
 impl Type {
@@ -45,6 +47,7 @@ impl Type {
             "geometry_msgs/PoseWithCovarianceStamped" => Some(Self::PoseWithCovarianceStamped),
             "geometry_msgs/TransformStamped" => Some(Self::TransformStamped),
             "nav_msgs/Odometry" => Some(Self::Odometry),
+            "tf2_msgs/TFMessage" | "tf/tfMessage" => Some(Self::Transforms),
             _ => None,
         }
     }
@@ -58,6 +61,7 @@ impl Type {
             | Self::PoseWithCovarianceStamped
             | Self::TransformStamped
             | Self::Odometry => StreamKind::LocalPoses,
+            Self::Transforms => StreamKind::Other,
         }
     }
 
@@ -83,10 +87,20 @@ pub(super) struct Header<'a> {
 
 /// The fields of a message after its header, and the header.
 pub(super) fn header(encoding: Encoding, bytes: &[u8]) -> Option<(Header<'_>, ByteFields<'_>)> {
-    let mut fields = match encoding {
-        Encoding::Ros1 => ByteFields::packed(bytes),
-        Encoding::Cdr => ByteFields::cdr(bytes)?,
-    };
+    let mut fields = fields(encoding, bytes)?;
+    Some((header_of(encoding, &mut fields)?, fields))
+}
+
+/// The fields of a message from its start.
+pub(super) fn fields(encoding: Encoding, bytes: &[u8]) -> Option<ByteFields<'_>> {
+    match encoding {
+        Encoding::Ros1 => Some(ByteFields::packed(bytes)),
+        Encoding::Cdr => ByteFields::cdr(bytes),
+    }
+}
+
+/// The header that comes next.
+pub(super) fn header_of<'a>(encoding: Encoding, fields: &mut ByteFields<'a>) -> Option<Header<'a>> {
     let seconds = match encoding {
         Encoding::Ros1 => {
             // A sequence number comes first.
@@ -97,7 +111,7 @@ pub(super) fn header(encoding: Encoding, bytes: &[u8]) -> Option<(Header<'_>, By
     };
     let stamp = (seconds, fields.u32()?);
     let frame = fields.text()?;
-    Some((Header { stamp, frame }, fields))
+    Some(Header { stamp, frame })
 }
 
 /// The name of the frame that a pose is of, where messages of a type have it; read before [`pose`].

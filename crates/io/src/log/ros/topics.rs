@@ -80,11 +80,38 @@ impl Topics {
         Some((index, topic, encoding))
     }
 
-    /// The streams in the order of their names.
-    pub(super) fn streams(self) -> Vec<Stream> {
-        let mut streams: Vec<Stream> = self.list.into_iter().map(stream).collect();
-        streams.sort_by(|a, b| a.name.cmp(&b.name));
-        streams
+    /// Counts a transform of a topic as a message of its pair of frames; the place of that in the list.
+    pub(super) fn pair(&mut self, number: u32, frame: &str, child: &str) -> Option<usize> {
+        let (_, topic) = self.topic(number)?;
+        let name = format!("{}: {frame} -> {child}", topic.name);
+        let key = (name, topic.type_name.clone());
+        let index = self.by_name.get(&key).copied().unwrap_or_else(|| {
+            self.list.push(Topic {
+                name: key.0.clone(),
+                type_name: key.1.clone(),
+                kind: Some(Type::TransformStamped),
+                frame: Some(frame.to_owned()),
+                child: Some(child.to_owned()),
+                messages: 0,
+            });
+            self.by_name.insert(key, self.list.len() - 1);
+            self.list.len() - 1
+        });
+        self.list.get_mut(index)?.messages += 1;
+        Some(index)
+    }
+
+    /// A topic by its place in the list.
+    pub(super) fn at(&self, index: usize) -> Option<&Topic> {
+        self.list.get(index)
+    }
+
+    /// The streams in the order of their names, pairs of frames last.
+    pub(super) fn streams(mut self) -> Vec<Stream> {
+        let is_pair = |topic: &Topic| topic.name.contains(" -> ");
+        self.list
+            .sort_by(|a, b| (is_pair(a), &a.name).cmp(&(is_pair(b), &b.name)));
+        self.list.into_iter().map(stream).collect()
     }
 
     /// The names of topics, those of one kind if there are any.
@@ -155,6 +182,15 @@ impl Choice {
         }
     }
 
+    pub(super) fn kind(&self) -> StreamKind {
+        self.kind
+    }
+
+    /// Whether a transform of a pair of frames is meant: only by its name, since many robots have some beside other poses.
+    pub(super) fn takes_pair(&mut self, index: usize, pair: &Topic) -> bool {
+        self.is_named() && self.takes(index, pair)
+    }
+
     pub(super) fn is_named(&self) -> bool {
         self.named.is_some()
     }
@@ -195,7 +231,7 @@ impl Choice {
             StreamKind::Imu => "of sensor_msgs/Imu",
             StreamKind::Fixes => "of sensor_msgs/NavSatFix",
             StreamKind::LocalPoses => {
-                "of nav_msgs/Odometry, geometry_msgs/PoseStamped or TransformStamped"
+                "of nav_msgs/Odometry, geometry_msgs/PoseStamped, TransformStamped or tf2_msgs/TFMessage"
             }
             _ => "of geometry_msgs/TwistStamped",
         };

@@ -156,3 +156,53 @@ fn accelerations_and_gravity_are_summed() {
     }
     std::fs::remove_dir_all(path).unwrap();
 }
+
+/// The values of the folder as the app exports and sends them, in the order of their sensors.
+#[test]
+fn objects_of_json_are_the_same_log() {
+    let mut exported = vec![serde_json::json!({"sensor": "Metadata", "platform": "android"})];
+    let mut sent = Vec::new();
+    for name in ["Location", "TotalAcceleration", "Gyroscope"] {
+        let text = std::fs::read_to_string(golden().join(format!("{name}.csv"))).unwrap();
+        let mut lines = text.lines().map(|line| line.split(','));
+        let names: Vec<&str> = lines.next().unwrap().collect();
+        for row in lines {
+            let members = names.iter().map(|name| (*name).to_owned());
+            let values = row.map(|text| text.to_owned().into());
+            let mut object: serde_json::Map<_, serde_json::Value> = members.zip(values).collect();
+            let time: i64 = object["time"].as_str().unwrap().parse().unwrap();
+            sent.push(serde_json::json!({
+                "name": name.to_lowercase(), "time": time, "values": object.clone()
+            }));
+            object.insert("sensor".to_owned(), name.into());
+            exported.push(object.into());
+        }
+    }
+    let imu = ImuFormat::log(Format::SensorLogger, None);
+    let mut gnss = GnssLog::new(Format::SensorLogger);
+    gnss.fixes.velocity_std = Some([1.0; 3]);
+    let (samples, fixes) = {
+        let samples = ImuReader::open(&golden(), &imu).unwrap();
+        let fixes = GnssReader::open(&golden(), &gnss.clone().into()).unwrap();
+        (
+            samples.map(Result::unwrap).collect::<Vec<_>>(),
+            fixes.map(Result::unwrap).collect::<Vec<_>>(),
+        )
+    };
+    for objects in [exported, sent] {
+        for text in [
+            serde_json::to_string(&objects).unwrap(),
+            serde_json::to_string_pretty(&objects).unwrap(),
+        ] {
+            let opened = || {
+                let stream = std::io::Cursor::new(text.clone().into_bytes());
+                Opened::stream(Path::new("phone.json"), stream).unwrap()
+            };
+            assert_eq!(opened().format(), Format::SensorLogger);
+            let read = ImuReader::new(opened(), &imu).unwrap();
+            assert!(read.map(Result::unwrap).eq(samples.iter().copied()));
+            let read = GnssReader::new(opened(), &gnss.clone().into()).unwrap();
+            assert!(read.map(Result::unwrap).eq(fixes.iter().copied()));
+        }
+    }
+}

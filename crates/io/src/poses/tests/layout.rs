@@ -264,3 +264,87 @@ fn so_many_lines_are_no_rows_even_if_they_are_numbers() {
     assert!(skipped.is_empty());
     assert_eq!((poses.len(), poses[0].time), (2, 1.0));
 }
+
+/// The poses that a text gives, of the body of a name.
+fn poses_of(text: &str, body: Option<&str>) -> Vec<LocalPose> {
+    let source = detected(text, body).unwrap().unwrap();
+    let stream = Cursor::new(text.as_bytes().to_vec());
+    let opened = Opened::stream(Path::new("poses.txt"), stream).unwrap();
+    let reader = PoseReader::new(opened, &source).unwrap();
+    reader.map(Result::unwrap).collect()
+}
+
+#[test]
+fn segments_of_vicon() {
+    let text = "Segments\n200\n,,Rig:Box,,,,,,Rig:Wand,,,,,\n\
+        Frame,Sub Frame,RX,RY,RZ,TX,TY,TZ,RX,RY,RZ,TX,TY,TZ\n\
+        ,,deg,deg,deg,mm,mm,mm,deg,deg,deg,mm,mm,mm\n\
+        11,0,0,0,90,100,200,300,1,2,3,4,5,6\n\
+        12,0,,,,,,,1,2,3,4,5,6\n\
+        13,0,0,0,91,101,200,300,1,2,3,4,5,6\n";
+    let poses = poses_of(text, Some("Rig:Box"));
+    assert_eq!(poses.len(), 2);
+    // Frame 11 of 200 a second.
+    assert!((poses[0].time - 0.055).abs() < 1e-12 && (poses[1].time - 0.065).abs() < 1e-12);
+    assert!((poses[0].position.unwrap() - Vector3::new(0.1, 0.2, 0.3)).norm() < 1e-12);
+    let turned = poses[0].attitude.unwrap() * Vector3::x();
+    assert!((turned - Vector3::y()).norm() < 1e-12, "{turned}");
+    let error = detected(text, None).unwrap_err().to_string();
+    assert!(error.contains("more than one segment"), "{error}");
+    assert!(error.contains("Rig:Wand"), "{error}");
+    // An object of Tracker in rad, and markers.
+    let text = "Objects\n100\n,,Box:Box,,,,,\nFrame,Sub Frame,RX,RY,RZ,TX,TY,TZ\n,,rad,rad,rad,mm,mm,mm\n\
+        1,0,0,0,1.5707963267948966,0,0,0\n2,0,0,0,0,1,0,0\n";
+    let turned = poses_of(text, None)[0].attitude.unwrap() * Vector3::x();
+    assert!((turned - Vector3::y()).norm() < 1e-12, "{turned}");
+    let text = "Trajectories\n100\n,,Box:LeftTop,,\nFrame,Sub Frame,X,Y,Z\n,,mm,mm,mm\n1,0,1,2,3\n2,0,2,3,4\n";
+    let poses = poses_of(text, None);
+    assert_eq!(poses[1].position, Some(Vector3::new(0.002, 0.003, 0.004)));
+    assert_eq!(poses[1].attitude, None);
+}
+
+/// The second body turns by 30° about z: its matrix is stated column by column.
+#[test]
+fn bodies_of_qualisys() {
+    let body = |name: &str| {
+        let rotation: Vec<String> = (0..9).map(|k| format!("Rot[{k}]")).collect();
+        format!(
+            "{name} X\tY\tZ\tRoll\tPitch\tYaw\tResidual\t{}",
+            rotation.join("\t")
+        )
+    };
+    let still = "1\t0\t0\t0\t1\t0\t0\t0\t1";
+    let turned = "0.86603\t0.50000\t0.00000\t-0.50000\t0.86603\t0.00000\t0.00000\t0.00000\t1.00000";
+    let lost = ["0.00000"; 16].join("\t");
+    let head = "NO_OF_FRAMES\t2\nNO_OF_CAMERAS\t4\nNO_OF_BODIES\t2\nFREQUENCY\t100\nDESCRIPTION\t--\n\
+        TIME_STAMP\t2020-01-22, 17:47:17\t22107.99\nDATA_INCLUDED\t6D\nBODY_NAMES\tShip\tBuoy\n";
+    let ship = format!("1000.0\t0.0\t0.0\t0\t0\t0\t0.5\t{still}");
+    let buoy = format!("-194.9\t2.2\t1.0\t0\t0\t30\t0.5\t{turned}");
+    let names = [body("Ship"), body("Buoy")].join("\t");
+    let rows = |first: [&str; 2]| {
+        let [a, b] = first;
+        format!("{a}\t{ship}\t{buoy}\t\n{b}\t{ship}\t{lost}\t\n")
+    };
+    let with_time = format!(
+        "{head}Frame\tTime\t{names}\n{}",
+        rows(["1\t0.00000", "2\t0.01000"])
+    );
+    let by_frames = format!("{head}Frame\t{names}\n{}", rows(["1", "2"]));
+    for (text, first) in [(&with_time, 0.0), (&by_frames, 0.01)] {
+        let poses = poses_of(text, Some("Buoy"));
+        assert_eq!(poses.len(), 1);
+        assert!((poses[0].time - first).abs() < 1e-12);
+        let place = Vector3::new(-0.1949, 0.0022, 0.001);
+        assert!((poses[0].position.unwrap() - place).norm() < 1e-12);
+        let (sin, cos) = 30f64.to_radians().sin_cos();
+        let axis = poses[0].attitude.unwrap() * Vector3::x();
+        // The matrix has five decimals.
+        assert!((axis - Vector3::new(cos, sin, 0.0)).norm() < 1e-5, "{axis}");
+        assert_eq!(poses_of(text, Some("Ship")).len(), 2);
+    }
+    let error = detected(&with_time, None).unwrap_err().to_string();
+    assert!(
+        error.contains("Ship") && error.contains("more than one body"),
+        "{error}"
+    );
+}

@@ -5,10 +5,12 @@ use crate::number;
 use crate::table::fields::Delimiter;
 
 /// Which notations a table has beside the usual one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Notation {
     commas: bool,
     hexadecimal: bool,
+    /// Of each column, whether it has hexadecimal counts without `0x`; empty without such columns.
+    bare: Vec<bool>,
     fortran: bool,
 }
 
@@ -30,16 +32,20 @@ impl Notation {
         Self {
             commas: cells().any(is_certain) && !cells().any(has_point) && !cells().any(several),
             hexadecimal: cells().any(|cell| hexadecimal(cell).is_some()),
+            bare: bare(table),
             fortran: cells().any(|cell| of_fortran(cell).is_some()),
         }
     }
 
-    pub(super) fn any(self) -> bool {
-        self.commas || self.hexadecimal || self.fortran
+    pub(super) fn any(&self) -> bool {
+        self.commas || self.hexadecimal || self.fortran || !self.bare.is_empty()
     }
 
-    /// A cell as a decimal number; `None` of any other.
-    pub(super) fn number(self, cell: &[u8]) -> Option<Vec<u8>> {
+    /// A cell of a column as a decimal number; `None` of any other.
+    pub(super) fn number(&self, place: usize, cell: &[u8]) -> Option<Vec<u8>> {
+        if self.bare.get(place) == Some(&true) {
+            return Some(count(cell)?.to_string().into_bytes());
+        }
         let commas = || {
             let mut point = cell.to_vec();
             *point.get_mut(comma(cell)?)? = b'.';
@@ -62,7 +68,11 @@ fn comma(cell: &[u8]) -> Option<usize> {
 
 /// A count of 16 or, with more than four digits, 32 bits, with its sign: `0xFFEB`.
 pub(super) fn hexadecimal(cell: &[u8]) -> Option<i64> {
-    let digits = cell.strip_prefix(b"0x").or(cell.strip_prefix(b"0X"))?;
+    count(cell.strip_prefix(b"0x").or(cell.strip_prefix(b"0X"))?)
+}
+
+/// The same of its digits.
+fn count(digits: &[u8]) -> Option<i64> {
     let digits = std::str::from_utf8(digits).ok()?;
     let bits = match digits.len() {
         1..=4 => 16,
@@ -75,6 +85,37 @@ pub(super) fn hexadecimal(cell: &[u8]) -> Option<i64> {
     } else {
         count - (1 << bits)
     })
+}
+
+/// Columns of such counts, at least.
+const COLUMNS: usize = 3;
+
+/// Which columns have counts of four or eight digits without `0x`: all as wide, with letters in some, or with zeros in front beside columns
+/// that have letters.
+fn bare(table: &Beginning) -> Vec<bool> {
+    let width = table.rows.first().map_or(0, Vec::len);
+    let fits = |place: usize| table.column(place).all(is_bare);
+    let has = |place: usize, is: fn(&u8) -> bool| {
+        let first = table.column(place).next().map_or(0, <[u8]>::len);
+        let alike = table.column(place).all(|cell| cell.len() == first);
+        alike && fits(place) && table.column(place).any(|cell| cell.iter().any(is))
+    };
+    let lettered = (0..width).filter(|place| has(*place, u8::is_ascii_alphabetic));
+    if lettered.count() < COLUMNS - 1 {
+        return Vec::new();
+    }
+    let zero = |place| table.column(place).any(|cell| cell.first() == Some(&b'0'));
+    let of_counts = |place| {
+        has(place, u8::is_ascii_alphabetic) || has(place, u8::is_ascii_digit) && zero(place)
+    };
+    let all = Vec::from_iter((0..width).map(of_counts));
+    let are_enough = all.iter().filter(|of| **of).count() >= COLUMNS;
+    if are_enough { all } else { Vec::new() }
+}
+
+/// Whether a cell can be such a count.
+pub(super) fn is_bare(cell: &[u8]) -> bool {
+    matches!(cell.len(), 4 | 8) && cell.iter().all(u8::is_ascii_hexdigit)
 }
 
 /// A number with the exponent of a double of Fortran as others write it: `-5.4D-03`.

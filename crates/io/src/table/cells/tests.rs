@@ -210,3 +210,27 @@ fn usual_tables_stay_as_they_are() {
         assert_eq!(rows(text), None, "{text}");
     }
 }
+
+#[test]
+fn hexadecimal_counts_without_a_mark() {
+    expect(
+        "00A3 FF12 1E05 0040\n00A4 FF13 1E06 0041\n",
+        &["163 -238 7685 64", "164 -237 7686 65"],
+    );
+    expect(
+        "ms,ax,ay,az\n20,ff12,00a3,1e05\n120,ff13,00a4,1e06\n",
+        &["ms,ax,ay,az", "20,-238,163,7685", "120,-237,164,7686"],
+    );
+    expect(
+        "2024,0000FF12,FFFFFF12,0001E005\n2024,0000FF13,FFFFFF13,0001E006\n",
+        &["2024,65298,-238,122885", "2024,65299,-237,122886"],
+    );
+    // Numbers as wide as each other, of which no column has letters.
+    for text in [
+        "2024,1234,0040\n2024,1235,0041\n",
+        "1e05,1234,0040\n1e05,1235,0041\n",
+        "FE7C,1234,5\nFE7D,1235,6\n",
+    ] {
+        assert_eq!(rows(text), None, "{text}");
+    }
+}

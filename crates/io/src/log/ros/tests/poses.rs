@@ -109,10 +109,9 @@ fn read_by(name: &str, topic: &str) -> (Vec<LocalPose>, Skipped) {
         Format::Mcap
     };
     let source = PoseSource::from(PoseLog {
-        format,
         stream: Some(topic.to_owned()),
         time_offset: 100.0,
-        span: None,
+        ..PoseLog::new(format)
     });
     let mut reader = PoseReader::open(&golden(name), &source).unwrap();
     let poses = reader.by_ref().map(Result::unwrap).collect();
@@ -200,15 +199,13 @@ fn damaged_poses_are_no_panic() {
             bytes[n] ^= bit;
             let opened = Opened::stream("x".as_ref(), Cursor::new(bytes.clone()));
             bytes[n] ^= bit;
+            let format = match name.ends_with(".bag") {
+                true => Format::RosBag,
+                false => Format::Mcap,
+            };
             let source = PoseSource::from(PoseLog {
-                format: if name.ends_with(".bag") {
-                    Format::RosBag
-                } else {
-                    Format::Mcap
-                },
                 stream: Some("/odom".to_owned()),
-                time_offset: 0.0,
-                span: None,
+                ..PoseLog::new(format)
             });
             let Ok(reader) = opened.and_then(|opened| PoseReader::new(opened, &source)) else {
                 continue;
@@ -218,4 +215,64 @@ fn damaged_poses_are_no_panic() {
             }
         }
     }
+}
+
+/// By testdata/golden/formats/rosbag/transforms.py.
+#[test]
+fn pairs_of_frames_are_streams() {
+    let pair = "/tf: odom -> base_link";
+    for name in ["rosbag/transforms.bag", "mcap/transforms.mcap"] {
+        let streams = Opened::open(&golden(name)).unwrap();
+        let format = streams.format();
+        let streams = streams.streams(format).unwrap();
+        let poses = streams
+            .iter()
+            .filter(|stream| stream.kind == StreamKind::LocalPoses);
+        let listed: Vec<_> = poses.map(|s| (s.name.as_str(), s.messages)).collect();
+        let expected = [
+            ("/tf: map -> odom", 6),
+            (pair, 6),
+            ("/tf_static: base_link -> imu_link", 1),
+        ];
+        assert_eq!(listed, expected, "{name}");
+        let found = found(&read(name, &wanted(pair)).unwrap());
+        assert_eq!(found.len(), 6, "{name}");
+        for ((at, pose), k) in found.iter().zip(0..) {
+            let k = f64::from(k);
+            let place = Vector3::new(k + 0.5, -0.25 * k, 1.0);
+            assert_eq!((*at, pose.position), (k as u64 + 2, Some(place)), "{name}");
+            // Half a second before the end of a week.
+            assert!((pose.time - (604_799.5 + 0.1 * k)).abs() < TIME, "{name}");
+            let q = pose.attitude.unwrap();
+            assert!((q.j - 0.6).abs() < 4e-16 && (q.w - 0.8).abs() < 4e-16);
+        }
+        let error = read(name, &Wanted::LocalPoses(None)).unwrap_err();
+        assert!(error.to_string().contains(pair), "{error}");
+    }
+}
+
+/// A recording whose positions are in mm and whose quaternions have w first.
+#[test]
+fn other_units_and_orders_can_be_stated() {
+    let name = "rosbag/transforms.bag";
+    let log = PoseLog {
+        stream: Some("/tf: odom -> base_link".to_owned()),
+        ..PoseLog::new(Format::RosBag)
+    };
+    let read = |log: PoseLog| {
+        let mut reader = PoseReader::open(&golden(name), &log.into()).unwrap();
+        reader.next().unwrap().unwrap()
+    };
+    let (plain, stated) = (
+        read(log.clone()),
+        read(PoseLog {
+            position_scale: 1e-3,
+            w_first: true,
+            ..log
+        }),
+    );
+    let place = plain.position.unwrap() * 1e-3;
+    assert!((stated.position.unwrap() - place).norm() < 1e-15);
+    let (q, other) = (plain.attitude.unwrap(), stated.attitude.unwrap());
+    assert_eq!([other.w, other.i, other.j, other.k], [q.i, q.j, q.k, q.w]);
 }

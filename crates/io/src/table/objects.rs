@@ -1,0 +1,182 @@
+//! Objects of JSON that are in an array, `[{…}, {…}]`, or one below the other over several lines, as lines of an object each.
+//! The array may be a member of an object, `{"data": [{…}, …]}`.
+
+use std::io::{self, BufRead, BufReader, Read};
+
+use crate::source::Source;
+
+/// Whether a text begins with such objects, which are rows of a table; lines of an object each are not meant.
+pub(crate) fn are_there(start: &[u8]) -> bool {
+    let text = without_mark(start);
+    let first = text.split(|byte| *byte == b'\n').next();
+    let first = first.unwrap_or_default().trim_ascii();
+    let is_line = first.starts_with(b"{") && first.ends_with(b"}") && !text.ends_with(first);
+    let begins = match text {
+        [b'[', rest @ ..] => rest.trim_ascii_start().starts_with(b"{"),
+        text => text.starts_with(b"{") && !is_line,
+    };
+    let mut rows = Vec::new();
+    let beginning = Box::new(io::Cursor::new(start.to_vec()));
+    begins && lines(beginning, start).read_to_end(&mut rows).is_ok() && super::are_json_lines(&rows)
+}
+
+/// A stream that begins so as lines of an object each.
+pub(crate) fn lines(source: Source, start: &[u8]) -> Source {
+    let text = without_mark(start);
+    Box::new(BufReader::new(Objects {
+        source,
+        of_array: text.starts_with(b"[") || is_wrapped(text),
+        open: Vec::new(),
+        object: 0,
+        in_text: false,
+        escaped: false,
+        held: Vec::new(),
+        given: 0,
+    }))
+}
+
+/// A text without the mark of its encoding and blanks before it.
+fn without_mark(start: &[u8]) -> &[u8] {
+    let text = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start);
+    text.trim_ascii_start()
+}
+
+/// Whether the first object has an array of objects in it.
+fn is_wrapped(text: &[u8]) -> bool {
+    let (mut depth, mut in_text, mut escaped, mut before) = (0_u32, false, false, b' ');
+    for &byte in text {
+        match byte {
+            _ if escaped => escaped = false,
+            b'\\' if in_text => escaped = true,
+            b'"' => in_text = !in_text,
+            _ if in_text => {}
+            b'{' if before == b'[' => return true,
+            b'{' => depth += 1,
+            b'}' if depth == 1 => return false,
+            b'}' => depth -= 1,
+            _ => {}
+        }
+        if !byte.is_ascii_whitespace() {
+            before = byte;
+        }
+    }
+    false
+}
+
+struct Objects {
+    source: Source,
+    /// Only those in an array are rows.
+    of_array: bool,
+    /// The brackets that are open around the next object.
+    open: Vec<u8>,
+    /// Braces that are open in the present object; 0 between objects.
+    object: u32,
+    in_text: bool,
+    escaped: bool,
+    /// Lines that are ready, and how much of them was given out.
+    held: Vec<u8>,
+    given: usize,
+}
+
+impl Objects {
+    fn byte(&mut self, byte: u8) {
+        let quoted = self.in_text;
+        match byte {
+            _ if self.escaped => self.escaped = false,
+            b'\\' if quoted => self.escaped = true,
+            b'"' => self.in_text = !quoted,
+            _ => {}
+        }
+        if self.object > 0 {
+            match byte {
+                b'{' if !quoted => self.object += 1,
+                b'}' if !quoted => self.object -= 1,
+                _ => {}
+            }
+            let whitespace = !quoted && byte.is_ascii_whitespace();
+            self.held.extend((!whitespace).then_some(byte));
+            self.held.extend((self.object == 0).then_some(b'\n'));
+            return;
+        }
+        let is_row = match self.open.last() {
+            Some(around) => self.of_array && *around == b'[',
+            None => !self.of_array,
+        };
+        match byte {
+            _ if quoted => {}
+            b'{' if is_row => {
+                self.object = 1;
+                self.held.push(byte);
+            }
+            b'{' | b'[' => self.open.push(byte),
+            b'}' | b']' => drop(self.open.pop()),
+            _ => {}
+        }
+    }
+}
+
+impl Read for Objects {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        while self.given == self.held.len() {
+            (self.given, self.held) = (0, Vec::new());
+            let buffer = self.source.fill_buf()?.to_vec();
+            if buffer.is_empty() {
+                return Ok(0);
+            }
+            buffer.iter().for_each(|byte| self.byte(*byte));
+            self.source.consume(buffer.len());
+        }
+        let mut left = self.held.get(self.given..).unwrap_or_default();
+        let length = left.read(into)?;
+        self.given += length;
+        Ok(length)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Option<String> {
+        if !are_there(text.as_bytes()) {
+            return None;
+        }
+        let source = BufReader::with_capacity(3, io::Cursor::new(text.as_bytes().to_vec()));
+        let mut read = String::new();
+        let mut lines = lines(Box::new(source), text.as_bytes());
+        lines.read_to_string(&mut read).unwrap();
+        Some(read)
+    }
+
+    #[test]
+    fn objects_of_an_array_are_lines() {
+        let lines = "{\"a\":1,\"b\":{\"c\":\"x ] } \\\" {\"}}\n{\"a\":2,\"d\":[1,{\"e\":3}]}\n";
+        for text in [
+            "[{\"a\":1,\"b\":{\"c\":\"x ] } \\\" {\"}},{\"a\":2,\"d\":[1,{\"e\":3}]}]",
+            "\u{feff} [\n  {\n \"a\" : 1, \"b\": {\"c\": \"x ] } \\\" {\"}},\r\n {\"a\":2,\n\"d\":[1, {\"e\":3}]}\n]\n",
+            "{\n\"name\": \"[{\", \"tags\": [], \"data\": [ {\"a\":1,\"b\":{\"c\":\"x ] } \\\" {\"}},{\"a\":2,\"d\":[1,{\"e\":3}]}]}",
+            "{\n\"a\": 1,\n\"b\":{\"c\":\"x ] } \\\" {\"}\n}\n{\n\"a\":2,\"d\":[1,{\"e\":3}]}",
+        ] {
+            // The last has an array of objects in its second object, not in the first.
+            assert_eq!(read(text).as_deref(), Some(lines), "{text}");
+        }
+        // What is cut ends where it is cut.
+        let cut = "[{\"a\":1},{\"a\":2},{\"a\":";
+        assert_eq!(read(cut).unwrap(), "{\"a\":1}\n{\"a\":2}\n{\"a\":");
+    }
+
+    #[test]
+    fn other_texts_stay_as_they_are() {
+        for text in [
+            "",
+            "t,a\n1,2\n",
+            "[imu]\nfile = \"a\"\n",
+            "[1,2]\n[3,4]\n",
+            "{\"t\": [1, 2]}",
+            "{\"t\":1}\n{\"t\":2}\n",
+            "[{\"t\": 1}]",
+        ] {
+            assert_eq!(read(text), None, "{text}");
+        }
+    }
+}
