@@ -63,8 +63,8 @@ pub fn comment(of: Comment) -> String {
         Comment::Heading => "from changes of velocity, which suffice in this drive",
         Comment::Wheels(Wheels::Shown) => WHEELS,
         Comment::Wheels(_) => {
-            "The motion is too short, too straight or too slow to test whether it is that of wheels. For a\n\
-             wheeled vehicle these lines greatly reduce the drift without GNSS."
+            "Whether the motion is that of wheels does not show: it is too short, too straight or too slow, or\n\
+             the start is too uncertain. For a wheeled vehicle these lines greatly reduce the drift without GNSS."
         }
         Comment::LeverArm => {
             "from the IMU to the antenna: forward, right, down; measured beats estimated"
@@ -433,7 +433,7 @@ pub fn next(model: &Model, motion: Motion, drive: &Path) -> String {
     )
 }
 
-/// The vehicle's profile where the motion shows it, as the drive file has it.
+/// The line of the vehicle's profile, where the motion shows it.
 fn vehicle(motion: Motion) -> Option<String> {
     let shown = motion.wheels == Wheels::Shown;
     shown.then(|| format!("vehicle.profile = \"car\"   # {WHEELS}"))

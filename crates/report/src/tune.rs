@@ -203,7 +203,7 @@ fn undetermined(tune: &Tune) -> String {
             )
         });
         said.push(format!(
-            "Not determined, and far from what was expected: {}.",
+            "Not determined, and towards an end of what was expected, or beyond it: {}.",
             Vec::from_iter(named).join(", ")
         ));
     }

@@ -8,6 +8,7 @@ use super::{
     sensor::GUESS, table, units::COUNTS_OF_RATE,
 };
 use crate::{
+    align::Heading,
     drive::{AXLE_STD, Drive, DriveError, Logs, OTHER_CLOCK, Section, Table},
     engine::derived::with_velocities,
     mounting::{
@@ -27,7 +28,7 @@ use undrift_nav::{
     units::{Quantity, unit_factor},
 };
 use undrift_noise::BiasModel;
-use wheels::{SideSlip, side_slip};
+use wheels::{SideSlip, is_held, side_slip};
 
 /// Looks at the first IMU and the first fixes of the files, and says how the IMU sits where a vehicle's motion shows it:
 /// in its part's lines, or why not in its notes.
@@ -152,11 +153,17 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
     let mounted = read(inspections).map(|mut drive| {
         drive.estimate_mounting = false;
         drive.imu.1.rotation = rotation;
+        if heading {
+            drive.align.heading = Heading::Auto;
+        }
         drive
     });
-    let wheels = match mounted.ok().and_then(|drive| side_slip(&drive)) {
+    let mounted = mounted.ok();
+    let held = || mounted.as_ref().is_some_and(is_held);
+    let wheels = match mounted.as_ref().and_then(side_slip) {
         None => Wheels::Likely,
-        Some(slip) if slip.is_of_wheels() => Wheels::Shown,
+        Some(slip) if slip.is_of_wheels() && held() => Wheels::Shown,
+        Some(slip) if slip.is_of_wheels() => Wheels::Likely,
         Some(SideSlip { right, down }) => {
             let (right_ms, down_ms) = (right, down);
             let note = Note::Slips { right_ms, down_ms };

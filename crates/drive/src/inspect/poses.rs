@@ -112,7 +112,10 @@ pub(super) fn motion(inspections: &mut [Inspection], imu: (usize, usize), at: (u
     let file = &mut inspections[at.0];
     match found {
         Ok(Some(Ok(found))) => {
-            write(&mut file.parts[at.1], &found);
+            // No key of a drive file turns quaternions round, so none would hold.
+            if found.fault != Some(PoseFault::Inverse) {
+                write(&mut file.parts[at.1], &found);
+            }
             file.found.extend(found.fault.map(Note::Poses));
         }
         Ok(Some(Err(fault))) => file.found.push(Note::Poses(fault)),
@@ -311,8 +314,10 @@ mod tests {
                 let t = 0.2 * f64::from(k);
                 [&[t], &row(t)[..]].concat()
             });
+            let names = Vec::from_iter(names.split(',').map(str::to_owned));
             let table = Preview {
-                names: names.split(',').map(str::to_owned).collect(),
+                header: names.clone(),
+                names,
                 rows: rows.collect(),
                 ..Preview::default()
             };

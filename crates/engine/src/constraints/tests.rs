@@ -359,7 +359,18 @@ fn a_vehicle_that_slips_is_held_less_where_fixes_show_it() {
         slip: 0.0,
         ..NonHolonomic::CAR
     };
-    let sure = || moving(Vector3::new(10.0, 0.6, 0.0), Vector3::repeat(1e-4));
+    let sure = || {
+        let nav = NavState {
+            v_n: Vector3::new(10.0, 0.6, 0.0),
+            ..*moving(Vector3::zeros(), Vector3::repeat(1.0)).nav()
+        };
+        let std = InitialStd {
+            position: Vector3::repeat(0.5),
+            velocity: Vector3::repeat(1e-4),
+            attitude: Vector3::repeat(1e-6),
+        };
+        build(nav, &std, &sensors(), Parameters::none()).unwrap()
+    };
     let after = |updates: usize, aided: bool| {
         let (mut slip, mut summary) = (Slip::default(), Summary::default());
         let mut last = 0.0;

@@ -191,8 +191,7 @@ fn the_sections_have_the_drift_and_the_noise() {
     );
     assert!(sentences(&sections[0])[0].ends_with("held-out outages."));
     assert_eq!(names(&sections[1]), ["parameters"]);
-    let open =
-        "Not determined, and far from what was expected: factor (4.00, expected 2.00 to 3.00).";
+    let open = "Not determined, and towards an end of what was expected, or beyond it: factor (4.00, expected 2.00 to 3.00).";
     assert_eq!(sentences(&sections[1]), [open]);
     let text = plain(&tune, crate::plain::unmarked);
     assert!(
@@ -225,12 +224,12 @@ fn what_is_not_determined_is_close_to_what_was_expected_or_not() {
     }
     assert_eq!(
         said(&[0.49]),
-        "Not determined, and far from what was expected: p (0.490, expected 0.250 to 16.0)."
+        "Not determined, and towards an end of what was expected, or beyond it: p (0.490, expected 0.250 to 16.0)."
     );
     assert_eq!(
         said(&[1.0, 4.1]),
         format!(
-            "{near} Not determined, and far from what was expected: p (4.10, expected 0.250 to 16.0)."
+            "{near} Not determined, and towards an end of what was expected, or beyond it: p (4.10, expected 0.250 to 16.0)."
         )
     );
     assert_eq!(said(&[]), "");

@@ -5,8 +5,9 @@ use crate::{
     align::Heading,
     drive::Drive,
     estimator::Estimator,
-    navigate::{NavigateError, settings},
+    navigate::{NavigateError, Wanted, navigate, settings},
     replay::{Measurement, Observer, ReplayError, replay},
+    vehicle::Profile,
 };
 use undrift_nav::{Matrix3, Vector3};
 use undrift_noise::BiasModel;
@@ -47,6 +48,13 @@ impl SideSlip {
 pub(super) fn side_slip(drive: &Drive) -> Option<SideSlip> {
     let watch = watched(drive).ok()?;
     watch.judge()
+}
+
+/// Whether the constraints of a car hold while such a drive is navigated with them from its start, as it will be.
+pub(super) fn is_held(drive: &Drive) -> bool {
+    let drive = drive.clone().with_vehicle(Profile::Car);
+    let report = navigate(&drive, BiasModel::Arma, Wanted::default());
+    report.is_ok_and(|report| report.summary.side_slip.is_none())
 }
 
 /// Navigates without constraints.
@@ -167,4 +175,48 @@ fn residuals(moving: &[Moving], axis: usize) -> Vec<f64> {
         .map_or(Vector3::zeros(), |root| root.solve(&right));
     let residual = |at: &Moving| at.velocity[axis] - fitted.dot(&terms(at));
     moving.iter().map(residual).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A minute and a half at 10 m/s in a circle, `turns` of them, with a mounting 0.02 rad off, an axle 1.5 m behind and slip, on
+    /// water that flows to the north [m/s], known to `std` [m/s].
+    fn judged(turns: f64, current: f64, std: f64) -> Option<SideSlip> {
+        let moving = (0..450).map(|k| {
+            let heading = turns * 2.0 * std::f64::consts::PI * f64::from(k) / 450.0;
+            // A wheel that turns more and less.
+            let turn = 0.1 * (0.07 * f64::from(k)).sin();
+            let of_wheels = 0.02 * 10.0 + 1.5 * turn - 0.02 * 10.0 * turn;
+            let flows = [current * heading.cos(), -current * heading.sin()];
+            Moving {
+                velocity: Vector3::new(10.0 + flows[0], of_wheels + flows[1], 0.0),
+                variance: [std * std; 2],
+                turn,
+                heading,
+            }
+        });
+        let watch = SlipWatch {
+            last: None,
+            moving: moving.collect(),
+        };
+        watch.judge()
+    }
+
+    #[test]
+    fn what_flows_across_is_no_wheels() {
+        let slip = judged(1.0, 0.0, 0.0).unwrap();
+        assert!(slip.right < 1e-9 && slip.down < 1e-9 && slip.is_of_wheels());
+        // The RMS of a sine, but for what the mounting takes of it.
+        let slip = judged(1.0, 0.3, 0.0).unwrap();
+        let expected = 0.3 * 0.5f64.sqrt();
+        assert!((slip.right / expected - 1.0).abs() < 0.1, "{}", slip.right);
+        assert!(!slip.is_of_wheels());
+        // The solution's own error explains it, or hides it.
+        assert!(judged(1.0, 0.3, 0.25).unwrap().is_of_wheels());
+        assert!(judged(1.0, 0.3, 0.5).is_none());
+        // Straight on nothing shows.
+        assert!(judged(0.1, 0.3, 0.0).is_none());
+    }
 }

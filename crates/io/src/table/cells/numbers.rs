@@ -94,20 +94,21 @@ const COLUMNS: usize = 3;
 /// that have letters.
 fn bare(table: &Beginning) -> Vec<bool> {
     let width = table.rows.first().map_or(0, Vec::len);
-    let fits = |place: usize| table.column(place).all(is_bare);
-    let has = |place: usize, is: fn(&u8) -> bool| {
+    let alike = |place: usize| {
         let first = table.column(place).next().map_or(0, <[u8]>::len);
-        let alike = table.column(place).all(|cell| cell.len() == first);
-        alike && fits(place) && table.column(place).any(|cell| cell.iter().any(is))
+        table
+            .column(place)
+            .all(|cell| cell.len() == first && is_bare(cell))
     };
-    let lettered = (0..width).filter(|place| has(*place, u8::is_ascii_alphabetic));
-    if lettered.count() < COLUMNS - 1 {
+    // `1e30` alone is a number.
+    let surely = |cell: &[u8]| number::parse(cell).is_none();
+    let sure = (0..width).filter(|place| alike(*place) && table.column(*place).any(surely));
+    if sure.count() < COLUMNS - 1 {
         return Vec::new();
     }
-    let zero = |place| table.column(place).any(|cell| cell.first() == Some(&b'0'));
-    let of_counts = |place| {
-        has(place, u8::is_ascii_alphabetic) || has(place, u8::is_ascii_digit) && zero(place)
-    };
+    let letters = |cell: &[u8]| cell.iter().any(u8::is_ascii_alphabetic);
+    let likely = |cell: &[u8]| letters(cell) || cell.first() == Some(&b'0');
+    let of_counts = |place| alike(place) && table.column(place).any(likely);
     let all = Vec::from_iter((0..width).map(of_counts));
     let are_enough = all.iter().filter(|of| **of).count() >= COLUMNS;
     if are_enough { all } else { Vec::new() }

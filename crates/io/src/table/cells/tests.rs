@@ -229,6 +229,7 @@ fn hexadecimal_counts_without_a_mark() {
     for text in [
         "2024,1234,0040\n2024,1235,0041\n",
         "1e05,1234,0040\n1e05,1235,0041\n",
+        "1e30,1e30,1e30\n1e30,1e30,1e30\n",
         "FE7C,1234,5\nFE7D,1235,6\n",
     ] {
         assert_eq!(rows(text), None, "{text}");
