@@ -72,7 +72,7 @@ pub(super) fn update(
     if aided {
         slip.add(factor * (update.nis / update.dof as f64).min(MOST));
         let speed = rule.right * slip.mean.sqrt();
-        if slip.updates >= AVERAGED && slip.mean > 1.0 {
+        if slip.updates >= AVERAGED && speed > NonHolonomic::CAR.right {
             let start = filter.nav().time;
             let found = summary.side_slip.get_or_insert(SideSlip { start, speed });
             found.speed = found.speed.max(speed);
