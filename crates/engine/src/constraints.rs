@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | rest on the ground | the sensors are quiet ([`crate::rest`]) | as configured; ten times the standard deviation where GNSS does not confirm it |
 //! | the Earth's rate | at the same time | white noise of the mean over the block, and what is configured |
-//! | no slip, no lift | at an interval, above a speed | as configured, and in proportion to the lateral acceleration |
+//! | no slip, no lift | at an interval, above a speed | as configured, in proportion to the lateral acceleration, and to the slip that fixes show |
 //! | course is heading | with each velocity of a fix, above a speed | of the course, and what is configured for slip |
 //! | wheel speed, height | as measured | as measured |
 //!

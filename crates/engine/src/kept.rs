@@ -1,6 +1,6 @@
 //! How what has no form of its own is kept in a checkpoint.
 //!
-//! Numbers are kept, types are made anew: a filter is its models, its priors and the numbers that change while
+//! Numbers are kept, types are built again: a filter is its models, its priors and the numbers that change while
 //! it runs. Bytes with too few or too many numbers are refused.
 
 use crate::{

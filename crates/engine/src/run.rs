@@ -361,8 +361,8 @@ impl Run {
     /// The sample as it is, or after a gap too long for anything to be known behind it the last interval
     /// of it alone, with which the log begins as if there was nothing before.
     ///
-    /// The flag is true where the log begins anew; a solution that there was is lost with the attitude, and the
-    /// alignments with it.
+    /// The flag is true where the log begins again after the gap: the attitude is lost, and with it the solution and the
+    /// alignments.
     fn after_gap(&mut self, sample: ImuSample) -> (ImuSample, bool) {
         if sample.dt <= crate::solution::LONGEST_GAP {
             return (sample, false);

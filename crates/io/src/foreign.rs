@@ -2,6 +2,7 @@
 //! quoting them.
 
 use crate::ReadError;
+use crate::source::without_byte_order_mark;
 use std::path::Path;
 
 /// What a file is, and what to do about it.
@@ -94,10 +95,7 @@ pub fn known(start: &[u8]) -> Option<Foreign> {
     if start.is_empty() {
         return Some(EMPTY);
     }
-    let text = start
-        .strip_prefix(b"\xef\xbb\xbf")
-        .unwrap_or(start)
-        .trim_ascii_start();
+    let text = without_byte_order_mark(start).trim_ascii_start();
     let begins = |mark: &[u8]| {
         let begin = |bytes: &[u8]| {
             bytes

@@ -12,6 +12,11 @@ use flate2::bufread::MultiGzDecoder;
 
 use crate::{ReadError, nearby, zstandard};
 
+/// A text without the byte order mark of UTF-8 before it.
+pub(crate) fn without_byte_order_mark(text: &[u8]) -> &[u8] {
+    text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)
+}
+
 /// A byte stream to read from.
 pub type Source = Box<dyn BufRead + Send>;
 

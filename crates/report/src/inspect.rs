@@ -45,6 +45,8 @@ fn remarks(measured: &Measured) -> Vec<String> {
         .collect()
 }
 
+/// What is written where the motion is that of wheels, and why.
+const PROFILE: &str = "vehicle.profile = \"car\"";
 const WHEELS: &str = "no side slip beyond the solution's own error: the motion is that of wheels, which greatly reduces the drift without GNSS; remove it where they slide";
 
 /// A comment of a drive file.
@@ -426,17 +428,14 @@ fn rate_and_gaps(m: &Measured) -> String {
 pub fn next(model: &Model, motion: Motion, drive: &Path) -> String {
     let file = drive.to_string_lossy();
     let file = visible(&file);
+    let vehicle = match motion.wheels {
+        Wheels::Shown => format!("{PROFILE}   # {WHEELS}\n"),
+        _ => String::new(),
+    };
     format!(
-        "{}model = {model}   # {}\nnext: undrift tune {file} -o tuned.toml   # the noise of the sensor in its vehicle",
-        vehicle(motion).map_or(String::new(), |line| line + "\n"),
+        "{vehicle}model = {model}   # {}\nnext: undrift tune {file} -o tuned.toml   # the noise of the sensor in its vehicle",
         known(&model.known)
     )
-}
-
-/// The line of the vehicle's profile, where the motion shows it.
-fn vehicle(motion: Motion) -> Option<String> {
-    let shown = motion.wheels == Wheels::Shown;
-    shown.then(|| format!("vehicle.profile = \"car\"   # {WHEELS}"))
 }
 
 /// What to do about logs of which one shows nothing, where a drive needs such a table; `None` where all are known.
@@ -485,7 +484,9 @@ pub fn guesses(model: &Model, motion: Motion, inspections: &[Inspection]) -> Vec
             visible(&entry).into_owned()
         }));
     }
-    lines.extend(vehicle(motion).map(|line| format!("  {}", line.replace("   #", ":"))));
+    if motion.wheels == Wheels::Shown {
+        lines.push(format!("  {PROFILE}: {WHEELS}"));
+    }
     lines
 }
 

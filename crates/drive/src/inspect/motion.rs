@@ -17,7 +17,7 @@ use crate::{
     navigate::{NavigateError, Wanted, navigate, resolve_mounting},
     vehicle::Profile,
 };
-use axes::{exchanged_axes, is_fitting, reversed_axes};
+use axes::{beginning, exchanged_axes, is_fitting, reversed_axes};
 use std::path::Path;
 use undrift_nav::{
     Vector3,
@@ -28,7 +28,7 @@ use undrift_nav::{
     units::{Quantity, unit_factor},
 };
 use undrift_noise::BiasModel;
-use wheels::{SideSlip, is_held, side_slip};
+use wheels::{LONGEST, Slip, is_held, side_slip};
 
 /// Looks at the first IMU and the first fixes of the files, and says how the IMU sits where a vehicle's motion shows it:
 /// in its part's lines, or why not in its notes.
@@ -158,13 +158,13 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         }
         drive
     });
-    let mounted = mounted.ok();
+    let mounted = mounted.ok().and_then(|drive| beginning(drive, LONGEST));
     let held = || mounted.as_ref().is_some_and(is_held);
     let wheels = match mounted.as_ref().and_then(side_slip) {
         None => Wheels::Likely,
         Some(slip) if slip.is_of_wheels() && held() => Wheels::Shown,
         Some(slip) if slip.is_of_wheels() => Wheels::Likely,
-        Some(SideSlip { right, down }) => {
+        Some(Slip { right, down }) => {
             let (right_ms, down_ms) = (right, down);
             let note = Note::Slips { right_ms, down_ms };
             inspections[imu.0].found.push(note);

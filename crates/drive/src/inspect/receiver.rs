@@ -34,7 +34,7 @@ impl Columns {
     /// The lines of a place: columns and their units.
     pub(super) fn place(&self, place: [usize; 3]) -> Vec<Line> {
         let flat = is_flat(place);
-        let grid = self.found.place[0].is_none() && self.found.ecef[0].is_none();
+        let grid = self.is_grid();
         if all(&self.found.place).is_none() && !flat && !grid {
             return vec![self.three("ecef", place)];
         }
@@ -68,6 +68,11 @@ impl Columns {
             None => {}
         }
         lines
+    }
+
+    /// Whether the place is an easting and northing: no latitude, longitude or Earth-fixed column was found.
+    fn is_grid(&self) -> bool {
+        self.found.place[0].is_none() && self.found.ecef[0].is_none()
     }
 
     /// The zone of eastings and northings, by its columns.
@@ -287,7 +292,7 @@ impl Columns {
             unit => unit_factor(unit.unwrap_or("deg"), Quantity::Angle).ok()?,
         };
         let packed = self.unit(place[0]).is_none() && self.are_degrees_minutes(place);
-        let grid = self.found.place[0].is_none() && self.found.ecef[0].is_none();
+        let grid = self.is_grid();
         let fix = |row: &Vec<f64>| {
             let at = |k: usize| row.get(k).copied().filter(|number| number.is_finite());
             if grid {

@@ -29,7 +29,8 @@ impl Run {
     /// Shows the aligner a fix; whether it completes the alignment and navigation begins.
     ///
     /// What comes of a second alignment replaces the solution that failed; the receiver keeps what it has
-    /// learned of its accuracy, the other watches begin anew.
+    /// learned of its accuracy, the other watches are reset.
+    ///
     /// # Errors
     /// The filter of a complete alignment cannot be built.
     fn align(

@@ -164,7 +164,7 @@ fn attitudes_far_off_are_rejected() {
     assert!(mean_square(&ran.solution) < 6.0, "{:?}", ran.solution);
 }
 
-/// With the Earth's rotation left out, what the gyros measure of it is estimated as their bias.
+/// Without the Earth's rotation in the mechanisation, what the gyros measure of it is estimated as their bias.
 #[test]
 fn a_room_without_the_earth_s_rate_has_it_as_a_bias() {
     let still = run(7, |settings, _| settings.earth_rate = false);

@@ -21,6 +21,7 @@ use crate::epoch::ClockSource;
 use crate::fix::{finite, independent, on_earth, quality_of_rtklib};
 use crate::skipped::{SkipKind, shown};
 use crate::source::Source;
+use crate::source::without_byte_order_mark;
 use crate::table::lines::{Lines, MAX_LINE, NextLine};
 use crate::time::WeekClock;
 use crate::{ReadError, number};
@@ -43,7 +44,7 @@ const ROWS: usize = 3;
 
 /// The columns of rows that begin so, and whether a header names them.
 fn layout(start: &[u8]) -> Option<(Layout, bool)> {
-    let start = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start);
+    let start = without_byte_order_mark(start);
     let complete = start.iter().rposition(|byte| *byte == b'\n')?;
     let lines = start.get(..complete)?.split(|byte| *byte == b'\n');
     let mut rows = 0;

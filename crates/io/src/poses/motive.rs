@@ -4,6 +4,7 @@
 use super::columns::{AttitudeColumns, PoseFormat};
 use crate::ReadError;
 use crate::error::{Key, NAMES_SHOWN, the_file_has};
+use crate::source::without_byte_order_mark;
 use crate::table::Column;
 
 /// Lines that the block has at most.
@@ -14,7 +15,7 @@ type Line<'a> = Vec<&'a str>;
 
 /// How a rigid body is read, that of a name or the only one; `None` of a text that is no such export.
 pub(super) fn format(start: &[u8], body: Option<&str>) -> Option<Result<PoseFormat, ReadError>> {
-    let start = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start);
+    let start = without_byte_order_mark(start);
     if !start.starts_with(b"Format Version,") {
         return None;
     }

@@ -6,6 +6,7 @@ use super::columns::{AttitudeColumns, PoseFormat};
 use super::motive::the_body;
 use crate::ReadError;
 use crate::number;
+use crate::source::without_byte_order_mark;
 use crate::table::Column;
 
 /// Lines above the rows, at most.
@@ -15,7 +16,7 @@ const ROTATION: usize = 7;
 
 /// How a body is read, that of a name or the only one; `None` of a text that is no such export.
 pub(super) fn format(start: &[u8], body: Option<&str>) -> Option<Result<PoseFormat, ReadError>> {
-    let start = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start);
+    let start = without_byte_order_mark(start);
     let lines = start.split(|byte| *byte == b'\n').take(LINES);
     let (mut frequency, mut of_bodies) = (None, false);
     for (line, above) in lines.zip(1..) {

@@ -8,6 +8,7 @@ use super::columns::{AttitudeColumns, PoseFormat};
 use super::motive::the_body;
 use crate::ReadError;
 use crate::number;
+use crate::source::without_byte_order_mark;
 use crate::table::Column;
 
 /// Lines above the rows.
@@ -15,7 +16,7 @@ const LINES: usize = 5;
 
 /// How an object, segment or marker is read, that of a name or the only one; `None` of a text that is no such export.
 pub(super) fn format(start: &[u8], body: Option<&str>) -> Option<Result<PoseFormat, ReadError>> {
-    let start = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start);
+    let start = without_byte_order_mark(start);
     let lines = start.split(|byte| *byte == b'\n').take(LINES);
     let lines = lines.map(|line| std::str::from_utf8(line).ok());
     let lines: Vec<Vec<&str>> = lines

@@ -8,7 +8,7 @@ use super::wanted::{Column, Keep, Preview, TableOptions, starts_a_row};
 use crate::error::{NAMES_SHOWN, the_file_has};
 use crate::number;
 use crate::skipped::{SkipKind, Skipped, shown};
-use crate::source::Source;
+use crate::source::{Source, without_byte_order_mark};
 use crate::table::lines::{Lines, MAX_LINE, NextLine};
 use crate::time::WeekClock;
 use crate::{ReadError, angle, visible};
@@ -188,7 +188,7 @@ fn first_line(
                 let number = lines.number();
                 let mut line = lines.bytes(range);
                 if number == 1 {
-                    line = line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line);
+                    line = without_byte_order_mark(line);
                 }
                 if let (None, true, Some(byte)) = (named, above.is_empty(), separator(line)) {
                     named = Some(byte);

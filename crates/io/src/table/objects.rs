@@ -3,11 +3,11 @@
 
 use std::io::{self, BufRead, BufReader, Read};
 
-use crate::source::Source;
+use crate::source::{Source, without_byte_order_mark};
 
 /// Whether a text begins with such objects, which are rows of a table; lines of an object each are not meant.
 pub(crate) fn are_there(start: &[u8]) -> bool {
-    let text = without_mark(start);
+    let text = without_byte_order_mark(start).trim_ascii_start();
     let first = text.split(|byte| *byte == b'\n').next();
     let first = first.unwrap_or_default().trim_ascii();
     let is_line = first.starts_with(b"{") && first.ends_with(b"}") && !text.ends_with(first);
@@ -22,34 +22,24 @@ pub(crate) fn are_there(start: &[u8]) -> bool {
 
 /// A stream that begins so as lines of an object each.
 pub(crate) fn lines(source: Source, start: &[u8]) -> Source {
-    let text = without_mark(start);
+    let text = without_byte_order_mark(start).trim_ascii_start();
     Box::new(BufReader::new(Objects {
         source,
         of_array: text.starts_with(b"[") || is_wrapped(text),
         open: Vec::new(),
         object: 0,
-        in_text: false,
-        escaped: false,
+        quotes: Quotes::default(),
         held: Vec::new(),
         given: 0,
     }))
 }
 
-/// A text without the mark of its encoding and blanks before it.
-fn without_mark(start: &[u8]) -> &[u8] {
-    let text = start.strip_prefix(b"\xef\xbb\xbf").unwrap_or(start);
-    text.trim_ascii_start()
-}
-
 /// Whether the first object has an array of objects in it.
 fn is_wrapped(text: &[u8]) -> bool {
-    let (mut depth, mut in_text, mut escaped, mut before) = (0_u32, false, false, b' ');
+    let (mut depth, mut quotes, mut before) = (0_u32, Quotes::default(), b' ');
     for &byte in text {
         match byte {
-            _ if escaped => escaped = false,
-            b'\\' if in_text => escaped = true,
-            b'"' => in_text = !in_text,
-            _ if in_text => {}
+            _ if quotes.are_around(byte) => {}
             b'{' if before == b'[' => return true,
             b'{' => depth += 1,
             b'}' if depth == 1 => return false,
@@ -63,6 +53,27 @@ fn is_wrapped(text: &[u8]) -> bool {
     false
 }
 
+/// Whether a byte is in a text of JSON.
+#[derive(Default)]
+struct Quotes {
+    open: bool,
+    escaped: bool,
+}
+
+impl Quotes {
+    /// Of the next byte; the mark that ends a text is of it, that before it is not.
+    fn are_around(&mut self, byte: u8) -> bool {
+        let around = self.open;
+        match byte {
+            _ if self.escaped => self.escaped = false,
+            b'\\' if around => self.escaped = true,
+            b'"' => self.open = !around,
+            _ => {}
+        }
+        around
+    }
+}
+
 struct Objects {
     source: Source,
     /// Only those in an array are rows.
@@ -71,8 +82,7 @@ struct Objects {
     open: Vec<u8>,
     /// Braces that are open in the present object; 0 between objects.
     object: u32,
-    in_text: bool,
-    escaped: bool,
+    quotes: Quotes,
     /// Lines that are ready, and how much of them was given out.
     held: Vec<u8>,
     given: usize,
@@ -80,13 +90,7 @@ struct Objects {
 
 impl Objects {
     fn byte(&mut self, byte: u8) {
-        let quoted = self.in_text;
-        match byte {
-            _ if self.escaped => self.escaped = false,
-            b'\\' if quoted => self.escaped = true,
-            b'"' => self.in_text = !quoted,
-            _ => {}
-        }
+        let quoted = self.quotes.are_around(byte);
         if self.object > 0 {
             match byte {
                 b'{' if !quoted => self.object += 1,

@@ -4,6 +4,7 @@
 use super::cells::Cells;
 use super::json::JsonLines;
 use super::monitor::Monitor;
+use crate::source::without_byte_order_mark;
 
 /// Lines that are looked at for cells.
 const LINES: usize = 300;
@@ -20,7 +21,7 @@ impl Rewritten {
     pub(super) fn detect(start: &[u8]) -> Option<Self> {
         let end = start.iter().rposition(|byte| *byte == b'\n');
         let whole = start.get(..end.map_or(start.len(), |end| end + 1))?;
-        let whole = whole.strip_prefix(b"\xef\xbb\xbf").unwrap_or(whole);
+        let whole = without_byte_order_mark(whole);
         let lines = || whole.split(|byte| *byte == b'\n');
         let mut found = Self {
             json: JsonLines::detect(lines()),

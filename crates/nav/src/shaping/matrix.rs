@@ -1,8 +1,8 @@
 //! Small matrices of one axis: products, Cholesky factor, inverse, square root, logarithm, exponential.
 //! Higham 2008, Functions of Matrices, chapters 6, 10 and 11. Only the leading n × n block counts.
 //!
-//! Sizes are at most [`MAX_ORDER`], so plain loops over arrays do: no allocation, and every function has a
-//! result or says that there is none.
+//! Sizes are at most [`MAX_ORDER`], so plain loops over arrays do: no allocation, and every function
+//! gives a result or `None`.
 
 use super::{AxisMatrix, AxisVector, MAX_ORDER};
 use libm::sqrt;

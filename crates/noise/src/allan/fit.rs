@@ -172,8 +172,8 @@ pub fn fit_terms(curve: &Curve) -> Result<Terms, RecordError> {
 /// # Errors
 /// As [`fit_terms`], of the points that are left.
 ///
-/// The τ in use is the first of the curve at or above `shortest_s` ([`Terms::from_s`]). Points closer than an
-/// octave are left out: a curve at every τ is fitted at its octaves.
+/// The τ in use is the first of the curve at or above `shortest_s` ([`Terms::from_s`]). A curve at every τ
+/// is fitted at its octaves alone.
 pub fn fit_terms_from(curve: &Curve, shortest_s: f64) -> Result<Terms, RecordError> {
     let mut points = points_for_fit(curve)?;
     points.retain(|p| p.tau_s >= shortest_s * (1.0 - 1e-9));

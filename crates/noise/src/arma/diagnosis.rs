@@ -10,7 +10,7 @@
 //! | short record | fewer than ten samples a parameter |
 //!
 //! Standard errors are those of the search coordinates carried to the coefficients (delta method); on the edge of the
-//! invertible region there are none, since the likelihood is not quadratic there.
+//! invertible region, where the likelihood is not quadratic, they are not given.
 
 use super::model::{ArmaFit, Warning};
 use super::polynomial::{inverse_roots, less_unit_root};

@@ -7,7 +7,7 @@
 //! | a longer ARMA alone | its slow poles; white noise is the density at low frequencies of all others |
 //! | no bias at all | for programs that divide by it, the largest walk that the record could hide |
 //!
-//! What a format cannot take is left out and noted as a [`Remark`], which becomes a comment in the file.
+//! What a format cannot take becomes a [`Remark`], a comment in the file.
 
 use super::ModelFormat;
 use super::outage::WalkFilter;

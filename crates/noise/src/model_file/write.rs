@@ -50,8 +50,8 @@ const SECONDS: (&str, Quantity) = ("s", Quantity::Time);
 
 /// The text of a model file.
 ///
-/// The order is that of the documentation: head, provenance, gyros, accelerometers. Axes of which nothing is
-/// known are left out.
+/// The order is that of the documentation: head, provenance, gyros, accelerometers. Axes without a model
+/// are not written.
 pub(super) fn to_text(model: &ImuModel) -> String {
     let mut out = String::new();
     line(&mut out, "format", &text("format", FORMAT));

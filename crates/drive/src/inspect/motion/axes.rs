@@ -36,12 +36,18 @@ const FITTING: (f64, f64) = (2.0, 1.3);
 /// Share of rejected fixes up to which they do.
 const REJECTED: f64 = 0.02;
 
-/// The mounting of a drive where that was found, and the NIS per degree of freedom of the solution with it in the first
-/// [`LONGEST_PASS`] of the log; `None` where no mounting was found, or its units, axes, signs or times are implausible.
-pub(super) fn fit((mut drive, mounting): (Drive, Option<Mounting>)) -> Option<(Mounting, f64)> {
+/// A drive without the samples behind so many seconds; `None` without samples.
+pub(super) fn beginning(mut drive: Drive, length: f64) -> Option<Drive> {
     let first = drive.open_imu().ok()?.next()?.ok()?.time;
     let span = drive.imu.1.span.unwrap_or((first, f64::INFINITY));
-    drive.imu.1.span = Some((span.0, span.1.min(first + LONGEST_PASS)));
+    drive.imu.1.span = Some((span.0, span.1.min(first + length)));
+    Some(drive)
+}
+
+/// The mounting of a drive where that was found, and the NIS per degree of freedom of the solution with it in the first
+/// [`LONGEST_PASS`] of the log; `None` where no mounting was found, or its units, axes, signs or times are implausible.
+pub(super) fn fit((drive, mounting): (Drive, Option<Mounting>)) -> Option<(Mounting, f64)> {
+    let drive = beginning(drive, LONGEST_PASS)?;
     let summary = navigate(&drive, BiasModel::Arma, Wanted::default())
         .ok()?
         .summary;

@@ -9,7 +9,7 @@ use crate::{
     replay::{Measurement, Observer, ReplayError, replay},
     vehicle::Profile,
 };
-use undrift_nav::{Matrix3, Vector3};
+use undrift_nav::{Matrix3, Vector3, earth::wrap_pi};
 use undrift_noise::BiasModel;
 
 /// Time from one velocity to the next \[s\], speed above which they count [m/s], and length of the windows of motion \[s\].
@@ -17,7 +17,7 @@ const EVERY: f64 = 0.2;
 const MIN_SPEED: f64 = 1.0;
 const WINDOW: f64 = 30.0;
 /// Part of a log that is looked at \[s\].
-const LONGEST: f64 = 3600.0;
+pub(super) const LONGEST: f64 = 3600.0;
 /// Motion \[s\], turning \[rad\] and speed [m/s] that a test takes: a current or a crosswind shows itself only where the craft
 /// points elsewhere in it, and what goes at a walk may be on foot.
 const LEAST: (f64, f64, f64) = (30.0, 0.78, 3.0);
@@ -31,12 +31,12 @@ const WORST: f64 = 2.5;
 
 /// How much a craft moves across its own forward axis beyond the solution's own error, RMS [m/s], when what a turned mounting,
 /// an axle elsewhere and slip in proportion to the lateral acceleration make of it is taken out.
-pub(super) struct SideSlip {
+pub(super) struct Slip {
     pub(super) right: f64,
     pub(super) down: f64,
 }
 
-impl SideSlip {
+impl Slip {
     /// Whether wheels slip and hop so little.
     pub(super) fn is_of_wheels(&self) -> bool {
         self.right < WHEELS && self.down < WHEELS
@@ -45,7 +45,7 @@ impl SideSlip {
 
 /// How much a drive moves across its vehicle's axes, which its body axes are to a few degrees; `None` where it cannot be
 /// navigated, or is too short, too straight or too slow to show it.
-pub(super) fn side_slip(drive: &Drive) -> Option<SideSlip> {
+pub(super) fn side_slip(drive: &Drive) -> Option<Slip> {
     let watch = watched(drive).ok()?;
     watch.judge()
 }
@@ -60,16 +60,10 @@ pub(super) fn is_held(drive: &Drive) -> bool {
 /// Navigates without constraints.
 fn watched(drive: &Drive) -> Result<SlipWatch, NavigateError> {
     let mut settings = settings(drive, BiasModel::Arma)?;
-    settings.find_mounting = false;
     settings.align.heading = Heading::Auto;
     let mut watch = SlipWatch::default();
-    let mut end = None;
-    let mut imu = drive.open_imu()?.take_while(|sample| match sample {
-        Ok(sample) => sample.time <= *end.get_or_insert(sample.time + LONGEST),
-        Err(_) => true,
-    });
     let mut fixes = drive.open_gnss()?.map(|fix| fix.map(Measurement::Gnss));
-    replay(&mut imu, &mut fixes, &settings, &mut watch)?;
+    replay(&mut drive.open_imu()?, &mut fixes, &settings, &mut watch)?;
     Ok(watch)
 }
 
@@ -117,7 +111,7 @@ impl Observer for SlipWatch {
 }
 
 impl SlipWatch {
-    fn judge(&self) -> Option<SideSlip> {
+    fn judge(&self) -> Option<Slip> {
         let moving = &self.moving;
         let fast = moving.iter().filter(|at| at.velocity.x.abs() > LEAST.2);
         let short = (moving.len() as f64 * EVERY) < LEAST.0 || 10 * fast.count() < moving.len();
@@ -125,7 +119,7 @@ impl SlipWatch {
             return None;
         }
         let [right, down] = [0, 1].map(|axis| across(moving, axis));
-        let slip = SideSlip { right, down };
+        let slip = Slip { right, down };
         let variance = moving.iter().map(|at| at.variance[0]).sum::<f64>() / moving.len() as f64;
         let blind = variance > BLIND * BLIND;
         (!blind || !slip.is_of_wheels()).then_some(slip)
@@ -153,8 +147,7 @@ fn across(moving: &[Moving], axis: usize) -> f64 {
 fn turned(moving: &[Moving]) -> f64 {
     let (mut at, mut least, mut most) = (0.0, 0.0f64, 0.0f64);
     for pair in moving.windows(2) {
-        let change = pair[1].heading - pair[0].heading;
-        at += change.sin().atan2(change.cos());
+        at += wrap_pi(pair[1].heading - pair[0].heading);
         (least, most) = (least.min(at), most.max(at));
     }
     most - least
@@ -183,7 +176,7 @@ mod tests {
 
     /// A minute and a half at 10 m/s in a circle, `turns` of them, with a mounting 0.02 rad off, an axle 1.5 m behind and slip, on
     /// water that flows to the north [m/s], known to `std` [m/s].
-    fn judged(turns: f64, current: f64, std: f64) -> Option<SideSlip> {
+    fn judged(turns: f64, current: f64, std: f64) -> Option<Slip> {
         let moving = (0..450).map(|k| {
             let heading = turns * 2.0 * std::f64::consts::PI * f64::from(k) / 450.0;
             // A wheel that turns more and less.

@@ -161,7 +161,7 @@ impl Recipe {
 }
 
 impl Fitted {
-    /// The filter that is scored: exact, with the turn-on constant; `None` where there is none at this rate.
+    /// The filter that is scored: exact, with the turn-on constant; `None` where the model has no filter at this rate.
     pub(super) fn shaping(&self, turn_on: f64, rate_hz: f64) -> Option<ShapingFilter> {
         let model = AxisModel {
             turn_on,
