@@ -86,6 +86,11 @@ const TILT_BEFORE: f64 = 0.5;
 const COURSE_FLOOR: f64 = 0.035;
 /// A course with a larger standard deviation does not serve as heading \[rad\].
 const COURSE_WORST: f64 = 0.52;
+/// A speed from positions is motion where it is so many times what their noise alone makes: one in 270 000 is so by chance,
+/// and the first is taken.
+const MOVES: f64 = 5.0;
+/// With less than so many times that noise it may be rest.
+const MAY_REST: f64 = 2.0;
 /// Half of what a hand or a copter accelerates by, one standard deviation \[m/s²\]: a marker's velocity changes by it within two poses.
 const HAND: f64 = 5.0;
 /// Fixes further apart than this are not a pair \[s\].
@@ -107,6 +112,9 @@ struct Seen {
     time: f64,
     position: (Geodetic, Matrix3),
     velocity: (Vector3, Matrix3),
+    /// Standard deviation of the velocity over ground for the noise of the positions that it is from \[m/s\]; 0 of a
+    /// measured one.
+    noise: f64,
 }
 
 /// The state of an alignment.
@@ -131,6 +139,8 @@ pub(crate) struct Aligner {
     last_fix: Option<(f64, Geodetic)>,
     positions: Positions,
     speed: f64,
+    /// [`Seen::noise`] of the last fix.
+    noise: f64,
     fastest: f64,
     fixes: u64,
 }
@@ -167,7 +177,11 @@ impl Aligner {
             return;
         }
         let at_rest_by_gnss = match self.last_fix {
-            Some((fixed, _)) if until - fixed <= PAIR_SPAN => Some(self.speed < REST_SPEED),
+            Some((fixed, _)) if until - fixed <= PAIR_SPAN => match self.speed {
+                speed if speed < REST_SPEED => Some(true),
+                speed if speed < REST_SPEED + MAY_REST * self.noise => None,
+                _ => Some(false),
+            },
             _ => None,
         };
         if self.rest.holds(at_rest_by_gnss) {
@@ -296,39 +310,45 @@ impl Aligner {
         let derived = self.positions.add(fix).filter(|_| !posed).map(|derived| {
             // It held a while ago: a vehicle's acceleration since then.
             let age = fix.time - derived.time;
-            (
-                derived.v_n,
-                derived.covariance + Matrix3::identity() * age * age,
-            )
+            let covariance = derived.covariance + Matrix3::identity() * age * age;
+            ((derived.v_n, covariance), over_ground(&derived.covariance))
         });
-        let velocity = given.or(fix.velocity).or(derived).or_else(|| {
+        let measured = given.or(fix.velocity).map(|velocity| (velocity, 0.0));
+        let (velocity, noise) = measured.or(derived).or_else(|| {
             let (time, place) = before?;
             let span = fix.time - time;
             let v = place.offset_to(&antenna) / span;
             // Two positions' errors, and half the span at a vehicle's acceleration, or at that of a hand or a copter.
             let covariance = covariance * (2.0 / (span * span));
+            let noise = over_ground(&covariance);
             let change = if posed { HAND * span } else { span };
-            Some((v, covariance + Matrix3::identity() * change * change))
+            Some((
+                (v, covariance + Matrix3::identity() * change * change),
+                noise,
+            ))
         })?;
         Some(Seen {
             time: fix.time,
             position: (antenna, covariance),
             velocity,
+            noise,
         })
     }
 
     /// What the speed says of the rest.
     fn note_speed(&mut self, seen: &Seen) {
         let speed = seen.velocity.0.xy().norm();
-        self.speed = speed;
-        self.fastest = self.fastest.max(speed);
-        if speed >= REST_SPEED {
+        (self.speed, self.noise) = (speed, seen.noise);
+        if speed >= MOVES * seen.noise {
+            self.fastest = self.fastest.max(speed);
+        }
+        if speed >= REST_SPEED + MAY_REST * seen.noise {
             // Steady braking has steady readings too: rest begins after it.
             self.rest.interrupt();
         }
         if let Some((.., end)) = self.rested
             && !self.stood
-            && speed > START_SPEED + START_ACCELERATION * (seen.time - end)
+            && speed > START_SPEED + START_ACCELERATION * (seen.time - end) + MOVES * seen.noise
         {
             // Steady motion that looked like rest while there was no fix.
             self.rested = None;
@@ -356,10 +376,9 @@ impl Aligner {
         let speed = self.speed;
         match self.settings.heading {
             Heading::Given(heading, std) => Some((heading, std, HeadingSource::Given)),
-            Heading::Course if speed >= self.settings.min_speed => {
+            Heading::Course if speed >= self.settings.min_speed.max(MOVES * seen.noise) => {
                 let course = velocity.y.atan2(velocity.x);
-                let noise = covariance.fixed_view::<2, 2>(0, 0).trace() / 2.0;
-                let std = (noise / (speed * speed) + COURSE_FLOOR * COURSE_FLOOR).sqrt();
+                let std = (over_ground(covariance) / speed).hypot(COURSE_FLOOR);
                 (std < COURSE_WORST).then_some((course, std, HeadingSource::Course))
             }
             _ => None,
@@ -474,6 +493,11 @@ fn aligned(
 fn prior_std(settings: &Settings, kind: Parameter) -> f64 {
     let prior = settings.parameters.prior(kind);
     prior.map_or(0.0, |prior| prior.std)
+}
+
+/// Standard deviation of a velocity along an axis over ground \[m/s\].
+fn over_ground(covariance: &Matrix3) -> f64 {
+    (covariance.fixed_view::<2, 2>(0, 0).trace() / 2.0).sqrt()
 }
 
 fn diagonal(std: &Vector3) -> Matrix3 {

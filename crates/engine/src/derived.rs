@@ -15,6 +15,8 @@ const SPAN: f64 = 2.0;
 const LONGEST: f64 = 5.0;
 /// Positions that a velocity is derived from, at least.
 const LEAST: usize = 5;
+/// Positions whose scatter is pooled.
+const KEPT: usize = 60;
 /// What the scatter of the positions does not show, one standard deviation \[m/s\].
 const FLOOR: f64 = 0.1;
 /// Deceleration that a vehicle may have had since the time of a derived velocity \[m/s²\].
@@ -53,7 +55,7 @@ pub(crate) struct DerivedVelocity {
     pub(crate) covariance: Matrix3,
 }
 
-/// The last positions.
+/// The last positions, enough of them for their scatter.
 #[derive(Clone, Default)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Positions {
@@ -62,28 +64,40 @@ pub(crate) struct Positions {
 
 impl Positions {
     /// The slope of a straight line through the last positions; its covariance is that of what they scatter about it, so
-    /// that a bend and white noise count and an error that lasts does not. `None` of a fix with a velocity and before
-    /// there are enough.
+    /// that a bend and white noise count and an error that lasts does not. A few positions may lie on a line by chance: their
+    /// scatter is at least that of the last sixty, and what they state before so many are known. `None` of a fix with a
+    /// velocity and before there are enough.
     pub(crate) fn add(&mut self, fix: &GnssFix) -> Option<DerivedVelocity> {
         if fix.velocity.is_some() {
             return None;
         }
-        let place = antenna(fix)?;
+        let (place, (_, stated)) = (antenna(fix)?, fix.position?);
         if self.last.back().is_some_and(|(time, _)| fix.time <= *time) {
             return None;
         }
         self.last.push_back((fix.time, place));
-        while let Some((first, _)) = self.last.front()
-            && (fix.time - first > SPAN && self.last.len() > LEAST || fix.time - first > LONGEST)
-        {
+        while self.last.len() > KEPT {
             self.last.pop_front();
         }
-        slope(self.last.make_contiguous())
+        let last = self.last.make_contiguous();
+        let known = last.len();
+        let near = |&(k, (time, _)): &(usize, &(f64, Geodetic))| {
+            let age = fix.time - time;
+            age <= SPAN || known - k <= LEAST && age <= LONGEST
+        };
+        let (from, _) = last.iter().enumerate().find(near)?;
+        let (_, origin) = last[0];
+        let track = last
+            .iter()
+            .map(|(time, place)| (*time, origin.offset_to(place)));
+        let white = white_variance(&track.collect::<Vec<_>>());
+        slope(&last[from..], &white.unwrap_or_else(|| stated.diagonal()))
     }
 }
 
-/// The slope of a straight line through positions, with the covariance that their scatter about it gives.
-fn slope(places: &[(f64, Geodetic)]) -> Option<DerivedVelocity> {
+/// The slope of a straight line through positions, with the covariance that their scatter about it gives, of variances of at
+/// least `white` \[m²\].
+fn slope(places: &[(f64, Geodetic)], white: &Vector3) -> Option<DerivedVelocity> {
     let (first, origin) = *places.first()?;
     let (last, _) = *places.last()?;
     if places.len() < LEAST || last - first < 0.5 * SPAN {
@@ -102,7 +116,7 @@ fn slope(places: &[(f64, Geodetic)]) -> Option<DerivedVelocity> {
         .iter()
         .map(|(t, r)| r - mean - v_n * (t - middle))
         .map(|rest| rest.component_mul(&rest));
-    let variance = rest.sum::<Vector3>() / (count - 2.0) / power;
+    let variance = (rest.sum::<Vector3>() / (count - 2.0)).sup(white) / power;
     let floor = FLOOR * FLOOR;
     Some(DerivedVelocity {
         time: first + middle,
@@ -173,7 +187,8 @@ pub fn with_velocities(mut fixes: Vec<GnssFix>) -> Vec<GnssFix> {
     for fix in &mut fixes {
         let from = places.partition_point(|(time, _)| *time < fix.time - half);
         let to = places.partition_point(|(time, _)| *time <= fix.time + half);
-        let around = places.get(from..to).and_then(slope);
+        let around = places.get(from..to);
+        let around = around.and_then(|places| slope(places, &Vector3::zeros()));
         // At the ends the line has its middle elsewhere.
         let around = around.filter(|v| (v.time - fix.time).abs() < 0.25 * half);
         let sharing = (to - from) as f64;
@@ -223,8 +238,8 @@ mod tests {
         let mut positions = Positions::default();
         let found = fixes(5.0, 0.5).filter_map(|fix| positions.add(&fix)).last();
         let covariance = found.unwrap().covariance;
-        // Eleven points, 0.5 m to each side: σ² = 0.25·11/9, Σ(t − t̄)² = 0.04·110.
-        let east = 0.25 * 11.0 / 9.0 / 4.4 + FLOOR * FLOOR;
+        // Third differences of 8 · 0.5 m, as white noise has them; eleven points, Σ(t − t̄)² = 0.04·110.
+        let east = 16.0 / (20.0 * QUANTILE) / 4.4 + FLOOR * FLOOR;
         assert!(
             (covariance[(1, 1)] / east - 1.0).abs() < 0.02,
             "{covariance}"
@@ -234,6 +249,17 @@ mod tests {
             velocity: Some((Vector3::zeros(), Matrix3::identity())),
             ..fix
         };
+        // Of few positions the scatter says little: it is as stated, 1 m, at least.
+        let mut positions = Positions::default();
+        let found = fixes(5.0, 0.0)
+            .take(11)
+            .filter_map(|fix| positions.add(&fix))
+            .last();
+        let covariance = found.unwrap().covariance;
+        assert!(
+            (covariance[(1, 1)] - 1.0 / 4.4 - FLOOR * FLOOR).abs() < 1e-6,
+            "{covariance}"
+        );
         let mut positions = Positions::default();
         assert!(fixes(5.0, 0.0).all(|fix| positions.add(&with_velocity(fix)).is_none()));
     }

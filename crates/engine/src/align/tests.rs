@@ -120,6 +120,7 @@ fn seen(velocity: Vector3, std: f64) -> Seen {
             Matrix3::identity(),
         ),
         velocity: (velocity, Matrix3::identity() * (std * std)),
+        noise: 0.0,
     }
 }
 
