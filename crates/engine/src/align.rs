@@ -148,6 +148,10 @@ impl Aligner {
     }
 
     /// Moves to `until` \[s\] within `sample`.
+    ///
+    /// Before [`Self::fix`] of a fix within the sample, and again to the sample's end. The part of
+    /// the sample up to `until` enters the sums of a rest in proportion; the window of motion takes
+    /// each sample once, whole.
     pub fn advance(&mut self, sample: &ImuSample, until: f64) {
         if self.settings.attitude.is_none() && self.given != Some(sample.time) {
             self.given = Some(sample.time);
@@ -337,6 +341,9 @@ impl Aligner {
     }
 
     /// The navigation state at a fix with an attitude.
+    ///
+    /// The IMU's position and velocity from the antenna's: r − q l, v − q (ω × l), l the lever arm
+    /// in body axes.
     fn start(&self, seen: &Seen, q_nb: Quaternion, settings: &Settings) -> NavState {
         let lever_n = q_nb * settings.lever_arm;
         NavState {
@@ -452,6 +459,9 @@ impl Aligner {
 }
 
 /// A filter with how its attitude was found.
+///
+/// Level is the larger of the standard deviations about north and east, heading that about down
+/// \[rad\].
 fn aligned(
     filter: Box<dyn Estimator>,
     source: AttitudeSource,
@@ -476,6 +486,7 @@ fn prior_std(settings: &Settings, kind: Parameter) -> f64 {
     prior.map_or(0.0, |prior| prior.std)
 }
 
+/// Matrix with the squares of standard deviations on its diagonal.
 fn diagonal(std: &Vector3) -> Matrix3 {
     Matrix3::from_diagonal(&std.component_mul(std))
 }

@@ -121,7 +121,7 @@ impl Plan {
 
     /// `R(k) = Σ_n x[n] x[n + k]`, k = 0 … 2 · largest.
     ///
-    /// Autocovariances times N, without the mean removed here. [unit²]
+    /// Autocovariances times N \[unit²\], without the mean removed here.
     pub(super) fn whole(&self, x: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; 2 * self.largest + 1];
         slide(&self.whole, x, 0, x.len(), 0, &mut sums);

@@ -207,7 +207,8 @@ pub(super) fn concentrated(
 /// Rejects what no ARMA likelihood can be computed for; returns the sample mean of what is present
 /// and the number of samples present.
 ///
-/// # Errors [`ArmaError::NotFinite`] for an infinite sample; [`ArmaError::TooShort`] for fewer than
+/// # Errors
+/// [`ArmaError::NotFinite`] for an infinite sample; [`ArmaError::TooShort`] for fewer than
 /// `parameters` + 3 present; [`ArmaError::Constant`] where all are equal.
 pub(super) fn screen(samples: &[f64], parameters: usize) -> Result<(f64, usize), ArmaError> {
     let first = samples.iter().copied().find(|x| !x.is_nan());

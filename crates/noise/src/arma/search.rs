@@ -79,7 +79,8 @@ impl Ladder {
     ///
     /// Orders that were searched before are not searched again unless there are new starts.
     ///
-    /// # Errors [`ArmaError::NoOptimum`] where no start of some order has a finite likelihood.
+    /// # Errors
+    /// [`ArmaError::NoOptimum`] where no start of some order has a finite likelihood.
     pub(super) fn climb(
         &mut self,
         problem: &Problem,

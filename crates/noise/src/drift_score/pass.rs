@@ -117,8 +117,8 @@ impl Task<'_> {
     /// N must be the filter's order. Origins of each horizon begin at the first sample of the
     /// second part.
     ///
-    /// # Errors A sample that is infinite, a model without variance, a horizon without one complete
-    /// window.
+    /// # Errors
+    /// A sample that is infinite, a model without variance, a horizon without one complete window.
     pub(super) fn run<const N: usize>(&self) -> Result<Vec<HorizonScore>, DriftError> {
         let (first, second) = self.record.split_at(self.first_part);
         let mut predictor = Predictor::<N>::settling(self.filter, SETTLED);

@@ -10,7 +10,7 @@
 //! What a format cannot take becomes a [`Remark`], a comment in the file.
 //!
 //! Why a walk "that the record could hide": Kalibr and its relatives weigh bias steps by 1/K², and
-//! K = 0 stops them. A record of length L [s] cannot exclude K < √3 N/(0.1 L), so that this is the
+//! K = 0 stops them. A record of length L \[s\] cannot exclude K < √3 N/(0.1 L), so that this is the
 //! honest number for "no bias seen".
 //!
 //! Units of the result are SI: rad/s and m/s² with √s; the formats convert. The order of axes is x,

@@ -83,7 +83,8 @@ impl Screened {
 
 /// Screens a record; NaN marks a missing sample.
 ///
-/// # Errors A record that is constant or shorter than identification needs; a dead band
+/// # Errors
+/// A record that is constant or shorter than identification needs; a dead band
 /// ([`IdentifyError::DeadBand`]); steps so coarse that the noise does not show
 /// ([`IdentifyError::Coarse`]). Trends that cannot be removed.
 pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened, IdentifyError> {

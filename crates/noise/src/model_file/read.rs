@@ -132,8 +132,9 @@ fn not_a_model(what: &str, file: &str) -> ModelError {
 ///
 /// `file` is the name that messages put before the line; nothing is read from the disk here.
 ///
-/// # Errors [`ModelError`] with file and line: text that is not TOML, a log or a drive file,
-/// `format` or `version` missing or of another program, and all that [`model`] refuses.
+/// # Errors
+/// [`ModelError`] with file and line: text that is not TOML, a log or a drive file, `format` or
+/// `version` missing or of another program, and all that [`model`] refuses.
 pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> {
     if is_log(text) {
         return Err(not_a_model("a log", file));
@@ -164,8 +165,9 @@ pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> 
 /// checked where they are given. Axes are returned in the order gyro x, y, z, accelerometer x, y,
 /// z, in the sensor's own axes.
 ///
-/// # Errors An unknown key; another `format` or `version`; an unknown preset; a value without a
-/// unit, of another quantity or out of range; no axis with a noise model.
+/// # Errors
+/// An unknown key; another `format` or `version`; an unknown preset; a value without a unit, of
+/// another quantity or out of range; no axis with a noise model.
 pub(super) fn model(top: &Section) -> Result<ImuModel, ModelError> {
     top.only(&TOP_KEYS)?;
     if let Some(format) = top.text("format")?
@@ -285,8 +287,9 @@ fn recordings(provenance: &Section) -> Result<Vec<Recording>, ConfigError> {
 /// | `bias_instability`, `turn_on`, `paper_sigma` | angular rate | acceleration | rad/s, m/s² |
 /// | `quantisation` | angle | velocity | rad, m/s |
 ///
-/// # Errors Neither `white_noise` nor an `arma` table: a filter without white noise would trust a
-/// single sample.
+/// # Errors
+/// Neither `white_noise` nor an `arma` table: a filter without white noise would trust a single
+/// sample.
 fn axis_model(table: &Section, gyro: bool) -> Result<AxisModel, ConfigError> {
     let (rounding, level, noise, walk) = if gyro {
         (
@@ -340,8 +343,9 @@ fn axis_model(table: &Section, gyro: bool) -> Result<AxisModel, ConfigError> {
 /// = −x/τ + √(2σ²/τ) w with σ in the unit of the axis and τ > 0 \[s\]; the limit on their number is
 /// that of the states of an axis ([`MAX_PROCESSES`]).
 ///
-/// # Errors A correlation time of zero, lists of different length, one key without the other, too
-/// many processes.
+/// # Errors
+/// A correlation time of zero, lists of different length, one key without the other, too many
+/// processes.
 fn processes(table: &Section, level: Quantity) -> Result<Vec<GaussMarkov>, ConfigError> {
     let (sigma_key, tau_key) = ("bias_instability", "correlation_time");
     let sigmas = table.measures(sigma_key, level)?;
@@ -396,8 +400,9 @@ fn line_of(table: &Section, level: Quantity) -> Result<Line, ConfigError> {
 /// in rad/s/K or m/s²/K, the quadratic in rad/s/K² or m/s²/K². The two `_sigma` are standard
 /// errors, 0 where unknown. `axes` says whether the axis is the sensor's or the body's.
 ///
-/// # Errors `reference`, `lowest`, `highest` or `slope` missing; `reference` outside of the range;
-/// an empty range.
+/// # Errors
+/// `reference`, `lowest`, `highest` or `slope` missing; `reference` outside of the range; an empty
+/// range.
 fn temperature_of(table: &Section, gyro: bool) -> Result<Temperature, ConfigError> {
     table.only(&TEMPERATURE_KEYS)?;
     let (slope, quadratic) = match gyro {

@@ -5,8 +5,8 @@
 //! same on every machine.
 //!
 //! Everything here treats NaN as an error: records with missing samples are bridged first
-//! ([`super::bridge`]) or go to the likelihoods, which know gaps. Cost O(N) each, no copies except
-//! [`prefix_sums`].
+//! (`screening::bridge`) or go to the likelihoods, which know gaps. Cost O(N) each, no copies except
+//! `prefix_sums`.
 
 /// Why a statistic cannot be computed from a record.
 ///
@@ -124,8 +124,8 @@ pub(crate) fn mean_and_squares(x: &[f64]) -> (f64, f64) {
 
 /// Ok where the record has `needed` samples, all of them finite.
 ///
-/// # Errors [`RecordError::TooShort`] before [`RecordError::NotFinite`], which gives the first such
-/// sample.
+/// # Errors
+/// [`RecordError::TooShort`] before [`RecordError::NotFinite`], which gives the first such sample.
 pub(crate) fn check(x: &[f64], needed: usize) -> Result<(), RecordError> {
     if x.len() < needed {
         return Err(RecordError::TooShort {
@@ -141,7 +141,8 @@ pub(crate) fn check(x: &[f64], needed: usize) -> Result<(), RecordError> {
 
 /// Ok where a sample rate \[Hz\] is one.
 ///
-/// # Errors [`RecordError::Argument`] for zero, negative, infinite or NaN.
+/// # Errors
+/// [`RecordError::Argument`] for zero, negative, infinite or NaN.
 pub(crate) fn check_rate(rate_hz: f64) -> Result<(), RecordError> {
     if rate_hz > 0.0 && rate_hz.is_finite() {
         return Ok(());
@@ -154,8 +155,9 @@ pub(crate) fn check_rate(rate_hz: f64) -> Result<(), RecordError> {
 /// Does [`check`], and the record must vary by more than the rounding of its mean.
 /// Gives the mean and the sum of squared deviations [unit, unit²].
 ///
-/// # Errors As [`check`]; [`RecordError::Constant`] where the standard deviation is below four
-/// roundings of the mean; [`RecordError::Argument`] where squares overflow.
+/// # Errors
+/// As [`check`]; [`RecordError::Constant`] where the standard deviation is below four roundings of
+/// the mean; [`RecordError::Argument`] where squares overflow.
 pub(crate) fn check_varying(x: &[f64], needed: usize) -> Result<(f64, f64), RecordError> {
     check(x, needed)?;
     let (centre, squares) = mean_and_squares(x);

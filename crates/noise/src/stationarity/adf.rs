@@ -328,8 +328,9 @@ impl Products {
     ///
     /// `order` gives the columns; the first factor rows are the regressions with fewer of them.
     ///
-    /// # Errors Columns that depend on each other to 1e-13, or residuals of nothing: a straight
-    /// line, a repeating pattern.
+    /// # Errors
+    /// Columns that depend on each other to 1e-13, or residuals of nothing: a straight line, a
+    /// repeating pattern.
     fn solve(&self, order: &[Column]) -> Result<(Vec<f64>, Vec<f64>), RecordError> {
         let degenerate = Err(RecordError::Argument(
             "the regression is degenerate: the recording is a straight line or a repeating pattern",
