@@ -79,9 +79,9 @@ struct Series<const N: usize> {
 /// The state of a pass over a record: sums, what the state before the record is still seen by, and the two series.
 ///
 /// Invariant: `record.x` is the state of the steady filter at the present sample, started from zero
-/// at the first sample; e is what the true filter's state differs from it, with mean m and
-/// covariance Δ + what the stretch has added to the information. A stretch is closed before a
-/// missing sample and at the end.
+/// at the first sample; e, by which the process differs from it beyond the steady state's error, has
+/// the mean m and the covariance Δ at the start of the stretch. b, M and Aᵏ gather what the stretch
+/// shows of it; [`Walk::close`], before a missing sample and at the end, makes use of them.
 struct Walk<'a, const N: usize> {
     model: &'a Innovations<N>,
     /// Products for pieces of every length, built once a record.

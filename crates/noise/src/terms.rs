@@ -222,7 +222,8 @@ impl CompositeTerms {
     /// ```
     /// use undrift_noise::composite::{CompositeTerms, GaussMarkov};
     /// let process = GaussMarkov { sigma: 1e-4, tau_s: 100.0 };
-    /// let terms = CompositeTerms { white: 1e-3, gauss_markov: [process, GaussMarkov::default()], ..CompositeTerms::default() };
+    /// let gauss_markov = [process, GaussMarkov::default()];
+    /// let terms = CompositeTerms { white: 1e-3, gauss_markov, ..CompositeTerms::default() };
     /// let set = terms.set();
     /// assert_eq!((set.white, set.gauss_markov, set.parameters()), (true, 1, 3)); // N, σ and τ.
     /// ```

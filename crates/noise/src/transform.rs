@@ -4,10 +4,9 @@
 //! outputs are those of the linear one. Lengths are even; the inverse is not normalised, and `add_samples`
 //! divides.
 //!
-//! Used for autocorrelations ([`crate::correlation`]) and for the products behind Allan
-//! covariances: sums Σ x_t y_{t+k} for all lags k of a block cost O(L log L) instead of O(L²).
-//! Memory is that of one block whatever the length of the record. Whoever calls it holds a [`Room`]
-//! for each thread.
+//! Used for autocorrelations ([`crate::correlation`]) and for Allan deviations at every averaging
+//! factor: sums Σ x_t y_{t+k} for all lags k of a block cost O(L log L) instead of O(L²). Memory is
+//! that of one block whatever the length of the record; each thread needs a [`Room`] of its own.
 
 use realfft::num_complex::Complex64;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};

@@ -182,7 +182,8 @@ pub fn random_walk_variance(k: f64, m: usize, interval: f64) -> f64 {
 ///
 /// ```
 /// use undrift_noise::wavelet::drift_variance;
-/// assert_eq!(drift_variance(2.0, 3.0), 9.0); // A ramp of 2 a second: means of 3 s differ by 6, the coefficient is half.
+/// // A ramp of 2 a second: means of 3 s differ by 6, the coefficient is half of that.
+/// assert_eq!(drift_variance(2.0, 3.0), 9.0);
 /// ```
 pub fn drift_variance(rate: f64, scale_s: f64) -> f64 {
     0.25 * (rate * scale_s) * (rate * scale_s)

@@ -10,8 +10,8 @@
 //! least-squares fit that ignores it states errors that are too small. [`super::fit_terms`] uses
 //! this matrix for the errors of Q, N, B, K, R.
 //!
-//! Units: σ² in \[unit²\], so the covariance in \[unit⁴\]; τ in s. Cost: O(points²) pairs, some
-//! hundred lags each.
+//! Units: σ² in \[unit²\], so the covariance in \[unit⁴\]; τ in s. Cost: O(points²) pairs, at most
+//! about a thousand lags each.
 
 use super::deviation::Point;
 use nalgebra::{DMatrix, DVector};

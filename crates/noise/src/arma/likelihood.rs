@@ -16,8 +16,9 @@
 //! costs the same everywhere.
 //!
 //! Notation: N samples, r = max(p, q), P the stationary covariance of x₀ in units of σ², L its
-//! factor. Assumes a Gaussian process; for other noise it is a quasi-likelihood, whose estimates
-//! stay consistent while AIC and standard errors are those of Gaussian noise.
+//! factor. Assumes a Gaussian process. With other independent innovations it is a quasi-likelihood:
+//! φ and θ keep their distribution in long records (Brockwell & Davis 1991, section 10.8), σ² does
+//! not.
 
 use super::ArmaError;
 use super::kernel::{Accumulated, Coefficients, accumulate, sums_about};

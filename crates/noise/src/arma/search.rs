@@ -17,9 +17,8 @@
 //! can only rise.
 //!
 //! Effort is a factor on the number of likelihood evaluations (1 for a careful fit); the search is
-//! deterministic, its random starts have a fixed seed. It finds the global optimum in all cases
-//! that are tested, not provably; [`crate::arma::ArmaFit::local_optima`] reports how many optima it
-//! met.
+//! deterministic, its random starts have a fixed seed. That it finds the global optimum is not
+//! proven; [`crate::arma::ArmaFit::local_optima`] reports how many optima it met.
 //!
 //! What a search costs: up to some 30 000 evaluations of Whittle's likelihood, a few hundred bins
 //! each whatever N, and the exact one at its optima, O(N (p + q)) an evaluation.

@@ -1,9 +1,9 @@
 //! Averages over blocks of samples, of a record and, exactly, of its model.
 //!
-//! Averaging keeps all that drifts and divides the samples by m, so the likelihood of a long record
-//! costs a hundredth. It is exact: a linear filter sampled every m steps, with the average as its
-//! output, is a linear filter of the same order ([`block_average`]), not an approximation of one.
-//! What is lost is what happens within a block.
+//! Averaging keeps all that drifts, and the likelihood of the averages costs m times less. It is
+//! exact: a linear filter sampled every m steps, with the average as its output, is a linear filter
+//! of the same order ([`block_average`]), not an approximation of one. What is lost is what happens
+//! within a block.
 
 use super::CompositeError;
 use undrift_nav::shaping::{AxisMatrix, AxisVector, MAX_ORDER, ShapingError, ShapingFilter};
@@ -121,7 +121,7 @@ impl Span {
 /// use undrift_nav::shaping::ShapingFilter;
 /// use undrift_noise::composite::block_average;
 /// let averages = block_average(&ShapingFilter::random_walk(1.0, 0.001)?, 1000)?;
-/// // Two neighbouring averages of a walk, T′ = 1 s: the state moves by K² T′ from block to block,
+/// // T′ = 1 s: the state moves by a variance of K² T′ from block to block,
 /// assert!((averages.q[0][0] - 1.0).abs() < 1e-9);
 /// // and the average lags its end: the variance of the average about its start is K² T′/3.
 /// assert!((averages.r - 1.0 / 3.0).abs() < 1e-3);

@@ -271,7 +271,7 @@ impl Profile<'_> {
     /// The end of one parameter's interval on one side, where the profile has fallen by `half`; none where
     /// it does not.
     ///
-    /// False position on the root of the fall, from [`STEP`] outwards; at most 20 halvings.
+    /// False position on the root of the fall, from [`STEP`] outwards; at most 20 steps.
     fn end(&self, best: &Point, at: usize, sign: f64, half: f64) -> Option<f64> {
         let others = |w: &[f64]| -> Vec<f64> {
             w.iter()

@@ -3,9 +3,8 @@
 //! One sentence a remark, with the axis or sensor in front. They are for whoever opens the file of another
 //! program a year later.
 //!
-//! Markup is not known here: whoever writes the file puts the comment sign of its format in front
-//! and keeps the line in one piece. Numbers have three digits and units; names of axes are those of
-//! the model file.
+//! The comment sign is put in front by the format ([`super::formats`]), which makes one line of each.
+//! Numbers have three digits and units; names of axes are those of the model file.
 
 use super::equivalent::Remark;
 use crate::bias_model::{HORIZON, SLOW};

@@ -11,8 +11,9 @@
 //! ([`NotFitted`]). Candidates run in parallel and come back in the order of the recipes, so the
 //! result does not depend on the number of cores.
 //!
-//! The search over orders sees a prefix of the first record, as an ARMA of p > 1 does; sums of
-//! terms see block averages; AR and ARMA(1,1) see every sample.
+//! The search over orders sees a prefix of the first record, an ARMA of p > 1 at most
+//! [`HIGH_ORDER_SAMPLES`](super::HIGH_ORDER_SAMPLES) of all; sums of terms see block averages; AR
+//! and ARMA(1,1) see every sample.
 
 mod folds;
 mod recipe;

@@ -4,11 +4,9 @@
 //! those of data sheets: deg/√h, deg/h, mg, m/s/√h. Coefficients of an ARMA get as many digits as their roots
 //! need ([`round`]). Three axes that are alike are one table.
 //!
-//! Two properties hold: text → model → text is the identity for a text that this module has
-//! written, and model → text → model keeps every number to six digits. Hence [`measure`] rounds in
-//! the unit that is written, not in SI, and [`coefficients`] of an ARMA are the exception: with φ
-//! and θ near 1 six digits of φ would move the correlation time, so they keep what their roots
-//! need.
+//! Six digits are those of the unit that is written, not of SI: else a number that is read back and
+//! written again could change its last digit. Coefficients are the exception since with φ and θ near
+//! 1 the sixth digit of φ moves the correlation time.
 //!
 //! Called by [`ImuModel::to_toml`]. Free text goes through [`text`], which quotes and escapes it.
 
