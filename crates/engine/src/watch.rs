@@ -1,6 +1,6 @@
 //! Whether innovations stay as large as their covariance says, and without a lean to one side.
 //!
-//! Two watches on innovations that pass every gate:
+//! Two watches on innovations, the first on those of accepted updates, the second on rejected ones too:
 //!
 //! - [`Streak`]: the NIS per degree of freedom over 20 updates. Above 25 the solution is suspect, and after 30
 //!   s of that an alignment begins beside it.

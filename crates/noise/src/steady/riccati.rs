@@ -55,7 +55,7 @@ impl<const N: usize> Steps<N> {
 
     /// The recursion over 2ᵏ samples.
     ///
-    /// The result's [`Steps::after`] stands for 2ᵏ samples, none of them missing.
+    /// The result's [`Steps::after`] is over 2ᵏ samples, none of them missing.
     pub(crate) fn doubled(filter: &ShapingFilter, k: u32) -> Option<Self> {
         (0..k).try_fold(Self::one(filter)?, |steps, _| steps.twice())
     }
