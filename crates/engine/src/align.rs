@@ -37,6 +37,7 @@ mod clocks;
 mod motion;
 mod rest;
 mod result;
+mod seen;
 mod segments;
 mod sightings;
 mod wahba;
@@ -49,7 +50,7 @@ pub use result::{
 };
 
 use crate::{
-    derived::{Positions, antenna},
+    derived::Positions,
     estimator::{self, Aiding, Estimator},
     settings::Settings,
 };
@@ -59,6 +60,7 @@ use motion::MotionAligner;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::{ComplexField, RealField};
 use rest::Rest;
+use seen::{Seen, over_ground};
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
     attitude::{from_rotation_vector, from_rpy, skew},
@@ -107,16 +109,6 @@ pub(crate) struct Aligned {
 /// A rest: attitude against a frame of arbitrary azimuth, mean specific force \[m/s²\], length and end \[s\].
 type Rested = (Quaternion, Vector3, f64, f64);
 
-/// A fix as an alignment takes it, each part with its covariance.
-struct Seen {
-    time: f64,
-    position: (Geodetic, Matrix3),
-    velocity: (Vector3, Matrix3),
-    /// Standard deviation of the velocity over ground for the noise of the positions that it is from \[m/s\]; 0 of a
-    /// measured one.
-    noise: f64,
-}
-
 /// The state of an alignment.
 ///
 /// Samples and fixes go to the rest and to the motion at once; whichever gives an attitude first ends the alignment.
@@ -158,6 +150,10 @@ impl Aligner {
     }
 
     /// Moves to `until` \[s\] within `sample`.
+    ///
+    /// Before [`Self::fix`] of a fix within the sample, and again to the sample's end. The part of
+    /// the sample up to `until` enters the sums of a rest in proportion; the window of motion takes
+    /// each sample once, whole.
     pub fn advance(&mut self, sample: &ImuSample, until: f64) {
         if self.settings.attitude.is_none() && self.given != Some(sample.time) {
             self.given = Some(sample.time);
@@ -295,46 +291,6 @@ impl Aligner {
         seen.velocity.1 += identity * (HAND * late).powi(2);
     }
 
-    /// Position and velocity by a fix: the velocity given, measured, or from two positions.
-    ///
-    /// In that order: as the settings state it, as the fix has it, from several positions, from two. A velocity
-    /// from positions held half their span ago; what the vehicle may have accelerated by since is in its
-    /// covariance.
-    fn see(&mut self, fix: &GnssFix) -> Option<Seen> {
-        let (antenna, (_, covariance)) = (antenna(fix)?, fix.position?);
-        self.fixes += 1;
-        let before = self.last_fix.replace((fix.time, antenna));
-        let before = before.filter(|(time, _)| fix.time - time <= PAIR_SPAN && fix.time > *time);
-        let given = self.settings.velocity.map(|(v, std)| (v, diagonal(&std)));
-        let posed = fix.attitude.is_some();
-        let derived = self.positions.add(fix).filter(|_| !posed).map(|derived| {
-            // It held a while ago: a vehicle's acceleration since then.
-            let age = fix.time - derived.time;
-            let covariance = derived.covariance + Matrix3::identity() * age * age;
-            ((derived.v_n, covariance), over_ground(&derived.covariance))
-        });
-        let measured = given.or(fix.velocity).map(|velocity| (velocity, 0.0));
-        let (velocity, noise) = measured.or(derived).or_else(|| {
-            let (time, place) = before?;
-            let span = fix.time - time;
-            let v = place.offset_to(&antenna) / span;
-            // Two positions' errors, and half the span at a vehicle's acceleration, or at that of a hand or a copter.
-            let covariance = covariance * (2.0 / (span * span));
-            let noise = over_ground(&covariance);
-            let change = if posed { HAND * span } else { span };
-            Some((
-                (v, covariance + Matrix3::identity() * change * change),
-                noise,
-            ))
-        })?;
-        Some(Seen {
-            time: fix.time,
-            position: (antenna, covariance),
-            velocity,
-            noise,
-        })
-    }
-
     /// What the speed says of the rest.
     fn note_speed(&mut self, seen: &Seen) {
         let speed = seen.velocity.0.xy().norm();
@@ -357,6 +313,9 @@ impl Aligner {
     }
 
     /// The navigation state at a fix with an attitude.
+    ///
+    /// The IMU's position and velocity from the antenna's: r − q l, v − q (ω × l), l the lever arm
+    /// in body axes.
     fn start(&self, seen: &Seen, q_nb: Quaternion, settings: &Settings) -> NavState {
         let lever_n = q_nb * settings.lever_arm;
         NavState {
@@ -471,6 +430,9 @@ impl Aligner {
 }
 
 /// A filter with how its attitude was found.
+///
+/// Level is the larger of the standard deviations about north and east, heading that about down
+/// \[rad\].
 fn aligned(
     filter: Box<dyn Estimator>,
     source: AttitudeSource,
@@ -495,11 +457,7 @@ fn prior_std(settings: &Settings, kind: Parameter) -> f64 {
     prior.map_or(0.0, |prior| prior.std)
 }
 
-/// Standard deviation of a velocity along an axis over ground \[m/s\].
-fn over_ground(covariance: &Matrix3) -> f64 {
-    (covariance.fixed_view::<2, 2>(0, 0).trace() / 2.0).sqrt()
-}
-
+/// Matrix with the squares of standard deviations on its diagonal.
 fn diagonal(std: &Vector3) -> Matrix3 {
     Matrix3::from_diagonal(&std.component_mul(std))
 }

@@ -3,6 +3,10 @@
 //! Samples in place of a short gap (up to 0.2 s) let the mechanisation go through the turn that rates on both
 //! sides suggest. Of a longer one they keep the time going, and the covariance grows by what a vehicle may have
 //! done meanwhile ([`crate::solution`]).
+//!
+//! A log may lose single samples (a busy logger) or a second (a full buffer). The sample after the
+//! gap has the whole gap as its interval; its mean rates are taken for those at the end, and as
+//! many samples are made as are missing.
 
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
@@ -16,6 +20,7 @@ pub(super) struct Bridge {
     end: f64,
     /// Interval of the samples made \[s\].
     dt: f64,
+    /// Samples to make, at least two.
     steps: u64,
     made: u64,
     /// Angular rate [rad/s] and specific force [m/s²] before and after the gap.
@@ -28,6 +33,8 @@ pub(super) struct Bridge {
 impl Bridge {
     /// Over the interval of `sample`, after the sample `before`; a gap longer than `longest` \[s\] is not
     /// interpolated over.
+    ///
+    /// Without `before` the rates after the gap hold throughout.
     pub(super) fn new(
         sample: &ImuSample,
         before: Option<&ImuSample>,

@@ -84,6 +84,10 @@ impl Navigator {
     /// assert!(place(&again).is_some() && place(&again) == place(&navigator), "to the last bit");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    ///
+    /// Format number and state in postcard's encoding, then a checksum of eight bytes,
+    /// little-endian. The size grows with the horizon, over which samples and measurements are
+    /// kept.
     pub fn checkpoint(&self) -> Vec<u8> {
         let oldest = self.past.front();
         let run = oldest.map_or(&self.run, |oldest| &oldest.run).clone();
@@ -170,6 +174,8 @@ impl Navigator {
 }
 
 /// FNV-1a of 64 bits (Fowler, Noll & Vo): what was damaged on the way is not restored.
+///
+/// Against damage, not against tampering.
 fn checksum(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |sum, byte| {
         (sum ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3)

@@ -10,6 +10,14 @@
 //!
 //! All go past one gate: down-weighted from a NIS of 9, rejected from 100. A constraint that contradicts a
 //! solution by more is more likely to be wrong than the solution: a vehicle on a ferry, a wheel that spins.
+//!
+//! Fields of [`Vehicle`] are bookkeeping; the equations of each constraint are observations of the
+//! filter ([`Aiding`]). Rules are applied at most once a block of half a second (rest) or once an
+//! interval (no slip): more often would count correlated errors as independent.
+//!
+//! What they assume: rest, that the vehicle is not carried (ferry, train, turntable); no slip,
+//! wheels on firm ground, axes of the vehicle known; course, that the vehicle points where it goes.
+//! Profiles switch them ([`crate::vehicle`]).
 
 mod course;
 mod non_holonomic;
@@ -43,17 +51,22 @@ const SPEED_HOLDS: f64 = 1.5;
 #[derive(Clone)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Vehicle {
+    /// Detects rest by the sensors.
     rest: RestDetector,
     /// Time of the last fix, and the least and greatest speed over ground that it leaves possible.
     last_speed: Option<(f64, (f64, f64))>,
+    /// Time of the last update by [`non_holonomic`] \[s\].
     last_constraint: f64,
     /// Whether it stood in the last block, or has begun to move as smoothly as it stood.
     stood: bool,
+    /// Velocities derived from positions, where fixes have none.
     positions: Positions,
+    /// How much the vehicle slips, as fixes show.
     slip: Slip,
 }
 
 impl Vehicle {
+    /// White noise of the sensors gives the level of rest until one is learned.
     pub(super) fn new(settings: &Settings) -> Self {
         Self {
             rest: RestDetector::new(&settings.sensors),
@@ -74,6 +87,9 @@ impl Vehicle {
     ///
     /// Without a measured velocity positions show at least how fast it was: twice the error of the derived
     /// velocity, and what a vehicle may have braked by since, are taken off.
+    ///
+    /// The speed is kept as a range [m/s]: a measured one less and plus the root of the sum of its
+    /// horizontal variances; without a velocity the upper end is infinite.
     pub(super) fn fix(&mut self, filter: &mut dyn Estimator, fix: &GnssFix, settings: &Settings) {
         let Some((v_n, covariance)) = &fix.velocity else {
             let least = self.positions.add(fix).map(|derived| {
@@ -94,6 +110,9 @@ impl Vehicle {
 
     /// What the vehicle cannot do, at the end of a sample; `last_velocity` is the time of the last fix used
     /// with its velocity \[s\].
+    ///
+    /// Whether a block was at rest is reported to the observer. No-slip updates count time from one
+    /// to the next, not samples.
     pub(super) fn end_sample(
         &mut self,
         filter: &mut dyn Estimator,
@@ -132,6 +151,8 @@ impl Vehicle {
 }
 
 /// A measurement of one number within the present sample; not in a long gap, where the attitude is not known.
+///
+/// It holds at its stamp: the filter is moved there first. One that the filter refuses is ignored.
 pub(super) fn scalar(
     solution: &mut Solution,
     measurement: &Measurement,

@@ -46,10 +46,14 @@ const SIGMAS: f64 = 2.0;
 #[derive(Clone)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct CourseWatch {
+    /// Time of the last difference \[s\].
     last: f64,
+    /// Course less heading, while the heading was known to 0.05 rad \[rad\].
     #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::array"))]
     usual: [f64; USUAL],
+    /// Differences learned so far.
     learned: usize,
+    /// The last differences \[rad\].
     recent: [f64; RECENT],
     seen: usize,
     /// Whether the heading is in doubt.
@@ -57,6 +61,7 @@ pub(super) struct CourseWatch {
 }
 
 impl CourseWatch {
+    /// Nothing is known of the usual difference: it takes 30 s of straight driving.
     pub(super) fn new() -> Self {
         Self {
             last: f64::NEG_INFINITY,
@@ -71,6 +76,8 @@ impl CourseWatch {
     /// Looks at a fix that the filter was shown.
     ///
     /// It may inflate the covariance of heading and gyro z; the heading itself it leaves to the fixes that follow.
+    ///
+    /// Fixes within a second of the last one, slow ones, and those in turns are passed over.
     pub(super) fn fix(&mut self, filter: &mut dyn Estimator, fix: &GnssFix, summary: &mut Summary) {
         let Some((v, r)) = fix.velocity else { return };
         let speed = v.xy().norm();

@@ -88,6 +88,13 @@ impl Event {
     }
 
     /// Whether `other` is this event, seen for longer: same kind and same start. Events that last are handed out again as they grow.
+    ///
+    /// ```
+    /// use undrift_engine::Event;
+    /// assert_eq!(Event::Resumed(12.0).time(), 12.0);
+    /// assert!(Event::Resumed(12.0).is_same(&Event::Resumed(12.0)));
+    /// assert!(!Event::Resumed(12.0).is_same(&Event::Diverged(12.0)));
+    /// ```
     pub fn is_same(&self, other: &Self) -> bool {
         let axis = |event: &Self| match event {
             Self::SampleFault(fault) => Some((fault.axis, None)),

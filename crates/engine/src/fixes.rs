@@ -14,6 +14,11 @@
 //!
 //! Positions alone show their white part in their third differences (`derived::white_variance`). What else they state lasts, and
 //! for how long they cannot show.
+//!
+//! What follows for the filter is [`FixErrors`]: a factor on the stated standard deviation, a
+//! time-correlated share with its correlation time, the step of rounded coordinates, jitter of the
+//! stamps, a bias of the velocity. Limits: 80 fixes with velocities, 20 without; errors that
+//! position and velocity share do not show, since differences of the two are all that is looked at.
 
 mod track;
 mod watch;
@@ -149,6 +154,8 @@ pub fn study(fixes: impl IntoIterator<Item = GnssFix>) -> Option<FixStudy> {
 }
 
 /// Does [`study`] on fixes that repeat none before.
+///
+/// `None` of too few fixes, or of stamps that do not increase.
 fn study_track(track: &Track) -> Option<FixStudy> {
     let n = track.time.len();
     let alone = track.velocity.is_empty();
@@ -229,6 +236,8 @@ fn study_track(track: &Track) -> Option<FixStudy> {
 }
 
 /// Does [`study_track`] on positions alone.
+///
+/// Correlation time 100 s by assumption: positions alone do not show it.
 fn study_positions(track: &Track, interval: f64) -> Option<FixStudy> {
     let places = track.time.iter().copied().zip(track.place.iter().copied());
     let places: Vec<(f64, Vector3)> = places.collect();
@@ -254,6 +263,9 @@ fn study_positions(track: &Track, interval: f64) -> Option<FixStudy> {
 }
 
 /// The axis with the median of the values, or the least, and its value.
+///
+/// `least` where the stamps are wrong: their errors are along the track, and the axis with the
+/// least has the least of them.
 fn median_or_least(values: &[f64; 3], least: bool) -> (usize, f64) {
     let mut axes = [0, 1, 2];
     axes.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
@@ -262,6 +274,9 @@ fn median_or_least(values: &[f64; 3], least: bool) -> (usize, f64) {
 }
 
 /// The step that coordinate `i` is a multiple of, in its unit; 0 without a visible step.
+///
+/// A step counts where 98 % of the movements, at least 20 of them, are whole multiples of the
+/// smallest.
 fn grid(written: &[Vector3], i: usize) -> f64 {
     let moves = written.windows(2).map(|w| (w[1][i] - w[0][i]).abs());
     // Below a millionth of a metre, or what a double resolves of an angle.
@@ -279,10 +294,15 @@ fn grid(written: &[Vector3], i: usize) -> f64 {
 }
 
 /// Movement of the positions less that of the velocities.
+///
+/// The series e(t) of the module's text, axis by axis.
 struct Differences<'a> {
+    /// Usual interval \[s\].
     interval: f64,
     time: &'a [f64],
+    /// Position less integrated velocity \[m\].
     error: Vec<Vector3>,
+    /// Stated variances, rounding included \[m²\].
     variance: Vec<Vector3>,
 }
 
@@ -302,6 +322,9 @@ impl Differences<'_> {
     }
 
     /// Half the mean square of the differences over the stated variance, north, east, down.
+    ///
+    /// γ(L) over the stated variance [–], L = `lag` intervals; from the median of squares over that
+    /// of χ²(1). `None` with fewer than 40 pairs.
     fn gammas(&self, lag: usize) -> Option<[f64; 3]> {
         let mut axes: [Vec<f64>; 3] = Default::default();
         for (a, b) in self.pairs(lag) {
@@ -317,7 +340,11 @@ impl Differences<'_> {
         Some(axes.map(|axis| 0.5 * median(&axis) / MEDIAN))
     }
 
-    /// A velocity that holds `δ` later than the position makes `δ Δv` of a difference; taken out where it shows.
+    /// A velocity that lags `δ` behind the position makes `δ Δv` of a difference; removed where it shows.
+    ///
+    /// Regression of differences over a second on the change of velocity, ten rounds of Huber's
+    /// weights at two standard deviations. Positive where velocities lag behind positions \[s\]; it
+    /// counts from three standard errors on.
     fn remove_latency(&mut self, velocity: &[Vector3]) -> Option<(f64, f64)> {
         let lag = (1.0 / self.interval).round().max(1.0) as usize;
         let mut pairs = Vec::new();
@@ -355,6 +382,9 @@ impl Differences<'_> {
     }
 
     /// Standard deviation of the stamps \[s\]: they move positions along the track and not across.
+    ///
+    /// Along the track a stamp that is wrong by δ moves a position by v δ: σ² = ½ (along² −
+    /// across²)/v². 0 where the two differ by less than a factor of two, or below 3 m/s.
     fn jitter(&self, velocity: &[Vector3]) -> f64 {
         let (mut along, mut across, mut speeds) = (Vec::new(), Vec::new(), Vec::new());
         for (a, b) in self.pairs(1) {
@@ -380,6 +410,9 @@ impl Differences<'_> {
     }
 
     /// What the velocities read too much for the positions, where that is beyond doubt [m/s].
+    ///
+    /// Median of the slopes over ten seconds, north, east, down; 0 where below five of its standard
+    /// errors, half the stated standard deviation, or 0.15 m/s.
     fn velocity_bias(&self, stated: &[Vector3]) -> Vector3 {
         let lag = (10.0 / self.interval).round().max(1.0) as usize;
         let pairs: Vec<_> = self.pairs(lag).collect();
@@ -404,6 +437,10 @@ impl Differences<'_> {
     }
 
     /// The correlated part, of fixes whose differences over one interval are `one` of what they state.
+    ///
+    /// γ at lags 2, 4, 8, … until 63 % of the rest has come; interpolated in the logarithm. Without
+    /// an end within a quarter of the log the time is extrapolated, at most
+    /// [`LONGEST_CORRELATION`].
     fn correlated(&self, one: f64, least: bool) -> Option<Correlated> {
         // One correlation time on, this much of the rest has come.
         let part = 1.0 - (-1f64).exp();

@@ -85,7 +85,10 @@ pub(super) enum Verdict {
 pub(super) struct FixGate {
     part: Part,
     /// Whether it judges the height of positions alone.
+    ///
+    /// Noted in the contradiction, for messages.
     height: bool,
+    /// NIS per degree of freedom of the last fixes, in a ring.
     #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::array"))]
     recent: [f64; WINDOW],
     count: usize,
@@ -103,6 +106,7 @@ pub(super) struct FixGate {
 }
 
 impl FixGate {
+    /// `time` \[s\] from which a gap is counted.
     pub(super) fn new(part: Part, time: f64) -> Self {
         Self {
             part,
@@ -142,6 +146,10 @@ impl FixGate {
     ///
     /// A fix agrees with the one before where their innovations differ by less than 0.3 of their size, or by
     /// less than two standard deviations of two fixes.
+    ///
+    /// Limits are on the NIS of all three numbers, not per degree of freedom. The innovation is
+    /// predicted less measured, `r` the covariance of the fix alone. Changes nothing but the state
+    /// of doubt: [`FixGate::note`] follows with the outcome.
     pub(super) fn judge(
         &mut self,
         time: f64,
@@ -175,6 +183,8 @@ impl FixGate {
     }
 
     /// Notes whether a fix was used, weakened or rejected; `frozen` where the receiver repeats itself while the solution moves.
+    ///
+    /// A rejected fix opens a contradiction or prolongs it; an accepted one closes it.
     pub(super) fn note(
         &mut self,
         time: f64,
@@ -252,6 +262,9 @@ impl FixGate {
     }
 
     /// Keeps the normalised innovation squared of a fix, per degree of freedom, for the usual size.
+    ///
+    /// Accepted fixes, and of rejected ones that do not agree with each other the NIS up to the
+    /// limit.
     fn learn(&mut self, nis: f64) {
         self.recent[self.count % WINDOW] = nis;
         self.count += 1;
@@ -283,7 +296,9 @@ impl FixGate {
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Scale {
+    /// Logarithm of the factor on the variance.
     log: f64,
+    /// Information about it, at most [`MEMORY`].
     information: f64,
     updates: u64,
     /// Weighted sum of the logarithm, and of the weights: later ones count for more.
@@ -313,6 +328,9 @@ impl Scale {
     }
 
     /// Learns from an update with the covariance as scaled.
+    ///
+    /// `update.score` is the derivative of the log-likelihood by the logarithm of the factor,
+    /// `update.information` its variance.
     pub(super) fn learn(&mut self, update: &Update) {
         if update.outcome == Outcome::Rejected {
             return;

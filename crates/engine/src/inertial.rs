@@ -11,6 +11,15 @@
 //! mean and variance over a minute, and the largest and smallest value so far. Until 500 values are known
 //! nothing is judged. A sensor that repeats all of its values at rest for 5 s is a simulated one without noise,
 //! of which repetitions say nothing.
+//!
+//! Units inside are rates [rad/s] and specific forces [m/s²]: increments over their interval,
+//! turned to the sensor's own axes, since a fault is of one axis. What comes out is a sample in
+//! body axes again, with the covariance of what is in doubt ([`Checked`]), which [`crate::run`]
+//! adds to the filter after the sample.
+//!
+//! Price: the solution is one sample behind the log. Cost O(1) a sample. It may replace values and
+//! name faults in the summary; whether a sample is used at all is decided before, by
+//! [`Navigator::imu`](crate::Navigator::imu).
 
 use super::{checked::Checked, summary::Summary};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -86,9 +95,11 @@ struct AxisWatch {
     /// Mean and variance over [`USUAL`].
     mean: f64,
     variance: f64,
+    /// How much of [`USUAL`] has been seen \[s\]: the gain of the averages is dt over it.
     known: f64,
     /// Nine in ten samples are closer than this to the mean of their neighbours.
     step: f64,
+    /// Values that the usual step was learned from.
     seen: u64,
     /// Whether the present value came by a jump that no vehicle makes, and stays.
     jumped: bool,
@@ -101,6 +112,9 @@ impl AxisWatch {
     ///
     /// Frozen: for half a second and 20 times the usual number of samples. Saturated: at the largest or
     /// smallest value so far, four standard deviations from the mean, for four times the usual number.
+    ///
+    /// `time` and `dt` \[s\] of the sample. A value counts as the same to 1e-12 of its size, as a
+    /// rate or as an increment.
     fn is_stuck(&mut self, (time, dt): (f64, f64), value: f64) -> bool {
         // Of a log of increments those repeat, while the rounding of its times changes the rates.
         if is_same(value, self.value) || is_same(value * dt, self.value * self.dt) {
@@ -136,6 +150,9 @@ impl AxisWatch {
     }
 
     /// Whether this value, as far from the one before as a spike, comes again: a range that ends there.
+    ///
+    /// `least` is [`SPIKE_RATE`] or [`SPIKE_FORCE`], `around` the values before and after; true as
+    /// long as the value stays.
     fn jumps(&mut self, least: f64, around: [f64; 2], value: f64) -> bool {
         // What comes again is rare, and quickly seen.
         if self.jumped || !is_same(value, around[1]) || self.seen < LEAST_VALUES {
@@ -154,6 +171,9 @@ impl AxisWatch {
     }
 
     /// Learns from a sound value of `dt` \[s\].
+    ///
+    /// Exponential averages with a memory of a minute; sound values only, so that a fault does not
+    /// become the usual.
     fn learn(&mut self, dt: f64, value: f64) {
         self.known = (self.known + dt).min(USUAL);
         let gain = dt / self.known;
@@ -166,6 +186,9 @@ impl AxisWatch {
     ///
     /// 25 times the usual distance from the mean of its neighbours and `least`, while these agree to 0.3 of
     /// that; any other sample is learned from.
+    ///
+    /// The quantile goes up by 4.5 % when exceeded and down by 0.5 % otherwise: in balance where
+    /// one value in ten exceeds it.
     fn is_spike(&mut self, least: f64, around: [f64; 2], value: f64) -> bool {
         let off = (value - 0.5 * (around[0] + around[1])).abs();
         let apart = (around[1] - around[0]).abs();
@@ -215,6 +238,8 @@ impl Inertial {
     ///
     /// `moves` is whether the solution moves: all axes of a simulated sensor without noise repeat their values with the
     /// vehicle at rest. Of such a sensor a value that lasts says nothing, not in a turn of constant rate either.
+    ///
+    /// `None` of the first sample. Faults are noted in `summary` with axis and span.
     pub(super) fn next(
         &mut self,
         sample: ImuSample,
@@ -235,6 +260,11 @@ impl Inertial {
     }
 
     /// Replaces what cannot be right in a sample, given the one after it, and says what is in doubt of it.
+    ///
+    /// Doubt of a stuck axis of usual spread σ (at least [`RATE`] or [`FORCE`]): the integral of an
+    /// error that lasts for 5 s, variance σ² t² up to then and σ² · 5 s · (2t − 5 s) beyond, of
+    /// which each sample gets its share. Doubt of a spike: five usual steps and the distance of its
+    /// neighbours, times dt.
     fn check(
         &mut self,
         (mut sample, values): (ImuSample, [f64; AXES]),

@@ -2,6 +2,14 @@
 //!
 //! Numbers are kept, types are built again: a filter is its models, its priors and the numbers that change while
 //! it runs. Bytes with too few or too many numbers are refused.
+//!
+//! Used by `checkpoint` only, and compiled with that feature. Three helpers: [`no_settings`] fills
+//! in for the settings, which the caller gives again; [`filter`] keeps a `Box<dyn Estimator>`;
+//! [`array`] keeps arrays of any length.
+//!
+//! The bytes are positional: a change of the order in which a filter gives its numbers is a new
+//! format and has to raise `checkpoint::FORMAT`. Nothing here checks that the numbers make sense:
+//! the checksum of the checkpoint does.
 
 use crate::{
     estimator::{Estimator, build},
@@ -21,11 +29,15 @@ use undrift_nav::{
 };
 
 /// The bytes are of something else.
+///
+/// Too few or too many numbers, or an order beyond [`MAX_ORDER`].
 #[derive(Debug, thiserror::Error)]
 #[error("not what was kept")]
 struct NotKept;
 
 /// In place of the settings, which are not kept.
+///
+/// Filters without noise and states; they are replaced before the [`Run`](crate::run::Run) is used.
 pub(crate) fn no_settings() -> Arc<Settings> {
     let none = ShapingFilter {
         order: 0,
@@ -41,6 +53,9 @@ pub(crate) fn no_settings() -> Arc<Settings> {
 }
 
 /// A filter as its numbers.
+///
+/// In three parts, in this order: the six shaping filters, the priors of the parameters by
+/// [`Parameter::ALL`], then every number that changes while the filter runs.
 pub(crate) mod filter {
     use super::*;
 
@@ -51,6 +66,8 @@ pub(crate) mod filter {
         Vec<f64>,
     );
 
+    /// # Errors
+    /// Those of the serializer.
     #[expect(clippy::borrowed_box, reason = "what the derived code calls it with")]
     pub(crate) fn serialize<S: Serializer>(
         filter: &Box<dyn Estimator>,
@@ -68,6 +85,11 @@ pub(crate) mod filter {
         made.serialize(to)
     }
 
+    /// The filter is built at latitude and longitude 0 and then overwritten number by number:
+    /// state, covariance and estimates.
+    ///
+    /// # Errors
+    /// [`NotKept`]; models and parameters for which no filter can be built.
     pub(crate) fn deserialize<'de, D: Deserializer<'de>>(
         from: D,
     ) -> Result<Box<dyn Estimator>, D::Error> {
@@ -113,9 +135,13 @@ pub(crate) mod filter {
 }
 
 /// An array of any length, which serde has to 32.
+///
+/// Written as a sequence with its length.
 pub(crate) mod array {
     use super::*;
 
+    /// # Errors
+    /// Those of the serializer.
     pub(crate) fn serialize<T: Serialize, S: Serializer, const N: usize>(
         array: &[T; N],
         to: S,
@@ -123,6 +149,8 @@ pub(crate) mod array {
         array.as_slice().serialize(to)
     }
 
+    /// # Errors
+    /// Another number of elements than N.
     pub(crate) fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>, const N: usize>(
         from: D,
     ) -> Result<[T; N], D::Error> {

@@ -3,6 +3,13 @@
 //! Measurements wait twice: in [`Measured`] by their stamps, from where a navigator with a horizon may take
 //! them again, and in [`Queue`] by when they hold, which the estimated latency of the fixes moves. A fix whose
 //! velocity has a latency of its own becomes two.
+//!
+//! Order in time decides results; order of arrival must not. Hence [`Measured`] sorts by (stamp,
+//! kind), with equal ones in order of arrival, and numbers count from the first measurement of all,
+//! so that a snapshot may name the next one it needs by its number.
+//!
+//! A latency is that of the receiver: a fix stamped t holds at t + latency. A negative one makes
+//! fixes due before their stamp, so that the queue looks ahead by that much.
 
 pub use undrift_nav::sample::Scalar;
 
@@ -14,13 +21,18 @@ use undrift_nav::sample::GnssFix;
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Measured {
+    /// By stamp, then by kind.
     kept: VecDeque<Measurement>,
     /// How many went before the first one that is kept.
+    ///
+    /// Those are forgotten: nothing may ask for them any more.
     gone: u64,
 }
 
 impl Measured {
     /// Puts a measurement behind all that are as early: of one time by their [`Measurement::rank`].
+    ///
+    /// O(n) from the end in the worst case, O(1) for a measurement in order.
     pub(crate) fn insert(&mut self, measurement: Measurement) {
         let order = |m: &Measurement| (m.time(), m.rank());
         let (time, rank) = order(&measurement);
@@ -38,6 +50,8 @@ impl Measured {
     }
 
     /// The measurement of this number, counted from the first of all.
+    ///
+    /// `None` of one that has not come yet.
     fn get(&self, number: u64) -> Option<&Measurement> {
         self.kept.get(usize::try_from(number - self.gone).ok()?)
     }
@@ -77,12 +91,19 @@ pub(super) type Due = (Measurement, Option<Part>);
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Queue {
     /// How many measurements were taken in, and the latest stamp for which any were looked for \[s\].
+    ///
+    /// Number of the next measurement to take in.
     taken: u64,
     asked: f64,
+    /// Whole fixes that are not due yet.
     fixes: VecDeque<GnssFix>,
     /// Fixes of which the other part was given out.
+    ///
+    /// Fixes whose position is still due.
     positions: VecDeque<GnssFix>,
+    /// Fixes whose velocity is still due.
     velocities: VecDeque<GnssFix>,
+    /// Wheel speeds and heights: due at their stamps.
     others: VecDeque<Measurement>,
     repeats: Repeats,
 }
@@ -109,6 +130,9 @@ impl Repeats {
     ///
     /// A receiver at rest may measure the same numbers twice; in motion, or with positions that moved before,
     /// equal numbers are one fix that was logged again.
+    ///
+    /// Compared are position and velocity to the last digit, within 2 s; covariances and attitudes
+    /// are not.
     pub(crate) fn is(&mut self, fix: &GnssFix) -> bool {
         let again = self.last.is_some_and(|last| {
             let position = last.position.map(|p| p.0) == fix.position.map(|p| p.0);
@@ -165,6 +189,9 @@ impl Queue {
     /// The next measurement that holds at `time` \[s\] or before.
     ///
     /// With the part that it is of, where the fix was cut in two. Repeated fixes are counted and passed over.
+    ///
+    /// Measurements due at the same time come in the order whole fixes, positions, velocities,
+    /// others. Called until it gives `None` for a `time`.
     pub(super) fn next_until(
         &mut self,
         time: f64,

@@ -66,7 +66,10 @@ pub(super) struct Plausible {
     block: (Vector3, f64),
     /// Sum of the directions of the blocks' specific force, of the logarithms of its size over gravity,
     /// their number, and that of those of a vehicle.
+    ///
+    /// Unit vectors summed: n times as long as they agree.
     direction: Vector3,
+    /// Σ ln(|f|/g), whose mean is that of a wrong unit's factor.
     logarithms: f64,
     blocks: u32,
     sound: u32,
@@ -119,6 +122,8 @@ impl Plausible {
     }
 
     /// Takes in a fix.
+    ///
+    /// Velocities of a fix, or derived from positions where it has none.
     pub(super) fn fix(&mut self, fix: &GnssFix) {
         self.alternation.fix(fix);
         if let Some((velocity, r)) = &fix.velocity {

@@ -18,6 +18,14 @@
 //!
 //! With the reset the covariance grows by what explains the contradiction: its size in position, its size over
 //! the time in velocity, and the tilt that makes such a velocity.
+//!
+//! The order within a fix: is it a repetition; position with its height; velocity; how far both
+//! have moved the solution. All comparisons are on innovations, predicted less measured, in north,
+//! east, down; the covariance of a gate is the stated one times what [`Scale`] has learned, plus
+//! the solution's own.
+//!
+//! What it may do to the filter: an update, and an inflation where the solution is reset. It never
+//! sets a state.
 
 mod height;
 
@@ -44,6 +52,8 @@ use undrift_nav::{
 };
 
 /// Lets nothing through.
+///
+/// A gate that rejects every update: used while a receiver repeats itself.
 const SHUT: Gate = Gate {
     weaken: -1.0,
     reject: -1.0,
@@ -85,9 +95,13 @@ const THREE_TIMES: f64 = 90.0;
 #[derive(Clone)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct FixPart {
+    /// Which of the two.
     part: Part,
+    /// Limits and the state of confirmation.
     gate: FixGate,
+    /// Stated against actual accuracy.
     scale: Scale,
+    /// Slow drift to one side.
     lean: LeanWatch,
 }
 
@@ -132,6 +146,8 @@ impl Receiver {
 
     /// Starts for a new solution, but keeps what is known of the receiver's accuracy.
     /// What is open is noted first.
+    ///
+    /// After an alignment, at `time` \[s\]: gates begin unconfirmed.
     pub(super) fn forget_solution(&mut self, time: f64, summary: &mut Summary) {
         let scales = (self.position.scale, self.velocity.scale);
         self.close(summary);
@@ -167,6 +183,13 @@ impl Receiver {
 
     /// Updates the filter, which is at or after the time `due` \[s\] at which the fix holds, with its
     /// position and velocity, or with one of them.
+    ///
+    /// Returns the updates of position and velocity, each `None` where the fix, the settings or
+    /// `part` leave it out.
+    ///
+    /// # Errors
+    /// In each: [`FilterError`] of a covariance that is no covariance, or of a correction that the
+    /// filter refuses.
     pub(super) fn update(
         &mut self,
         filter: &mut dyn Estimator,
@@ -261,6 +284,8 @@ impl Receiver {
 
     /// Notes how far an update has moved the velocity from what it was `before`.
     /// Pulls are forgotten with a time constant of 4 s.
+    ///
+    /// Horizontal, before less after [m/s].
     fn pulled(&mut self, before: Vector2<f64>, filter: &dyn Estimator, time: f64) {
         let left = (-(time - self.pull.1) / PULL_TIME).exp();
         let pull = self.pull.0 * left + before - filter.nav().v_n.xy();
@@ -269,6 +294,8 @@ impl Receiver {
 
     /// Whether the same fix, again and again, keeps a solution back that moves off: from the sensors it has a velocity that
     /// no error of its attitude explains.
+    ///
+    /// Beyond 0.5 m/s and three standard deviations of what a tilt makes in 4 s, g σ t.
     fn keeps_back(&mut self, filter: &dyn Estimator) -> bool {
         let std = filter.nav_std();
         // Kept back for a while, a solution doubts its attitude.
@@ -318,6 +345,8 @@ impl Receiver {
     }
 
     /// Whether position and velocity have both been reset to fixes again and again.
+    ///
+    /// Three resets of each within 90 s: the solution does not follow the fixes any more.
     pub(super) fn is_hopeless(&self, time: f64) -> bool {
         let both = self
             .position
@@ -342,10 +371,14 @@ impl Receiver {
 }
 
 /// A part of a fix, and how it is to be judged.
+///
+/// Lives for one update; what differs between position and velocity is in it.
 struct Offer {
+    /// The measurement with its lever arm and due time.
     aiding: Aiding,
     /// Covariance as the fix states it.
     stated: Matrix3,
+    /// Stamp of the fix \[s\].
     time: f64,
     /// Whether it passes in any case.
     open: bool,

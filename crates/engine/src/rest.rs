@@ -61,17 +61,22 @@ pub(super) struct RestDetector {
     noise: [f64; AXES],
     /// Learned variance of a sample at rest; as many blocks.
     level: [f64; AXES],
+    /// 0 while the sensor's own noise is the level.
     learned: u32,
     /// Least scatter, relative to the level, of blocks in which GNSS said that the vehicle moved.
+    ///
+    /// Infinite until motion was seen.
     moving: f64,
     count: f64,
     duration: f64,
     sum: [f64; AXES],
     squares: [f64; AXES],
+    /// Samples of the first half of the block, and the sum of their specific force.
     first_half: (f64, Vector3),
 }
 
 impl RestDetector {
+    /// Without noise in the model a variance of 1e-16 keeps ratios finite.
     pub(super) fn new(sensors: &[ShapingFilter; AXES]) -> Self {
         Self {
             noise: core::array::from_fn(|i| sensors[i].r.max(1e-16)),
@@ -95,6 +100,9 @@ impl RestDetector {
     /// Adds a sample; the block it completes, if it does. `expected` is what the sensors should read at
     /// rest, rate [rad/s] and specific force [m/s²]: predicted errors, Earth rate and gravity; `speed` the
     /// least and greatest speed over ground [m/s] that GNSS leaves possible, where there is one now.
+    ///
+    /// A block ends with the first sample at which it is 0.5 s long; its sums then begin again.
+    /// O(1) a sample.
     pub(super) fn add(
         &mut self,
         sample: &ImuSample,

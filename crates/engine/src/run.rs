@@ -12,6 +12,14 @@
 //!
 //! Everything that may not be known twice is in [`Run`]; a copy of it goes on exactly as the original would,
 //! which is how late measurements and checkpoints are made.
+//!
+//! Ownership: [`Navigator`](crate::Navigator) holds measurements and samples, `Run` the state; the
+//! latter never looks at a sample twice. Cost a sample: one prediction, O(N²) for N states, plus an
+//! update for each measurement.
+//!
+//! A log that is replayed in pieces, or with measurements that come late, gives the same result to
+//! the last bit. So nothing here may depend on when a measurement arrived, on the clock of the
+//! computer, or on the size of a batch.
 
 mod axes;
 mod end;
@@ -55,6 +63,8 @@ use undrift_nav::{
 #[derive(Clone)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Run {
+    /// Shared by copies; changed by [`Arc::make_mut`] when a mounting or the errors of fixes are
+    /// found.
     #[cfg_attr(
         feature = "checkpoint",
         serde(skip, default = "crate::kept::no_settings")
@@ -62,17 +72,25 @@ pub(crate) struct Run {
     settings: Arc<Settings>,
     /// Measurements that were taken in and are not due yet.
     queue: Queue,
+    /// Counts and events so far.
     summary: Summary,
+    /// The filter that navigates; absent before the first alignment and after a divergence.
     solution: Option<Solution>,
+    /// Fed with samples and fixes while there is no solution or a failed one.
     alignment: CurrentAlignment,
+    /// Times of the last sample and fixes.
     log: LogProgress,
     /// Watch over solution and fixes.
     receiver: Receiver,
     vertical: VerticalVelocity,
+    /// Watch of the innovations' size.
     streak: Streak,
     plausible: Plausible,
+    /// Watch of the heading.
     course: CourseWatch,
+    /// Rest and constraints.
     vehicle: Vehicle,
+    /// Faults of the sensors; holds one sample back.
     inertial: Inertial,
     vibration: Option<Vibration>,
     /// Where the mounting is to be found on the way.
@@ -85,6 +103,7 @@ pub(crate) struct Run {
 #[derive(Clone)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct CurrentAlignment {
+    /// Sums of a rest and the window of motion.
     aligner: Aligner,
     /// Whether one goes on beside the solution.
     again: bool,
@@ -99,7 +118,10 @@ struct LogProgress {
     /// Stamps of the fixes read so far.
     stamps: Option<Stamps>,
     /// Fixes within the samples.
+    ///
+    /// Fixes since the first sample, withheld ones too.
     fixes: u64,
+    /// The sample before, for bridging a gap.
     previous: Option<ImuSample>,
     /// Time of the last fix that was used or withheld \[s\], and of the last one that was so with its velocity.
     last_fix: Option<f64>,
@@ -130,6 +152,9 @@ fn carries_velocity(fix: &GnssFix, part: Option<Part>) -> bool {
 }
 
 impl Run {
+    /// Where the mounting is looked for, the settings lose what needs vehicle axes: [`Search`]
+    /// keeps it. Fixes are studied only where the settings ask for it and no smoother or log of
+    /// updates needs a filter of constant size.
     pub(super) fn new(mut settings: Settings) -> Self {
         let search = Search::from_settings(&mut settings);
         let settings = Arc::new(settings);
@@ -320,6 +345,8 @@ impl Run {
     }
 
     /// The solution has diverged: ends it and realigns. Without gating it only notes the time \[s\], and no other begins.
+    ///
+    /// `time` \[s\] is that of the fix or sample at which the check failed.
     fn give_up(&mut self, time: f64) {
         if !self.settings.gating {
             self.summary.diverged = Some(time);
@@ -332,6 +359,8 @@ impl Run {
     /// Aligns again beside a solution that does not agree with the fixes; it goes on until that is done.
     ///
     /// Without effect while one goes on already.
+    ///
+    /// The old solution goes on meanwhile and is replaced when the new alignment is complete.
     fn align_again(&mut self, time: f64, why: RestartCause) {
         if self.alignment.again {
             return;
@@ -348,6 +377,9 @@ impl Run {
     }
 
     /// An aligner without what the settings say of the start.
+    ///
+    /// Stated attitude and velocity held at the start of the log only; a stated heading becomes
+    /// automatic.
     fn second_aligner(&self) -> Aligner {
         let mut settings = Settings::clone(&self.settings);
         settings.align.attitude = None;
@@ -384,6 +416,8 @@ impl Run {
     }
 
     /// Takes up a sample.
+    ///
+    /// A gap before the sample, of more than 1.5 intervals, is bridged ([`Solution::begin`]).
     fn begin(&mut self, sample: &ImuSample) {
         if let Some(solution) = &mut self.solution {
             let interval = self.settings.sensors[0].interval;
@@ -393,6 +427,9 @@ impl Run {
     }
 
     /// Ends the sample, after its fixes: constraints, mounting, nodes.
+    ///
+    /// A doubt of the settings grows the covariance in proportion to the time: over its span the
+    /// given standard deviations are reached, √(share) of them in each sample.
     fn finish(&mut self, sample: &ImuSample, observer: &mut dyn Observer) {
         self.log.previous = Some(*sample);
         self.summary.ended = sample.time;
@@ -439,6 +476,8 @@ impl Run {
 }
 
 /// The last `dt` \[s\] of a sample.
+///
+/// Rates are taken as constant over a sample, so increments are divided in proportion.
 fn part(sample: &ImuSample, dt: f64) -> ImuSample {
     let part = dt / sample.dt;
     ImuSample {

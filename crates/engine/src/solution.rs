@@ -3,6 +3,13 @@
 //! Between two samples a solution is a filter and nothing else. Within one it may stop at the times of
 //! measurements, go through a gap in steps of the usual interval, and grow its covariance by two things that
 //! the linear model leaves out: motion in a long gap, and products of large errors.
+//!
+//! | gap before a sample | what happens |
+//! |---|---|
+//! | up to 1.5 intervals | nothing: a late sample |
+//! | up to 0.2 s | bridged by rates on a line between both sides |
+//! | up to 60 s | bridged, and the covariance grows: 0.2 rad/s of turn, 2 m/s² of acceleration, one σ each |
+//! | longer | the solution ends ([`LONGEST_GAP`]), an alignment follows |
 
 use super::{
     bridge::Bridge, measurement::Latency, observer::Observer, summary::Summary, watch::FAR,
@@ -36,6 +43,7 @@ const PRODUCT_LASTS: f64 = 5.0;
 
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Solution {
+    /// Error state, covariance, and the navigation state.
     #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::filter"))]
     pub(super) filter: Box<dyn Estimator>,
     /// Time of its start \[s\].
@@ -90,6 +98,8 @@ impl Solution {
     }
 
     /// Takes up a sample, bridged where samples are missing before it; `interval` is the usual one \[s\].
+    ///
+    /// `previous` is the sample before, for the rates on the other side of the gap.
     pub(super) fn begin(
         &mut self,
         sample: &ImuSample,
@@ -118,6 +128,8 @@ impl Solution {
     }
 
     /// Moves the filter to `time` \[s\] within the present sample.
+    ///
+    /// In order of time; within a bridge it steps from one made-up sample to the next.
     pub(super) fn advance_to(&mut self, time: f64) {
         if let Some(bridge) = &mut self.bridge {
             while bridge.reached() < time - STAMP_ROUNDING
@@ -131,6 +143,8 @@ impl Solution {
     }
 
     /// Grows the covariance for the part of a long gap up to `time` \[s\] that it has not grown for.
+    ///
+    /// Called before a measurement is used in the gap, and at its end.
     pub(super) fn grow_to(&mut self, time: f64) {
         if let Some(bridge) = &mut self.bridge
             && let Some(since) = bridge.unknown_since
@@ -144,6 +158,9 @@ impl Solution {
     /// Grows the covariance up to `time` \[s\] by what it leaves out: the specific force is wrong by the product of the errors of attitude
     /// and accelerometers, and by gravity times half the square of the tilt's. Of a sensor whose constants are hardly known (0.1 g, so
     /// 6 deg of tilt) that is 0.1 m/s² and more, and what a turn shows of tilt and constants would otherwise be taken to be exact.
+    ///
+    /// The rest of a second-order filter's terms is neglected. Velocity grows by product · √(span ·
+    /// 5 s) [m/s], one standard deviation of each axis.
     pub(super) fn grow_by_products(&mut self, time: f64) {
         let span = (time - self.products_until).max(0.0);
         self.products_until = time;
@@ -172,6 +189,8 @@ impl Solution {
     }
 
     /// Reports a node to the observer, if there is a smoother: `span` is the longest one between two \[s\].
+    ///
+    /// `None` for `span` means that no smoother listens.
     pub(super) fn node(&mut self, span: Option<f64>, observer: &mut dyn Observer) {
         if span.is_some() {
             observer.node(&*self.filter, self.filter.adjoint().as_ref());

@@ -52,6 +52,18 @@ pub struct Innovations {
 
 impl Innovations {
     /// Counts an update, rejected ones too.
+    ///
+    /// ```
+    /// use undrift_engine::Innovations;
+    /// use undrift_nav::filter::{Outcome, Update};
+    /// let update = |nis, outcome| Update { nis, dof: 3, whitened: [0.0; 3], score: 0.0, information: 0.0, outcome };
+    /// let mut innovations = Innovations::default();
+    /// innovations.add(update(2.0, Outcome::Used));
+    /// innovations.add(update(4.0, Outcome::Weakened(2.0)));
+    /// innovations.add(update(500.0, Outcome::Rejected)); // Counted, but not in the sums.
+    /// assert_eq!((innovations.updates, innovations.weakened, innovations.rejected), (2, 1, 1));
+    /// assert_eq!((innovations.nis_sum, innovations.dof_sum), (6.0, 6));
+    /// ```
     pub fn add(&mut self, update: Update) {
         match update.outcome {
             Outcome::Rejected => {

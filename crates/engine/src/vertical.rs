@@ -27,6 +27,9 @@ pub(super) struct VerticalVelocity {
 impl VerticalVelocity {
     /// The fix with a vertical velocity that is left open where it seems not to be measured; `counts` is whether the fix is a new
     /// one.
+    ///
+    /// Horizontal speed above 1 m/s makes motion. The first fix that was left open is noted with
+    /// its time in `summary`.
     pub(super) fn judge(
         &mut self,
         mut fix: GnssFix,

@@ -96,6 +96,17 @@ pub struct Vibration {
 impl Vibration {
     /// Starts with the models' white noise. `factors` [–], gyro and accelerometer x, y, z, are what the standard deviation of the noise
     /// beyond the model's is multiplied by: 1 takes it as the samples show it.
+    ///
+    /// Below 20 Hz of samples nothing is looked for: the variances stay the model's.
+    ///
+    /// ```
+    /// use undrift_engine::vibration::Vibration;
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// let sensors = [ShapingFilter::white(1e-3, 0.01)?; 6]; // N²/T = 1e-4.
+    /// let vibration = Vibration::new(&sensors, &[1.0; 6]);
+    /// assert_eq!(vibration.variances(), vibration.white_noise()); // Nothing was seen yet.
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn new(sensors: &[ShapingFilter; AXES], factors: &[f64; AXES]) -> Self {
         let step = sensors[0].interval;
         let rate = 1.0 / step;
@@ -153,6 +164,9 @@ impl Vibration {
 
     /// Processes a sample; at the end of a block, about every 0.6 s at 100 Hz, the variances of a sample's white noise by now, gyro x, y, z
     /// [rad²/s²], accelerometer x, y, z [m²/s⁴].
+    ///
+    /// A sample after a gap of more than 1.5 intervals begins a new block. O(1) a sample: 28
+    /// products an axis for each mean of samples.
     pub fn next(&mut self, sample: &ImuSample) -> Option<[f64; AXES]> {
         if self.each == 0 {
             return None;
@@ -214,6 +228,9 @@ impl Vibration {
     }
 
     /// Density beyond the model's [unit²·s], with its factor.
+    ///
+    /// 0 until [`MEMORY`] has been seen, or below [`VIBRATES_FROM`] times the model's standard
+    /// deviation.
     fn excess(&self, axis: usize) -> f64 {
         let (level, model) = (self.level[axis], self.model[axis]);
         let known = self.known >= self.memory;

@@ -1,12 +1,20 @@
 //! Whether innovations stay as large as their covariance says, and without a lean to one side.
 //!
-//! Two watches on innovations that pass every gate:
+//! Two watches on innovations, the first on those of accepted updates, the second on rejected ones too:
 //!
 //! - [`Streak`]: the NIS per degree of freedom over 20 updates. Above 25 the solution is suspect, and after 30
 //!   s of that an alignment begins beside it.
 //! - [`LeanWatch`]: the mean of 40 whitened innovations. Of white ones its square is a χ² of three; a receiver
 //!   that is drawn away slowly, by multipath or on purpose, leans to one side while each fix by itself looks
 //!   right.
+//!
+//! The first is fed by [`crate::run`], with updates that were accepted, the second by
+//! [`crate::receiver`]; neither touches the filter. What they find is acted on elsewhere: a sick
+//! solution is replaced by a second alignment, a lean is an [`Event`](crate::Event) only, since the
+//! filter cannot know whether receiver or solution is pulled away.
+//!
+//! NIS is νᵀ S⁻¹ ν; per degree of freedom it is 1 on average if covariances are right (Bar-Shalom,
+//! Li & Kirubarajan 2001).
 
 use super::{
     events::{Lean, Part},
@@ -37,9 +45,13 @@ const CLIP: f64 = 4.0;
 pub(super) const FAR: f64 = 5.0;
 
 /// Updates, their NIS and degrees of freedom since the count began, and when that was \[s\].
+///
+/// One block of 20 updates at a time: its mean NIS decides. 25 is five times the predicted standard
+/// deviation, far beyond what wrong noise settings do.
 #[derive(Clone, Default)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Streak {
+    /// Updates in the present block.
     updates: u32,
     nis: f64,
     dof: u32,
@@ -53,6 +65,8 @@ impl Streak {
     /// Watches for innovations far beyond their covariance, block by block.
     ///
     /// Rejected updates are not to be given: of them the size says nothing of the solution.
+    ///
+    /// `time` \[s\] of the fix. The first block above the limit sets `summary.suspect`, once a run.
     pub(super) fn watch(&mut self, update: Update, time: f64, summary: &mut Summary) {
         if self.updates == 0 {
             self.start = time;
@@ -67,6 +81,9 @@ impl Streak {
 
     /// Whether a solution has been beyond its size for long [`SICK`]: one that was sound, or one of the first few that never
     /// were, after so many `restarts`.
+    ///
+    /// `restarts` counts the alignments that were begun again; from the third solution on one that
+    /// was never sound is kept, since the fixes' accuracies, not the solution, are then wrong.
     pub(super) fn is_sick(&self, time: f64, restarts: usize) -> bool {
         let judged = self.sound || restarts + 1 < STARTS;
         judged && self.sick_since.is_some_and(|since| time - since > SICK)
@@ -78,6 +95,8 @@ impl Streak {
     }
 
     /// Judges the solution by the updates since the count began, and counts again.
+    ///
+    /// An incomplete block counts as well: at the end of a log it is all there is.
     pub(super) fn judge(&mut self, summary: &mut Summary) {
         if self.dof == 0 {
             return;
@@ -100,14 +119,21 @@ impl Streak {
 const BLOCKS: usize = 20;
 
 /// Watches the means of whitened innovations for a slow drift of fixes that each pass the gate.
+///
+/// Of whitened innovations that are independent the sum of 40 squared over 40 is χ²(3); divided by
+/// 3 its mean is 1. A block leans from 60 times the median of the last 20 such sizes, at least 1.
 #[derive(Clone)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct LeanWatch {
+    /// Position or velocity.
     part: Part,
     start: f64,
     updates: usize,
+    /// Sum of the whitened innovations of the block, each clipped to ±4.
     white: Vector3,
+    /// Sum of the innovations as they are [m or m/s].
     innovation: Vector3,
+    /// Sizes of blocks without a lean, in a ring.
     usual: [f64; BLOCKS],
     count: usize,
     open: Option<Lean>,
@@ -128,6 +154,9 @@ impl LeanWatch {
     }
 
     /// Adds an innovation; at the end of a block its mean is compared with the usual size of such means.
+    ///
+    /// A lean goes on while blocks lean, and keeps the largest mean; the first block that does not
+    /// lean ends it.
     pub(super) fn add(
         &mut self,
         time: f64,

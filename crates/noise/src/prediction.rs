@@ -3,6 +3,10 @@
 //! A reflection κ of order p takes φ to `φ_j − κ φ_{p−j}` with κ last, and the variance of the error to (1 −
 //! κ²) of itself: from autocovariances κ is the partial autocorrelation (Durbin 1960), from a record what
 //! minimises forward and backward errors together (Burg 1967).
+//!
+//! Shared by autoregressions, partial autocorrelations and the search coordinates of ARMA fits. |κ|
+//! < 1 at every order is what makes a predictor stable; neither Burg's κ nor those of sample
+//! autocovariances exceed 1.
 
 use crate::screening::record::dot;
 
@@ -27,6 +31,8 @@ impl Predictor {
 
     /// The next partial autocorrelation, from the autocovariances γ_0 … γ_{p+1}; NaN where nothing is
     /// left to predict or a lag is missing.
+    ///
+    /// `covariance[k]` is γ_k \[unit²\].
     pub(crate) fn reflection(&self, covariance: &[f64]) -> f64 {
         let lag = self.phi.len() + 1;
         let (Some(&next), true) = (covariance.get(lag), self.variance != 0.0) else {
@@ -38,6 +44,8 @@ impl Predictor {
     }
 
     /// Durbin's step: one order more, with this partial autocorrelation.
+    ///
+    /// O(p).
     pub(crate) fn extend(&mut self, reflection: f64) {
         let turned: Vec<f64> = self.phi.iter().rev().copied().collect();
         for (c, r) in self.phi.iter_mut().zip(&turned) {

@@ -9,6 +9,14 @@
 //!
 //! Likelihoods here are evaluated at several points for little more than one, so gradients by differences ask
 //! for all of theirs at once.
+//!
+//! Two ways of use, chosen by [`Scales::curved`]: ARMA coordinates have unit scale, so that a
+//! search starts from the unit metric; logarithms of composite terms differ in curvature by orders
+//! of magnitude, so that second differences make the first metric. Values of +∞ are walls: a line
+//! search steps back from them, differences into them count as flat. A NaN counts as +∞.
+//!
+//! Local: it ends in an optimum near its start, so that finding the global one depends on the
+//! starts.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -37,7 +45,9 @@ const NEAR: f64 = 1e-2;
 /// A point and its value.
 #[derive(Clone, Debug)]
 pub(crate) struct Point {
+    /// Coordinates, within the edge of [`Scales`].
     pub(crate) z: Vec<f64>,
+    /// Value of the function there.
     pub(crate) value: f64,
     /// The predicted remaining decrease was below the tolerance.
     pub(crate) converged: bool,
@@ -62,15 +72,22 @@ pub(crate) type Gradient<'a> = dyn Fn(&[f64]) -> Option<Vec<f64>> + 'a;
 
 /// A function of several points at once, which may be cheaper than one after the other. Counts
 /// evaluations and turns NaN into +∞.
+///
+/// The function is minimised: callers pass negative log-likelihoods. Every call checks for an
+/// interrupt, so a search can be cancelled.
 pub(crate) struct Objective<'a> {
+    /// Values at several points of one dimension.
     function: &'a dyn Fn(&[Vec<f64>]) -> Vec<f64>,
+    /// Exact gradient, where one is known.
     gradient: Option<&'a Gradient<'a>>,
+    /// Steps and limits of this search.
     scales: Scales,
     /// Evaluations so far.
     pub(crate) evaluations: usize,
 }
 
 impl<'a> Objective<'a> {
+    /// Gradients by differences; see [`Self::with_gradient`].
     pub(crate) fn new(function: &'a dyn Fn(&[Vec<f64>]) -> Vec<f64>, scales: Scales) -> Self {
         Self {
             function,
@@ -112,6 +129,9 @@ impl<'a> Objective<'a> {
     }
 
     /// Gradient: where it is not known by differences.
+    ///
+    /// `value` is the value at `z`, needed by forward differences; `central` costs 2n evaluations
+    /// instead of n.
     pub(crate) fn gradient(&mut self, z: &[f64], value: f64, central: bool) -> DVector<f64> {
         let known = self.gradient.and_then(|of| of(z));
         known.map_or_else(|| self.differences(z, value, central).0, DVector::from_vec)
@@ -169,6 +189,8 @@ impl<'a> Objective<'a> {
     ///
     /// 2n values beside the point are given; n (n − 1) more, at the corners of each pair of coordinates, are
     /// computed here.
+    ///
+    /// Of a negative log-likelihood at its minimum this is the observed information.
     pub(crate) fn second_differences(
         &mut self,
         z: &[f64],
@@ -194,6 +216,9 @@ impl<'a> Objective<'a> {
     }
 
     /// Goes from `here` along `direction`, of `slope` below zero, by at most `share` of it.
+    ///
+    /// Returns the point and value at the end of the line search: not below the start where 25
+    /// tries have not helped, which the caller must check.
     pub(crate) fn line(
         &mut self,
         here: &Point,
@@ -222,6 +247,8 @@ impl<'a> Objective<'a> {
 /// The best end of the searches from the `count` best of the starts, if any has a finite value.
 ///
 /// `None` where no start has a finite value. Ends at which the tolerance was not met count as well.
+///
+/// Deterministic: equal values keep the order of the starts.
 pub(crate) fn best_of(
     objective: &mut Objective,
     starts: Vec<Vec<f64>>,
@@ -245,6 +272,10 @@ pub(crate) fn moved(z: &[f64], coordinate: usize, by: f64) -> Vec<f64> {
 }
 
 /// BFGS from `start` until the predicted decrease is below `tolerance` or `iterations` are spent.
+///
+/// The end has `converged` set where the predicted decrease ½ gᵀB g fell below `tolerance`, and
+/// carries its inverse Hessian, from which a later search or a standard error may go on. `n` = 0
+/// counts as converged. Each iteration costs one gradient and one to 25 values.
 pub(crate) fn bfgs(
     objective: &mut Objective,
     start: &Point,
@@ -348,6 +379,9 @@ fn backtrack(mut at: impl FnMut(f64) -> f64, value: f64, slope: f64, longest: f6
 /// BFGS update of an inverse Hessian for a step `s` along which the gradient changed by `y`; left out
 /// where the curvature is not positive. With `scale`, what is known so far is first scaled to the
 /// curvature along the step (Nocedal & Wright, equation 6.20).
+///
+/// `s` and `y` keep sᵀy > 0 for a positive definite metric (the curvature condition); a step on
+/// which that fails is not used.
 fn update(inverse: &mut DMatrix<f64>, s: &DVector<f64>, y: &DVector<f64>, scale: bool) {
     let (sy, yy, ss) = (s.dot(y), y.norm_squared(), s.norm_squared());
     if sy.is_nan() || sy <= 1e-10 * (ss * yy).sqrt() {

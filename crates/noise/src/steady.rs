@@ -16,6 +16,13 @@
 //!
 //! Why not the plain filter: a search evaluates a record many times, and the recursion waits for its own result
 //! at every sample. Pieces from zero do not wait for one another.
+//!
+//! Called by [`crate::arma`] for records with gaps (orders up to 6) and by [`crate::composite`] for
+//! every model that has a steady state. Cost: O(r) a sample with the companion form, O(r²) without,
+//! plus O(r³) a piece while the start is still seen; r is the constant N of the types.
+//!
+//! What it assumes: a model that does not change in time, the same for all samples of the record. A
+//! time-varying filter (gates, varying intervals) has no steady state and does not belong here.
 
 mod matrix;
 mod pieces;
@@ -31,8 +38,11 @@ const FORGOTTEN: f64 = 1e-15;
 /// A model in steady state, variances in units of V.
 #[derive(Clone, Debug)]
 pub(crate) struct Innovations<const N: usize> {
+    /// Transition F of the state over one sample.
     pub(crate) f: Matrix<N>,
+    /// Output H: the sample is H x plus a noise of its own.
     pub(crate) h: Vector<N>,
+    /// Steady gain K of x̂ ← F x̂ + K v.
     pub(crate) gain: Vector<N>,
     /// Driving noise of a missing sample.
     pub(crate) q: Matrix<N>,
@@ -43,10 +53,16 @@ pub(crate) struct Innovations<const N: usize> {
 /// Sums over a record; o is the same filter's error for a record of ones. Squares are \[unit²\], the determinant is less n log V.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
+    /// Σ v²/V times V: the sum of squares of the record's innovations, each over its relative
+    /// variance.
     pub(crate) squares: f64,
+    /// Σ v o, for the generalised least squares of the level \[unit\].
     pub(crate) cross: f64,
+    /// Σ o²; level = cross/ones, and its variance is V/ones.
     pub(crate) ones: f64,
+    /// Σ ln (variance of a sample / V).
     pub(crate) log_determinant: f64,
+    /// Samples that are not missing.
     pub(crate) present: usize,
 }
 
@@ -61,21 +77,31 @@ struct Series<const N: usize> {
 }
 
 /// The state of a pass over a record: sums, what the state before the record is still seen by, and the two series.
+///
+/// Invariant: `record.x` is the state of the steady filter at the present sample, started from zero
+/// at the first sample; e, by which the process differs from it beyond the steady state's error, has
+/// the mean m and the covariance Δ at the start of the stretch. b, M and Aᵏ gather what the stretch
+/// shows of it; [`Walk::close`], before a missing sample and at the end, makes use of them.
 struct Walk<'a, const N: usize> {
     model: &'a Innovations<N>,
+    /// Products for pieces of every length, built once a record.
     tables: &'a Tables<N>,
     record: Series<N>,
     ones: Series<N>,
+    /// Δ = P − P∞ at the start of the stretch; not necessarily positive.
     delta: Matrix<N>,
     /// M of the stretch, and Aᵏ over it.
     information: Matrix<N>,
     reach: Matrix<N>,
+    /// Aᵏ has vanished: the rest of the stretch is the steady filter's alone.
     forgotten: bool,
     sums: Sums,
 }
 
 /// The sums over a record about `centre`, from a state of covariance `p0` (in units of V). NaN is a missing sample.
 /// None where the model leaves no positive variance.
+///
+/// `centre` \[unit\] is taken off every sample first. Samples are finite or NaN.
 pub(crate) fn sums<const N: usize>(
     record: &[f64],
     centre: f64,
@@ -138,6 +164,8 @@ impl<const N: usize> Walk<'_, N> {
     }
 
     /// Goes on over `length` samples that are all there.
+    ///
+    /// `piece` is its summary from a state of zeros; the true start enters by `powers` and `grams`.
     fn piece(&mut self, length: usize, piece: &Summary<N>) {
         let tables = self.tables;
         let (power, gram) = (&tables.powers[length], &tables.grams[length]);
@@ -174,6 +202,8 @@ impl<const N: usize> Walk<'_, N> {
     }
 
     /// Ends a stretch: what it says of e.
+    ///
+    /// `None` where `I + M Δ` is singular or has no positive determinant.
     fn close(&mut self) -> Option<()> {
         let m = self.information;
         let away = |series: &Series<N>| -> Vector<N> {
@@ -209,6 +239,8 @@ impl<const N: usize> Walk<'_, N> {
     }
 
     /// Goes over a missing sample.
+    ///
+    /// The state is predicted without a sample: P grows by one step of the driving noise.
     fn skip(&mut self) -> Option<()> {
         self.close()?;
         let Innovations { f, q, p, .. } = self.model;

@@ -101,6 +101,19 @@ impl NoiseGenerator {
     }
 
     /// Fills `out` with the next samples [rad/s or m/s²].
+    ///
+    /// As many calls of [`Self::sample`]:
+    ///
+    /// ```
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// use undrift_noise::synthesis::NoiseGenerator;
+    /// let process = ShapingFilter::gauss_markov(1e-3, 0.5, 0.01)?;
+    /// let (mut a, mut b) = (NoiseGenerator::new(&process, 7), NoiseGenerator::new(&process, 7));
+    /// let mut samples = [0.0; 3];
+    /// a.fill(&mut samples);
+    /// assert_eq!(samples, [b.sample(), b.sample(), b.sample()]);
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn fill(&mut self, out: &mut [f64]) {
         for slot in out {
             *slot = self.sample();

@@ -192,6 +192,15 @@ impl CompositeTerms {
     ///
     /// # Errors
     /// A term or the interval is negative or not finite.
+    ///
+    /// ```
+    /// use undrift_noise::composite::CompositeTerms;
+    /// // A walk of K over T has the step variance K²T, white noise of density N the sample variance N²/T.
+    /// let terms = CompositeTerms { white: 0.1, random_walk: 2.0, ..CompositeTerms::default() };
+    /// let filter = terms.to_shaping(0.01)?;
+    /// assert!((filter.q[0][0] - 0.04).abs() < 1e-15 && (filter.r - 1.0).abs() < 1e-12);
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub fn to_shaping(&self, interval: f64) -> Result<ShapingFilter, ShapingError> {
         let mut sum = ShapingFilter::white(self.white, interval)?;
         let (processes, walk) = self.slow();
@@ -209,6 +218,15 @@ impl CompositeTerms {
     }
 
     /// The set of terms that are present, to fit them again.
+    ///
+    /// ```
+    /// use undrift_noise::composite::{CompositeTerms, GaussMarkov};
+    /// let process = GaussMarkov { sigma: 1e-4, tau_s: 100.0 };
+    /// let gauss_markov = [process, GaussMarkov::default()];
+    /// let terms = CompositeTerms { white: 1e-3, gauss_markov, ..CompositeTerms::default() };
+    /// let set = terms.set();
+    /// assert_eq!((set.white, set.gauss_markov, set.parameters()), (true, 1, 3)); // N, σ and τ.
+    /// ```
     pub fn set(&self) -> TermSet {
         TermSet {
             white: self.white != 0.0,

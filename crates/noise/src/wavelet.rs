@@ -176,12 +176,29 @@ pub fn random_walk_variance(k: f64, m: usize, interval: f64) -> f64 {
 
 /// Mean square \[unit²\] of the wavelet coefficients of a drift `rate` [unit/s] at scale `scale_s`
 /// \[s\]: R²τ²/4.
+///
+/// It grows with τ² where all noise grows with τ at most, so a drift shows in the longest scales
+/// alone.
+///
+/// ```
+/// use undrift_noise::wavelet::drift_variance;
+/// // A ramp of 2 a second: means of 3 s differ by 6, the coefficient is half of that.
+/// assert_eq!(drift_variance(2.0, 3.0), 9.0);
+/// ```
 pub fn drift_variance(rate: f64, scale_s: f64) -> f64 {
     0.25 * (rate * scale_s) * (rate * scale_s)
 }
 
 /// Wavelet variance \[unit²\] of a Gauss-Markov process sampled every `interval` \[s\] at a scale of `m`
 /// samples: closed form, a series where m T is below half of τ; exact at any ratio.
+///
+/// ```
+/// use undrift_noise::{composite::GaussMarkov, wavelet::gauss_markov_variance};
+/// // Over 1000 correlation times it is white noise of density² 2σ²τ: σ²τ/T.
+/// let process = GaussMarkov { sigma: 1.0, tau_s: 1.0 };
+/// let long = gauss_markov_variance(&process, 100_000, 0.01);
+/// assert!((long / 1e-3 - 1.0).abs() < 0.01);
+/// ```
 pub fn gauss_markov_variance(process: &GaussMarkov, m: usize, interval: f64) -> f64 {
     if process.sigma == 0.0 {
         return 0.0;

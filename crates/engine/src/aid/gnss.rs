@@ -12,6 +12,9 @@ use undrift_nav::{
 
 /// Observation of a position that holds at `due` \[s\]; the filter is there or after it. Standard deviation `correlated` of the
 /// time-correlated part of its error \[m\].
+///
+/// Rows are those of docs/lab/measurement-rows.md; a baseline's in the base station's frame by
+/// C_n^m.
 pub(super) fn observe_position<const N: usize>(
     filter: &Filter<N>,
     position: &Position,
@@ -32,6 +35,8 @@ pub(super) fn observe_position<const N: usize>(
 }
 
 /// Observation of a velocity `v_n` \[m/s\], north, east, down, in the same way as [`observe_position`].
+///
+/// The turn of the lever arm since then is not taken back: over a latency it is small.
 pub(super) fn observe_velocity<const N: usize>(
     filter: &Filter<N>,
     v_n: &Vector3,

@@ -2,6 +2,10 @@
 //!
 //! Gyros and accelerometers of an alignment are as good as their models say: what a mean of white noise
 //! scatters by, what a bias has gathered since a rest, and how large it may be before anything is known of it.
+//!
+//! "Axes" are shaping filters: r the variance of a sample's white noise \[unit²\], q of the drive
+//! of the states, p0 the covariance before the first sample, h the output row. Three gyros or three
+//! accelerometers are given as a slice.
 
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
@@ -21,6 +25,8 @@ const LASTS: f64 = 60.0;
 
 /// Variance of the mean of white noise over `duration` \[s\], the largest of the axes.
 /// `r T` is the squared density N² \[unit²·s\], so it is N² over the duration.
+///
+/// \[unit²\]; the duration is in seconds and above 0.
 pub(super) fn noise_of_mean(axes: &[ShapingFilter], duration: f64) -> f64 {
     axes.iter().map(|a| a.r * a.interval).fold(0.0, f64::max) / duration
 }
@@ -42,6 +48,8 @@ pub(super) fn walk(axes: &[ShapingFilter], duration: f64) -> f64 {
 }
 
 /// Variances of the biases before the first sample \[unit²\], no less than a floor \[unit\].
+///
+/// H P₀ Hᵀ, the turn-on constant and a stationary process among it.
 pub(super) fn bias_variances(axes: &[ShapingFilter], floor: f64) -> Vector3 {
     Vector3::from_fn(|axis, _| {
         let filter = &axes[axis];
@@ -57,6 +65,9 @@ pub(super) fn bias_variances(axes: &[ShapingFilter], floor: f64) -> Vector3 {
 
 /// Excess of the mean specific force of a rest of `duration` \[s\] over gravity \[m/s²\], where that is more than the
 /// accelerometers' model has.
+///
+/// \[m/s²\], with its sign; the limit is three standard deviations of constants (at least 0.02
+/// m/s²) and white noise.
 pub(super) fn force_excess(
     accel: &[ShapingFilter],
     force: &Vector3,

@@ -64,6 +64,10 @@ impl fmt::Display for Stamps {
 }
 
 /// `time` \[s\] rounded to the millisecond, for messages.
+///
+/// ```
+/// assert_eq!(undrift_engine::align::rounded(12.345_678), 12.346);
+/// ```
 pub fn rounded(time: f64) -> f64 {
     (time * 1e3).round() / 1e3
 }

@@ -3,6 +3,10 @@
 //! What lies between two fixes is a [`Preintegrated`] motion: turn, change of velocity and of place with their
 //! derivatives by the gyro bias, so that a search may try another bias without going through the samples again.
 //! It is linear about the bias that it was made with.
+//!
+//! Preintegration: Lupton & Sukkarieh 2012; Forster, Carlone, Dellaert & Scaramuzza 2017. Gravity
+//! and the Earth's rate are not in it: they depend on the attitude sought, and [`super::wahba`]
+//! adds them.
 
 use super::sightings::Sighting;
 use crate::estimator::STAMP_ROUNDING;
@@ -15,6 +19,7 @@ const MOVES: f64 = 0.5;
 /// Motion from the fix before to this one.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Segment {
+    /// In body axes at the segment's start.
     pub(super) motion: Preintegrated,
     /// Angular rate at the end [rad/s].
     pub(super) omega_b: Vector3,
@@ -34,6 +39,8 @@ impl Segment {
 
 /// The segments between the fixes that are at least `spacing` \[s\] apart, the last one in any case; the first one has no
 /// length and holds the fix of the start. `gyro` is the gyro bias about which it is linear [rad/s].
+///
+/// Empty where no fix is within the samples. O(samples + fixes).
 pub(super) fn segments<'a>(
     samples: impl Iterator<Item = &'a ImuSample>,
     fixes: impl Iterator<Item = &'a Sighting>,

@@ -3,6 +3,9 @@
 //! Positions state what they are wrong by in all; what a window needs is what they scatter by from one to the
 //! next, since an error that is common to all of them moves the window as a whole. Where the positions show
 //! that scatter, it is taken, but never more than stated.
+//!
+//! Frames: `place` is in n at the first fix, north-east-down \[m\]; velocities in n at the fix;
+//! over a window of a minute the difference of these frames is far below the noise.
 
 use crate::{
     derived::{antenna, white_variance},
@@ -21,6 +24,7 @@ const NOTHING: f64 = 1e6;
 /// What a fix says of the antenna.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sighting {
+    /// When it holds, by its stamp and the delay assumed \[s\].
     pub(super) time: f64,
     /// Velocity [m/s]; where positions are what is measured, about.
     pub(super) v_n: Vector3,
@@ -32,6 +36,10 @@ pub(super) struct Sighting {
 
 /// What the fixes of a window say: their velocities, or of positions `alone` their places, with the variance that they show by
 /// their scatter times `looser`, at most what they state.
+///
+/// `looser` is 1, 10 or 100 ([`super::motion`]). Velocities about a position are read from the
+/// fixes up to 1.1 s on either side; they serve for the spread, the Coriolis terms and a first
+/// guess, not as measurements.
 pub(super) fn sightings(fixes: &VecDeque<GnssFix>, alone: bool, looser: f64) -> Vec<Sighting> {
     if !alone {
         let velocity = |fix: &GnssFix| {
@@ -81,6 +89,9 @@ pub(super) fn sightings(fixes: &VecDeque<GnssFix>, alone: bool, looser: f64) -> 
 
 /// Positions that hold `late` \[s\] after their stamps, those after the window's `end` \[s\] excluded; the last sighting is
 /// that end, without information.
+///
+/// The end has to stay where the window ends, since that is where the filter begins; its variance
+/// of 10¹² m² says nothing.
 pub(super) fn held_late(seen: &[Sighting], late: f64, end: f64) -> Vec<Sighting> {
     let held = seen.iter().map(|of| Sighting {
         time: of.time + late,

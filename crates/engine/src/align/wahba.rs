@@ -13,6 +13,14 @@
 //! time by which it is late are states of that filter, too. All is linear about one trajectory, so
 //! nothing becomes certain by moving the point of linearisation, as in an extended filter that starts
 //! with a wide heading.
+//!
+//! Unknowns, nine in this order: attitude error at the start in body axes \[rad\], gyro bias
+//! [rad/s], accelerometer bias [m/s²]. Residuals: three a fix, whitened. Cost of one linearisation
+//! O(segments · S²), S = 6 or 13 states. It fails, with more than one minimum or none, where the
+//! window has too little change of velocity: a straight drive at constant speed fits any heading.
+//!
+//! Used by [`super::motion`] alone. It holds no state between calls: the same window gives the same
+//! result.
 
 mod whitening;
 
@@ -68,6 +76,9 @@ pub(super) struct Minimum {
 }
 
 /// Everything but the guess.
+///
+/// Valid for windows of a minute or so: gravity and the Earth's rate are taken at one place, the
+/// biases as constant.
 pub(super) struct Problem<'a> {
     /// Segments in order of time; the first one is the start.
     pub(super) segments: &'a [Segment],
@@ -91,6 +102,9 @@ pub(super) struct Problem<'a> {
 }
 
 /// The end of a window.
+///
+/// The covariance is of all that the filter takes over; it has not been scaled by the fit of the
+/// residuals yet.
 pub(super) struct End {
     /// Body to navigation.
     pub(super) q_nb: Quaternion,
@@ -99,6 +113,7 @@ pub(super) struct End {
     /// Where the segments have positions: that of the IMU against their origin \[m\], and by how much fixes hold later
     /// than the segments have it, with its variance \[s, s²\].
     pub(super) by_position: Option<(Vector3, (f64, f64))>,
+    /// In the order velocity, attitude, gyro bias, accelerometer bias.
     pub(super) covariance: EndCovariance,
 }
 
@@ -110,6 +125,8 @@ impl Problem<'_> {
     /// A guess at the start of the window, with the priors of the biases; `gyro` is the mean of the gyro prior.
     ///
     /// The priors of the biases are residuals like the others; the attitude has none.
+    ///
+    /// `effect` begins as the identity between attitude parameters and attitude states.
     fn start<const S: usize>(&self, guess: &Guess, gyro: &Vector3) -> Linearised<S> {
         let mut at = Linearised {
             cost: 0.0,
@@ -243,6 +260,8 @@ impl Problem<'_> {
     ///
     /// The covariance has two parts: what the parameters are uncertain by, through their effect on the end, and
     /// what has wandered since.
+    ///
+    /// `None` where the information matrix is singular.
     fn end_of<const S: usize>(&self, guess: &Guess) -> Option<End> {
         let linear = self.linearise::<S>(guess, self.segments.len(), &self.gyro.0);
         let parameters = linear.information.try_inverse()?;
@@ -330,6 +349,8 @@ impl Problem<'_> {
     }
 
     /// A solution improved on the whole window.
+    ///
+    /// From the guess given: local, a few linearisations.
     pub(super) fn refine(&self, guess: &Guess) -> Minimum {
         self.improve(guess, self.segments.len(), &self.gyro.0)
     }
@@ -340,6 +361,9 @@ impl Problem<'_> {
     /// twelve headings, and where the window could turn by it three gyro biases about the vertical. Each start
     /// is improved on a quarter of the window, then on half, then on all of it; those that have reached the
     /// same minimum go on as one.
+    ///
+    /// Empty where the specific force of the first two seconds vanishes. `cost` of the first two
+    /// show how far ahead the best is: [`super::motion`] asks for 25.
     pub(super) fn solve(&self) -> Vec<Minimum> {
         let n = self.segments.len();
         // The first two seconds' mean specific force in `n` and in body axes: all but the turn about it.

@@ -3,6 +3,10 @@
 //! Slip grows with the lateral acceleration, speed times yaw rate, by what the rule states of the tyres; the
 //! standard deviation to the right does, too. Groves 2013, section 15.4.1. Where the fixes show that the vehicle moves
 //! across its axis all the same, the constraint holds as much less.
+//!
+//! σ_right = right + slip · |v_x ω_z|, σ_down as configured, both times the square root of
+//! [`Slip::factor`]. The point is the axle that does not steer, at `lever` from the IMU: elsewhere
+//! a turning vehicle does move sideways.
 
 use super::constrain;
 use crate::{
@@ -44,10 +48,13 @@ impl Default for Slip {
 
 impl Slip {
     /// Factor on the variance of the constraint.
+    ///
+    /// At least 1: a vehicle that slips less than assumed does not tighten the constraint.
     fn factor(&self) -> f64 {
         (self.mean / OF_WHEELS).max(1.0)
     }
 
+    /// Mean over up to 300 updates, a minute at 0.2 s, begun with 25 of an ordinary car.
     fn add(&mut self, squared: f64) {
         self.updates = (self.updates + 1.0).min(AVERAGED);
         self.mean += (squared - self.mean) / self.updates;
@@ -55,6 +62,9 @@ impl Slip {
 }
 
 /// Updates with what wheels do not do; `aided` is whether fixes show the velocity.
+///
+/// Learned only while `aided`: without fixes the innovation would say how the solution drifts, not
+/// how the wheels slip.
 pub(super) fn update(
     filter: &mut dyn Estimator,
     rule: &NonHolonomic,

@@ -3,6 +3,11 @@
 //! A vehicle that starts so softly that its sensors stay quiet is the case that hurts: a rest that GNSS does
 //! not confirm has ten times the standard deviation, and one after which the solution already moves by more
 //! than chance (χ² of three at 10⁻⁴) is taken for a start and not used.
+//!
+//! Two observations a block: v_n = 0, three numbers with the configured standard deviation [m/s];
+//! and the mean rate of the block, which is the Earth's plus the gyros' errors, with σ² =
+//! N²/T_block + the configured one squared [rad²/s²]. The first ties velocity and tilt, the second
+//! the gyro bias.
 
 use super::{constrain, isotropic};
 use crate::{
@@ -25,6 +30,9 @@ const REJECT_REST: f64 = 21.1;
 /// What the sensors should read at rest: rate \[rad/s\] and specific force \[m/s²\].
 ///
 /// Their predicted errors, the Earth's rate, and the reaction to gravity in the attitude of the solution.
+///
+/// Rate in body axes: predicted gyro error + C_n^b ω_ie; force: predicted accelerometer error −
+/// C_n^b g.
 pub(crate) fn readings(filter: &dyn Estimator) -> (Vector3, Vector3) {
     let error = filter.sensor_error();
     let [gyro, accel] = [0, 3].map(|i| Vector3::new(error[i], error[i + 1], error[i + 2]));
@@ -36,6 +44,8 @@ pub(crate) fn readings(filter: &dyn Estimator) -> (Vector3, Vector3) {
 }
 
 /// Normalised innovation squared of a rest, by the diagonal of the velocity's covariance.
+///
+/// Without correlations between axes: a rough test, three degrees of freedom.
 pub(crate) fn nis_of_rest(filter: &dyn Estimator, std: f64) -> f64 {
     let (v_n, sigma) = (&filter.nav().v_n, filter.nav_std());
     let term = |i: usize| v_n[i].powi(2) / (sigma[3 + i].powi(2) + std * std);
@@ -43,6 +53,9 @@ pub(crate) fn nis_of_rest(filter: &dyn Estimator, std: f64) -> f64 {
 }
 
 /// Updates at the end of a block; whether the vehicle stood.
+///
+/// `stood` is whether the block before was a rest that was used at full weight. A start that is
+/// recognised keeps it set, so that the next block is judged as strictly.
 pub(crate) fn update(
     filter: &mut dyn Estimator,
     block: &RestBlock,

@@ -3,6 +3,16 @@
 //! The filter is generic in its number of states; a navigator is not. Each size is compiled once, and the
 //! smallest that holds the states is chosen, since the time of an update grows with the square of the size: 16
 //! hold navigation and one state an axis.
+//!
+//! What calls it: [`build`](super::build) and [`Estimator::with_lasting`], which make filters;
+//! everything else holds a `Box<dyn Estimator>`. Here only three things are more than a call passed
+//! on: recording and logging of updates ([`Erased::take_in`]), the observation of a window of
+//! motion ([`Estimator::update_window`]), and the change of size when states are added or removed.
+//!
+//! Sizes and cost: an update with m numbers costs O(m N²), a prediction O(N²) for the states that
+//! are in use (the navigation block has a fixed width); memory is one N × N covariance. A virtual
+//! call costs nothing beside that. It may not add physics: equations belong to `undrift_nav`, so
+//! that every user of the filter has the same.
 
 use super::{Adjoint, Channel, Estimator, LogTo, Logged, LoggedUpdate};
 use crate::aid::{Aiding, Observed, STAMP_ROUNDING, observe};
@@ -24,6 +34,8 @@ use undrift_nav::{
 };
 
 /// What a filter is made of.
+///
+/// Both give the same kind of filter; the second keeps what was estimated so far.
 #[expect(
     clippy::large_enum_variant,
     reason = "passed on once, when a filter is made"
@@ -65,6 +77,9 @@ pub(super) fn sized(states: usize, start: Initial) -> Result<Box<dyn Estimator>,
 }
 
 /// The filter at one size.
+///
+/// # Errors
+/// [`FilterError::TooManyStates`] where the states exceed N; as [`sized`].
 fn build_sized<const N: usize>(start: Initial) -> Result<Box<dyn Estimator>, FilterError> {
     let filter = match start {
         Initial::New(nav, std, sensors, parameters) => {
@@ -82,10 +97,14 @@ fn build_sized<const N: usize>(start: Initial) -> Result<Box<dyn Estimator>, Fil
 }
 
 /// A filter behind [`Estimator`], with what is recorded of it.
+///
+/// Tape: transitions, updates and their adjoints since it was begun (see [`Tape`]); its cost is a
+/// product of N × N matrices a step, which is why it runs only for smoothers and tuning.
 struct Erased<const N: usize> {
     filter: Filter<N>,
     /// Since the last call of `record`, or since the last update that was logged.
     tape: Option<Box<Tape<N>>>,
+    /// Receiver of the updates; with it the tape is begun again at each update.
     log: Option<LogTo>,
 }
 
@@ -93,6 +112,11 @@ impl<const N: usize> Erased<N> {
     /// Updates with one observation, recorded or logged as asked for.
     ///
     /// `noise` has three rows and columns; the leading M count.
+    ///
+    /// `channel` is for the log only. A rejected update changes neither filter nor tape.
+    ///
+    /// # Errors
+    /// As [`Filter::update`]; the filter is then as it was.
     fn take_in<const M: usize>(
         &mut self,
         channel: Channel,
@@ -112,6 +136,10 @@ impl<const N: usize> Erased<N> {
     }
 
     /// Updates and gives the log the update with the transition since the one before: the tape begins again at each.
+    ///
+    /// The correction that is logged is P Hᵀ S⁻¹ ν with the covariance before the update, n
+    /// numbers; the rotation part of it begins the new tape, since the misalignment is measured
+    /// against the corrected attitude from then on.
     fn take_in_logged<const M: usize>(
         &mut self,
         channel: Channel,
@@ -160,6 +188,7 @@ impl<const N: usize> Estimator for Erased<N> {
         self.filter.states()
     }
 
+    /// A view, not a copy: N × N, column-major, symmetric.
     fn covariance(&self) -> DMatrixView<'_, f64> {
         DMatrixView::from_slice(self.filter.covariance().as_slice(), N, N)
     }
@@ -236,6 +265,7 @@ impl<const N: usize> Estimator for Erased<N> {
         self.filter.begin(sample);
     }
 
+    /// `time` \[s\] within the sample taken up, to [`STAMP_ROUNDING`].
     fn advance(&mut self, time: Option<f64>) {
         let filter = &mut self.filter;
         match (time, self.tape.as_deref_mut()) {
@@ -266,6 +296,7 @@ impl<const N: usize> Estimator for Erased<N> {
         self.filter.inflate_missed_motion(turn, velocity);
     }
 
+    /// Predicted less measured; of one or two numbers the rest of the three is 0.
     fn innovation(&self, aiding: &Aiding) -> Option<Vector3> {
         Some(match observe(&self.filter, aiding)? {
             Observed::One(observed) => Vector3::new(observed.innovation[0], 0.0, 0.0),
@@ -289,6 +320,10 @@ impl<const N: usize> Estimator for Erased<N> {
         }
     }
 
+    /// The map from the filter's errors to those of the window: velocity changes its sign (the
+    /// window has truth less estimate), misalignment about north, east, down goes to body axes by
+    /// C_n^b, the sensors' states to the errors that they make by H. Measurement noise is the
+    /// identity, the gate open.
     fn update_window(&mut self, rows: &SMatrix<f64, 12, 12>) -> Result<(), FilterError> {
         // From the filter's errors to those of the window.
         let mut map = SMatrix::<f64, 12, N>::zeros();
@@ -312,6 +347,7 @@ impl<const N: usize> Estimator for Erased<N> {
             .map(drop)
     }
 
+    /// The order is that of the error state; a short slice leaves the states behind it as they are.
     fn apply_correction(&mut self, error: &[f64]) {
         let error = |i: usize, _| error.get(i).copied().unwrap_or(0.0);
         self.filter.apply_correction(&SVector::from_fn(error));
@@ -368,6 +404,7 @@ impl<const N: usize> Estimator for Erased<N> {
         self.filter.numbers(each);
     }
 
+    /// Neither tape nor log is copied: a copy is for looking ahead, or for a snapshot.
     fn boxed(&self) -> Box<dyn Estimator> {
         Box::new(Self {
             filter: self.filter.clone(),
@@ -384,6 +421,8 @@ impl<const N: usize> Estimator for Erased<N> {
         self.filter.renew(kind, std);
     }
 
+    /// States of the correlated errors of fixes are added or removed; all other estimates and
+    /// covariances are carried over.
     fn with_lasting(
         &self,
         lasting: &[Option<Lasting>; 2],

@@ -1,6 +1,11 @@
 //! Fixes in order of time, as they are looked at.
 //!
 //! The study needs them of one kind: those with position and velocity, or where no fix has a velocity, all positions.
+//!
+//! Positions become a path in metres, north, east, down, summed from fix to fix: each step is
+//! measured in the local frame of its beginning, so that the path of a long drive has no distortion
+//! by the Earth's curvature over one step. Velocities are kept as measured. No fix is interpolated,
+//! and none is rejected here: medians in [`super`] do without that.
 
 use alloc::{vec, vec::Vec};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -14,17 +19,21 @@ use undrift_nav::{
 #[derive(Clone, Copy)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Seen {
+    /// Stamp \[s\].
     pub(super) time: f64,
+    /// Geodetic, or a baseline in the base station's frame.
     pub(super) position: Position,
-    /// Stated variances of the position.
+    /// Stated variances of the position, north, east, down \[m²\].
     pub(super) stated: Vector3,
-    /// The velocity and its stated variances.
+    /// Velocity north, east, down [m/s] and its stated variances [m²/s²].
     pub(super) velocity: Option<(Vector3, Vector3)>,
 }
 
 impl Seen {
     /// Position and velocity of a fix; `None` of one without a position.
     /// Nor of one with a variance that is not positive and finite.
+    ///
+    /// Off-diagonal elements of the covariances are not used: the study goes axis by axis.
     pub(super) fn from_fix(fix: &GnssFix) -> Option<Self> {
         let (position, r) = fix.position?;
         let seen = Self {
@@ -40,6 +49,9 @@ impl Seen {
 }
 
 /// Fixes in order of time: those with position and velocity, or, where none has a velocity, all with a position.
+///
+/// All vectors but `velocity` and `stated_velocity` have one entry a fix; those two have as many or
+/// are empty.
 #[derive(Default)]
 pub(super) struct Track {
     pub(super) time: Vec<f64>,
@@ -55,6 +67,7 @@ pub(super) struct Track {
 }
 
 impl Track {
+    /// The metres a unit are those of the last fix.
     pub(super) fn from_fixes<'a>(fixes: impl Iterator<Item = &'a Seen> + Clone) -> Self {
         let by_velocity = fixes.clone().any(|fix| fix.velocity.is_some());
         let mut track = Self::default();
@@ -93,6 +106,10 @@ impl Track {
 
     /// Positions less the integral of the velocities \[m\], with the four-point rule where intervals are even
     /// (Abramowitz & Stegun 25.4.15).
+    ///
+    /// `interval` is the usual one \[s\]; three intervals within a tenth of it use the four-point
+    /// rule, others the trapezoidal one. The result begins at the first position. Its noise is that
+    /// of the positions plus the integrated error of the velocities.
     pub(super) fn less_velocity(&self, interval: f64) -> Vec<Vector3> {
         let (t, v) = (&self.time, &self.velocity);
         let even = |k: usize| ((t[k + 1] - t[k]) / interval - 1.0).abs() < 0.1;

@@ -31,6 +31,8 @@ pub(crate) struct FixWatch {
 
 impl FixWatch {
     /// Takes in a fix that repeats none before; what all of them show, where it is time to look.
+    ///
+    /// `None` between looks, after 20 000 fixes, and of a fix without usable variances.
     pub(crate) fn next(&mut self, fix: &GnssFix) -> Option<FixStudy> {
         let count = BLOCK * self.full.len() + self.last.len();
         if count >= MOST {

@@ -4,6 +4,15 @@
 //! While it goes on the navigator runs in the sensor's axes at the antenna: the lever arm is zero, and what
 //! ties the vehicle's axes to its motion (no slip, course as heading) is off. A mounting is taken once pitch
 //! and yaw are known to 0.03 rad, to 0.015 rad where such constraints follow and nothing estimates the rest.
+//!
+//! Sequence: until a mounting is found, body axes are the sensor's and [`Search`] keeps heading,
+//! constraints and lever arm away from the navigator; then [`Search::sample`] returns a [`Turned`]
+//! once, the run turns ([`crate::run`]), and from there every sample is turned by
+//! [`Search::in_body_axes`]. Later estimates correct the axes by the difference.
+//!
+//! How a mounting is estimated is in [`super`]; this module only decides when to ask and when to
+//! believe. Yaw and pitch come from the direction of driving, roll from the mean vertical, which is
+//! soon known: the limits are on the first two.
 
 use super::{BLOCK, LONGEST_PASS, MIN_BLOCKS, Mounting, MountingError, MountingEstimator};
 use crate::{
@@ -28,8 +37,11 @@ const TRUSTED: f64 = 0.015;
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Search {
     /// What holds in the vehicle's axes.
+    ///
+    /// Put back by [`Search::apply`].
     align: AlignSettings,
     constraints: Constraints,
+    /// IMU → antenna, vehicle axes \[m\].
     lever_arm: Vector3,
     estimator: MountingEstimator,
     /// Start of the drive, and the last sample that the filter had \[s\].
@@ -39,13 +51,20 @@ pub(crate) struct Search {
     seen: f64,
     next: f64,
     /// Standard deviation of pitch and yaw from which it is taken \[rad\].
+    ///
+    /// [`USEFUL`], or [`TRUSTED`] where constraints follow without a state for the rest.
     limit: f64,
+    /// The last mounting that was taken.
     found: Option<Mounting>,
+    /// Why none has been taken so far.
     failure: MountingError,
+    /// No further look: the time is over, or constraints tie the axes to the motion.
     over: bool,
 }
 
 /// Axes that turn.
+///
+/// `turn` is q from the old to the new body axes: v_new = turn · v_old.
 pub(crate) struct Turned {
     /// What they turn to.
     pub(crate) mounting: Mounting,
@@ -58,6 +77,8 @@ pub(crate) struct Turned {
 impl Search {
     /// Where it is asked for; what the settings know of the vehicle's axes is kept until there are such. Not beside nodes
     /// or a log of the updates, whose states stay the same.
+    ///
+    /// `None` too where the settings do not ask for it; the settings are then unchanged.
     pub(crate) fn from_settings(settings: &mut Settings) -> Option<Box<Self>> {
         if !settings.find_mounting || settings.nodes.is_some() || settings.log.is_some() {
             return None;
@@ -175,6 +196,9 @@ impl Search {
     }
 
     /// A first estimate as soon as it is of use, another one each time that the driving it rests on has doubled.
+    ///
+    /// Estimates of driving that has not doubled are correlated with the one before and not worth a
+    /// turn of the axes; one of another kind, from straight driving, is.
     fn look(&mut self) -> Option<Mounting> {
         let driving = self.estimator.duration();
         if driving == self.seen {

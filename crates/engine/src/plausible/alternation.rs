@@ -71,6 +71,9 @@ impl Alternation {
     }
 
     /// The distance between the two places \[m\], if the positions alternate between two.
+    ///
+    /// `None` for fewer than 30 changes, or where the distance is within two standard deviations as
+    /// stated.
     pub(super) fn distance(&self) -> Option<f64> {
         let [one, two, square] = self.sums;
         let count = f64::from(self.count);

@@ -3,6 +3,10 @@
 //! Over windows of 2 s the way between two positions is compared with the velocities integrated over it; a
 //! window counts where the way is large against the noise of two positions. Fewer than 0.4 of them as they
 //! should be is a finding; a mistake that explains four fifths of the ways is named with it.
+//!
+//! Each mistake is a 2 × 2 matrix on the velocity, so that one pass judges all eleven. Needs
+//! geodetic positions with a velocity and at least eight windows of motion, each of more than 2 m
+//! and ten standard deviations of a position.
 
 use super::APART;
 use crate::events::{FixMend, FixMend::*, Implausible};
@@ -55,6 +59,9 @@ pub(super) struct Moves {
 
 impl Moves {
     /// Takes in a fix of this velocity.
+    ///
+    /// Velocities are integrated by the trapezoidal rule; fixes more than 2.5 s apart begin a new
+    /// window.
     pub(super) fn fix(&mut self, fix: &GnssFix, velocity: &Vector3) {
         let (time, velocity) = (fix.time, *velocity);
         let position = match &fix.position {
@@ -101,6 +108,8 @@ impl Moves {
     }
 
     /// What the moves show.
+    ///
+    /// `None` for too few windows, or where 40 % of them are as they should be.
     pub(super) fn finding(&self) -> Option<Implausible> {
         let moves = f64::from(self.moves);
         if self.moves < LEAST_MOVES || f64::from(self.sane) >= LEAST_SANE * moves {

@@ -4,6 +4,10 @@
 //! Judged only while nothing else is in doubt, and only where the horizontal part agrees with the solution:
 //! else the whole fix is in question. A rejected height keeps its place in the update with ten times its
 //! innovation as standard deviation, so that the horizontal part is used as it is.
+//!
+//! NIS here is of single axes, ν²/(r + σ²), from the diagonal of the covariances; the full gate of
+//! the position follows with the widened height. A reset inflates the height of the solution alone
+//! \[m\].
 
 use crate::{
     estimator::Estimator,
@@ -33,6 +37,8 @@ impl HeightGate {
     /// What is added to the vertical variance of a position with this innovation and covariance \[m, m²\]: nothing, unless
     /// its height alone contradicts the solution. Heights that go on doing so for `patience` \[s\] and agree with each
     /// other are followed, with all the doubt that this means for the solution's height and for nothing else.
+    ///
+    /// Called for positions in no other doubt; returns \[m²\].
     pub(super) fn judge(
         &mut self,
         filter: &mut dyn Estimator,

@@ -3,6 +3,14 @@
 //! The first turn is from the sensor's axes to the vehicle's, later ones are corrections by some degrees.
 //! State, covariance, past samples and watches turn; what was learned of single axes begins again, since it is
 //! of other axes now.
+//!
+//! Conventions: `q_vb` turns the old body axes b to the new ones v, C = C_b^v; a vector goes to C
+//! x, a covariance to C P Cᵀ, and the attitude `q_nb` to `q_nb q_vb⁻¹`, so that the navigation
+//! frame does not move. Variances of axes that were taken for independent turn by the squares of C
+//! ([`crate::vibration`], [`crate::rest`]).
+//!
+//! Which watches begin again: the course's, where axes turn for the first time, and the alignment
+//! that is under way.
 
 use super::Run;
 use crate::{course::CourseWatch, mounting::Turned, observer::Observer, settings::Settings};
@@ -12,11 +20,16 @@ use undrift_nav::{Vector3, attitude::to_rpy, earth::wrap_pi, parameters::Paramet
 
 impl Run {
     /// Whether body axes are the vehicle's, as far as the settings promise.
+    ///
+    /// True where the settings give the mounting; false until it is found where they ask to find
+    /// it.
     pub(super) fn has_vehicle_axes(&self) -> bool {
         self.search.as_ref().is_none_or(|search| search.has_found())
     }
 
     /// Looks for the mounting at the end of a sample; where it is found, all that is in body axes turns.
+    ///
+    /// Each mounting that was found is noted with its time and reported to the observer.
     pub(super) fn look_for_mounting(&mut self, observer: &mut dyn Observer) {
         let (Some(search), Some(solution)) = (&mut self.search, &self.solution) else {
             return;
@@ -34,6 +47,9 @@ impl Run {
     }
 
     /// Turns all that is in body axes by `turned`: samples, watches, vehicle, solution.
+    ///
+    /// A state of the mounting is set back to its prior, at least as wide as the new estimate is
+    /// uncertain.
     fn turn(&mut self, turned: &Turned) {
         let c = turned.turn.to_rotation_matrix().into_inner();
         if let Some(previous) = &mut self.log.previous {
@@ -77,6 +93,9 @@ impl Run {
 ///
 /// While the mounting was unknown the lever arm was taken for zero: position and velocity were the antenna's.
 /// They move by the lever arm in the attitude found, and by what it swings.
+///
+/// The lever arm l is in the new body axes \[m\]: p_imu = p_antenna − q_nb l, v_imu = v_antenna − ω
+/// × l; a state of the lever arm is made unknown again, since nothing was learned of it.
 fn from_antenna(filter: &mut dyn crate::estimator::Estimator, settings: &Settings) {
     let lever = settings.lever_arm;
     if lever == Vector3::zeros() {

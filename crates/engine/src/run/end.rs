@@ -4,6 +4,10 @@
 //! fixes, parameters whose estimates are more than five prior standard deviations from what is configured. A
 //! run that never aligned ends as [`NotAligned`], with the spans of both logs and the likeliest reason why they
 //! do not overlap.
+//!
+//! Order matters: findings of the watches first, since they hold with and without a solution; then
+//! the reason why there was no alignment; then the statistics of the solution that is left. The run
+//! is consumed: nothing can be pushed after it.
 
 use super::Run;
 use crate::{
@@ -21,6 +25,16 @@ use undrift_nav::parameters::Parameter;
 
 impl Run {
     /// The end; `later` are the stamps of measurements that were never taken in.
+    ///
+    /// | outcome | result |
+    /// |---|---|
+    /// | never aligned, no restart | [`NotAligned`]: the failure, both logs' spans, what is implausible |
+    /// | a solution at the end | summary with parameters, covariance health, gaps without fixes |
+    /// | diverged without gating, or lost and not found again | summary whose `diverged` is the time \[s\] |
+    ///
+    /// Estimates of parameters are corrections to what is configured [their unit], one entry for
+    /// each that is estimated, with standard deviations; those beyond [`crate::watch::FAR`] prior
+    /// standard deviations are listed in `far` besides, errors of fixes excepted.
     pub(crate) fn end(
         mut self,
         later: impl Iterator<Item = f64>,

@@ -8,6 +8,18 @@
 //!
 //! A fix with a latency of its own for the velocity comes twice, position and velocity each at its time: what
 //! counts fixes counts the first of the two.
+//!
+//! Times: `fix.time` is the stamp, `due` the time at which the fix holds, stamp plus estimated
+//! latency. The filter is at `due`, or later where the latency has shrunk since; [`crate::aid`]
+//! takes that span back from the prediction.
+//!
+//! | happens to the fix | counted in the summary as |
+//! |---|---|
+//! | no solution yet, or before its start | `fixes_before` |
+//! | in an outage of the settings | `withheld` |
+//! | covariance not positive definite, not finite | `bad_fixes` |
+//! | accepted, with full or less weight | `fixes` |
+//! | rejected by a gate | innovations' `rejected` |
 
 use super::{Run, begins, carries_velocity, part, pose};
 use crate::{
@@ -33,6 +45,10 @@ impl Run {
     ///
     /// # Errors
     /// The filter of a complete alignment cannot be built.
+    ///
+    /// The fix is moved to `due` before; only fixes that agree with the one before
+    /// ([`crate::receiver::Receiver::is_consistent`]) serve, and velocities only where the settings use them. On
+    /// success the watches begin again and the rest of the sample is taken up by the new filter.
     fn align(
         &mut self,
         fix: &GnssFix,
@@ -94,6 +110,12 @@ impl Run {
     /// What the fixes show of themselves, where it is time to look: the filter follows it from now on.
     ///
     /// States for errors that last may be added to the filter or removed from it; all that the others know stays.
+    ///
+    /// The change of the filter's size keeps all other estimates; the standard deviations of the
+    /// new states are those of the fix at hand.
+    ///
+    /// # Errors
+    /// The filter with these states cannot be built.
     fn study(&mut self, fix: &GnssFix) -> Result<(), FilterError> {
         let Some(study) = self.fixes.as_mut().and_then(|fixes| fixes.next(fix)) else {
             return Ok(());
@@ -118,6 +140,14 @@ impl Run {
     }
 
     /// A fix within the present sample, or a part of it.
+    ///
+    /// `part` is `None` for a whole fix; a fix with two latencies comes as position and as
+    /// velocity. Without gating (`settings.gating` false) nothing is rejected and nothing realigns:
+    /// for fixes that are known to be right.
+    ///
+    /// # Errors
+    /// [`FilterError`] of a filter that cannot be built after an alignment or a study. Refused
+    /// measurements are counted, not returned.
     pub(super) fn fix(
         &mut self,
         fix: &GnssFix,
@@ -220,6 +250,8 @@ impl Run {
     /// Notes whether a fix was used, weakened or rejected.
     /// A measurement that would move the solution off the Earth counts as neither; one whose covariance is no
     /// covariance counts as bad.
+    ///
+    /// A used fix ends an outage: the summary notes the span without GNSS before it.
     fn note_updates(
         &mut self,
         fix: &GnssFix,

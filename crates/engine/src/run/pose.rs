@@ -2,6 +2,10 @@
 //!
 //! The gate is wide, four and twenty standard deviations: an innovation of attitude has no usual size that it
 //! is compared with.
+//!
+//! The attitude is that of the marker k in the frame r of the poses, `q_rk`, with its covariance
+//! \[rad²\]; `q_bk` of the settings is the marker in body axes. Without a marker in the settings
+//! its axes are the body's.
 
 use crate::{
     aid::{Aid, Aiding},
@@ -22,6 +26,12 @@ const GATE: Gate = Gate {
 };
 
 /// Updates the filter, which is at or after the time `due` \[s\] at which the fix holds, with its attitude, where it has one.
+///
+/// `None` of a fix without an attitude, or where the filter has nothing to compare it with. Used
+/// updates and rejected ones enter [`Aid::Attitude`]'s statistics.
+///
+/// # Errors
+/// A covariance that is no covariance, or a correction that the filter refuses.
 pub(super) fn update(
     filter: &mut dyn Estimator,
     fix: &GnssFix,

@@ -269,6 +269,15 @@ impl FixErrors {
     }
 
     /// White part of a position's `covariance` \[m²\], and the standard deviation of the correlated part, axis by axis \[m\].
+    ///
+    /// ```
+    /// use undrift_engine::settings::fix_errors::{Correlated, FixErrors};
+    /// use undrift_nav::Matrix3;
+    /// // 2 m of standard deviation, three quarters of the variance lasting: 1 m is white, √3 m lasts.
+    /// let errors = FixErrors { correlated: Some(Correlated { share: 0.75, time: 60.0 }), ..FixErrors::default() };
+    /// let (white, correlated) = errors.split(&(Matrix3::identity() * 4.0));
+    /// assert_eq!((white[(0, 0)], correlated.x), (1.0, 3f64.sqrt()));
+    /// ```
     pub fn split(&self, covariance: &Matrix3) -> (Matrix3, Vector3) {
         split(self.correlated, covariance)
     }
@@ -284,6 +293,8 @@ impl FixErrors {
     }
 }
 
+/// Without a correlated part all of it is white. Correlations between axes are shared in
+/// proportion.
 fn split(correlated: Option<Correlated>, covariance: &Matrix3) -> (Matrix3, Vector3) {
     let share = correlated.map_or(0.0, |correlated| correlated.share);
     let std = covariance.diagonal().map(|r| (share * r).max(0.0).sqrt());

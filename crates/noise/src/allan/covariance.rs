@@ -5,6 +5,13 @@
 //! stability variances based on finite differences", 35th PTTI, 2003, for i = j). r_ij is linear in the
 //! squares of the terms, the covariance a quadratic form in them, whose sums over the lags are taken
 //! once for a record. The ends of the record are in it: long averages have few differences.
+//!
+//! What for: neighbouring points of an Allan plot share samples, their errors are correlated, and a
+//! least-squares fit that ignores it states errors that are too small. [`super::fit_terms`] uses
+//! this matrix for the errors of Q, N, B, K, R.
+//!
+//! Units: σ² in \[unit²\], so the covariance in \[unit⁴\]; τ in s. Cost: O(points²) pairs, at most
+//! about a thousand lags each.
 
 use super::deviation::Point;
 use nalgebra::{DMatrix, DVector};
@@ -37,6 +44,7 @@ struct Pair {
 
 /// The covariance of the variances at some averaging times as a function of the terms.
 pub(super) struct Covariance {
+    /// Number of averaging times.
     count: usize,
     /// Pairs i ≤ j, row by row.
     pairs: Vec<Pair>,
@@ -57,6 +65,9 @@ impl Covariance {
     }
 
     /// The covariance where the squares of the terms are Q, N, B, K, R.
+    ///
+    /// The order of `squares` is Q² [unit²·s²], N² [unit²·s], B² \[unit²\], K² [unit²/s], R²
+    /// [unit²/s²].
     pub(super) fn at(&self, squares: &DVector<f64>) -> DMatrix<f64> {
         let mut covariance = DMatrix::zeros(self.count, self.count);
         let mut pairs = self.pairs.iter();

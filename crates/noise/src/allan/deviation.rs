@@ -94,6 +94,8 @@ impl DeviationKind {
     }
 
     /// Largest averaging factor of a record of `samples` rates, that leaves one difference; 0 where it is too short for any.
+    ///
+    /// A record of 1000 samples: 500 overlapping, 333 modified and Hadamard, 1000 total.
     pub fn largest_m(self, samples: usize) -> usize {
         match self {
             Self::Overlapping => samples / 2,

@@ -1,5 +1,8 @@
 //! Least squares with non-negative coefficients, by active sets (Lawson & Hanson, Solving Least
 //! Squares Problems, 1974, chapter 23), for the handful of terms of an Allan variance.
+//!
+//! Terms of an Allan variance are squares: N² < 0 has no meaning, and a term that least squares
+//! would make negative is absent. Coefficients at zero have no standard error by this method.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -13,6 +16,19 @@ use nalgebra::{DMatrix, DVector};
 /// let a = DMatrix::from_row_slice(3, 2, &[1.0, 0.0, 0.0, 1.0, 1.0, 1.0]);
 /// let c = solve(&a, &DVector::from_vec(vec![2.0, -1.0, 1.0]));
 /// assert!((c[0] - 1.5).abs() < 1e-12 && c[1] == 0.0);
+/// ```
+///
+/// `a` is n × k, `b` has n numbers, the result k. O(n k²) a round, at most 10 k rounds. Uniqueness
+/// needs independent columns among those that end above zero.
+///
+/// ```
+/// use nalgebra::{DMatrix, DVector};
+/// use undrift_noise::allan::nnls::solve;
+/// // Columns are scaled inside: one of 1e-9 counts as much as one of 1.
+/// let a = DMatrix::from_row_slice(2, 3, &[1.0, 0.0, 0.0, 0.0, 1e-9, 0.0]);
+/// let c = solve(&a, &DVector::from_vec(vec![3.0, 2e-9]));
+/// assert!((c[0] - 3.0).abs() < 1e-9 && (c[1] - 2.0).abs() < 1e-6);
+/// assert_eq!(c[2], 0.0); // A column of zeros.
 /// ```
 pub fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     let columns = a.ncols();
@@ -75,6 +91,8 @@ pub fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
 }
 
 /// Unconstrained solution in the chosen columns, 0 elsewhere; None where they are dependent.
+///
+/// By QR; dependent means a diagonal of R below 1e-10 of a unit column.
 fn subset(a: &DMatrix<f64>, b: &DVector<f64>, chosen: &[bool]) -> Option<DVector<f64>> {
     let indices: Vec<usize> = (0..a.ncols()).filter(|&j| chosen[j]).collect();
     if indices.len() > a.nrows() {

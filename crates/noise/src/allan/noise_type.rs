@@ -3,6 +3,13 @@
 //! Riley & Greenhall, "Power law noise identification using the lag 1 autocorrelation" (18th EFTF,
 //! 2004), NIST SP 1065 section 5.5.6. At octaves the averages of each are sums of pairs of the one
 //! below: 2N samples are looked at in all.
+//!
+//! Why: the confidence of an Allan deviation depends on the noise that dominates at that averaging
+//! time, and this says which without a fit. It names one power law a scale, so that a mixture gives
+//! the stronger one, or a type between.
+//!
+//! With r₁ of averages (or of their d-th differences), δ = r₁/(1 + r₁) and α = −2 (δ + d): white
+//! noise has r₁ = 0; its first difference has r₁ = −½ and δ = −1, so that quantisation has α = 2.
 
 use crate::screening::record::{RecordError, check, mean, prefix_sums};
 
@@ -30,6 +37,20 @@ const LEFT: f64 = 1e-6;
 ///
 /// # Errors
 /// Fewer than 3 samples, a sample that is not finite.
+///
+/// The types have the order of `factors`. O(N) for growing powers of two, else O(N) for sums and
+/// O(N/m) a factor; a short record of 30 averages gives the type to about ±½, so a single odd one
+/// between equal neighbours is chance.
+///
+/// Quantisation of the integrated signal, the differences of white noise:
+///
+/// ```
+/// use undrift_noise::allan::noise_types;
+/// // Alternating rates: every sample undoes the one before.
+/// let rates: Vec<f64> = (0..100).map(|k| if k % 2 == 0 { 1.0 } else { -1.0 }).collect();
+/// assert_eq!(noise_types(&rates, &[1])?, [2]);
+/// # Ok::<(), undrift_noise::screening::RecordError>(())
+/// ```
 pub fn noise_types(rates: &[f64], factors: &[usize]) -> Result<Vec<i32>, RecordError> {
     check(rates, 3)?;
     let growing = factors.windows(2).all(|pair| pair[0] <= pair[1]);
@@ -52,6 +73,8 @@ pub fn noise_types(rates: &[f64], factors: &[usize]) -> Result<Vec<i32>, RecordE
 }
 
 /// Noise types at growing powers of two, each from the averages of the one before.
+///
+/// One copy of half the record, then in place.
 fn at_octaves(rates: &[f64], factors: &[usize]) -> Vec<i32> {
     let centre = mean(rates);
     let mut sums: Vec<f64> = Vec::new();
@@ -88,6 +111,8 @@ fn at_octaves(rates: &[f64], factors: &[usize]) -> Vec<i32> {
 }
 
 /// α = −2 (δ + differences taken), rounded, δ = r₁ / (1 + r₁), of averages whose mean is `near` a number.
+///
+/// Differences are taken while δ ≥ ¼, twice at most.
 fn type_of(averages: &[f64], near: f64) -> i32 {
     let mut differences = Vec::new();
     for taken in 0..3 {
@@ -121,8 +146,11 @@ fn lag_one(x: &[f64], near: f64) -> Option<f64> {
 /// Sums over samples less a number: of themselves, their squares and the products of neighbours.
 struct LagOneSums {
     count: f64,
+    /// Σ x.
     total: f64,
+    /// Σ x².
     squares: f64,
+    /// Σ x_t x_{t+1}.
     products: f64,
     /// First and last together.
     ends: f64,
@@ -167,6 +195,7 @@ impl LagOneSums {
         sums
     }
 
+    /// About the number subtracted.
     fn mean(&self) -> f64 {
         self.total / self.count
     }

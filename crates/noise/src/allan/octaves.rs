@@ -7,6 +7,9 @@
 //! All octaves live in one array. Each follows the one below at a distance of m, just behind what
 //! that one has finished, and overwrites it: the octaves up to m = 1024 stay in the first cache,
 //! those up to 65 536 in the second.
+//!
+//! O(N) additions an octave, but one way through memory for all of them. The Allan variance at τ =
+//! m T is the energy over 2 m² (N − 2m + 1).
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -22,6 +25,8 @@ const GLANCE: usize = 4096;
 
 /// Σ_t (e_m(t + m) − e_m(t))² over the whole record for m = 2^0 … 2^(octaves − 1), all of them with
 /// 2m ≤ samples. Not finite at m = 1 where a sample is not finite.
+///
+/// `octaves` energies \[unit²\], one for each m.
 pub(super) fn energies(rates: &[f64], octaves: usize) -> Vec<f64> {
     let glance = rates.iter().step_by((rates.len() / GLANCE).max(1));
     let centre = glance.clone().sum::<f64>() / glance.len() as f64;
@@ -35,6 +40,7 @@ pub(super) fn energies(rates: &[f64], octaves: usize) -> Vec<f64> {
 /// The pass over a record, for the width of the processor's vectors.
 struct Octaves<'a> {
     rates: &'a [f64],
+    /// Taken off every sample.
     centre: f64,
     octaves: usize,
 }

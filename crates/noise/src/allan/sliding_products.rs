@@ -3,6 +3,12 @@
 //! The one operation is a correlation of a short stretch with one twice as long: of `2L` circular
 //! outputs the first `L` see no wrap. Longer stretches are cut into blocks whose spectra are added up,
 //! so that no FFT is longer than [`LONGEST`]. The order of every sum is fixed by the lengths alone.
+//!
+//! Called by the Allan deviation at every averaging factor ([`super::deviations`] with a long list
+//! of factors), with the phases (the integrated record) as x: the sums of squared second differences
+//! follow from R(k) of the whole and H(m) of its heads by additions. Cost O(N log² N), memory of a
+//! few blocks beside the record. Rounding is that of an FFT, relative to the mean square of x, so
+//! that the caller takes a straight line off the phases first.
 
 use crate::screening::record::dot;
 use crate::transform::{Room, Transform, ZERO, add_product};
@@ -20,6 +26,8 @@ const LEAF: usize = 256;
 const SHARE: usize = 1 << 14;
 
 /// The spectra of so many parts.
+///
+/// In parallel; each core has a room of its own.
 fn spectra<'a>(
     of: &Transform,
     count: usize,
@@ -67,7 +75,9 @@ fn part(x: &[f64], start: usize, count: usize) -> &[f64] {
 
 /// The transforms by which records are summed to one lag.
 pub(super) struct Plan {
+    /// Longest head, in lags.
     largest: usize,
+    /// For products of the whole record.
     whole: Transform,
     /// Transforms of the levels of the triangle, the widest nodes first.
     nodes: Vec<Transform>,
@@ -82,6 +92,7 @@ impl Plan {
         Self::with_longest(length, largest, LONGEST)
     }
 
+    /// `longest` is [`LONGEST`] but in tests, which cut small records into many blocks.
     fn with_longest(length: usize, largest: usize, longest: usize) -> Self {
         // Blocks, a power of two of them, into which a stretch is cut.
         let pieces = |length: usize| length.div_ceil(longest / 2).next_power_of_two();
@@ -109,6 +120,8 @@ impl Plan {
     }
 
     /// `R(k) = Σ_n x[n] x[n + k]`, k = 0 … 2 · largest.
+    ///
+    /// Autocovariances times N \[unit²\], without the mean removed here.
     pub(super) fn whole(&self, x: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; 2 * self.largest + 1];
         slide(&self.whole, x, 0, x.len(), 0, &mut sums);
@@ -162,6 +175,8 @@ impl Plan {
 }
 
 /// The next length, at most an eighth above and 64 at least, of many twos and few threes and fives.
+///
+/// FFTs of such lengths are fast; the next power of two would cost up to twice as much.
 fn smooth(length: usize) -> usize {
     let shift = length.max(64).ilog2() - 6;
     let steps = [64, 72, 80, 90, 96, 108, 120, 128].map(|step| step << shift);

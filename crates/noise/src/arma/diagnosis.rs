@@ -11,6 +11,11 @@
 //!
 //! Standard errors are those of the search coordinates carried to the coefficients (delta method); on the edge of the
 //! invertible region, where the likelihood is not quadratic, they are not given.
+//!
+//! Nothing here changes the fit: coefficients stay as the search left them, and findings are flags
+//! and [`Warning`]s on the result. A near-cancelling pair is usual for a good gyro, φ = 0.9999 and
+//! θ = 0.999 say: the warning then says that the record is too short to separate bias from white
+//! noise, and block averages ([`crate::scales`]) show it better.
 
 use super::model::{ArmaFit, Warning};
 use super::polynomial::{inverse_roots, less_unit_root};
@@ -32,6 +37,9 @@ const FLAT: f64 = 1.0;
 /// A start of order (p, q) from coefficients of lower or equal order, or `None`.
 ///
 /// `None` where one of the orders is higher, so that the model is not inside.
+///
+/// Used to start a higher order from a lower one: added coefficients are zero, so that it begins
+/// with the likelihood of the lower one.
 pub(super) fn padded_start(
     phi: &[f64],
     theta: &[f64],
@@ -56,6 +64,9 @@ pub(super) fn padded_start(
 /// Fills in standard errors, flags and warnings.
 /// `covariance_z` is the inverse curvature in the search coordinates, where there is one, `lower` the negative
 /// log-likelihood at ARMA(p−1, q−1).
+///
+/// Derivatives of the coefficients by the search coordinates are central differences with steps of
+/// 1e-5. With an MA root on the circle standard errors are withheld.
 pub(super) fn examine(
     problem: &Problem,
     best: &Point,
@@ -154,6 +165,8 @@ pub(super) fn examine(
 }
 
 /// Smallest distance between an AR and an MA inverse root.
+///
+/// In the z plane; `None` where one of the polynomials has no coefficient.
 fn nearest_pair(phi: &[f64], theta: &[f64]) -> Option<f64> {
     let (ar, ma) = (inverse_roots(phi), inverse_roots(theta));
     let pairs = ar

@@ -12,6 +12,13 @@
 //! P solves `P = F P Fᵀ + G Gᵀ`: a trace `tr Q dP` is that of `Z = Fᵀ Z F + Q` with the right side's own derivative. M is
 //! `Σ_{t<N} (Aᵗ)ᵀ HᵀH Aᵗ`, computed by doubling, and its derivative by going back over the doublings (reverse mode: Griewank &
 //! Walther 2008, chapter 3).
+//!
+//! Used for orders of two and more; below, differences are as cheap. Checked against differences in
+//! the tests. Cost: one pass for the sums, one for the products, O(N (p + q)) for all derivatives,
+//! where central differences take 2 (p + q) evaluations; the matrices are r × r.
+//!
+//! Assumes an unbroken record and a stationary φ (no unit root). Of a record with gaps the search
+//! takes the gradient of the bridged record, which is near enough far from the optimum.
 
 use super::kernel::{accumulate, products};
 use super::likelihood::{Mean, information};
@@ -22,6 +29,8 @@ use nalgebra::{DMatrix, DVector};
 const VANISHED: f64 = 1e-18;
 
 /// A record at a point, with all that its gradient needs.
+///
+/// All matrices are r × r, r = max(p, q), in units of σ².
 pub(super) struct At<'a> {
     samples: &'a [f64],
     phi: &'a [f64],
@@ -30,6 +39,7 @@ pub(super) struct At<'a> {
     level: f64,
     /// S, the sum of squares \[unit²\].
     pub(super) squares: f64,
+    /// Stationary covariance P of the state before the first sample.
     p: DMatrix<f64>,
     /// `(P⁻¹ + M)⁻¹`.
     k: DMatrix<f64>,
@@ -43,6 +53,9 @@ pub(super) struct At<'a> {
 
 impl<'a> At<'a> {
     /// `None` where there is no likelihood.
+    ///
+    /// `mean` estimated: the level is moved to its best value first, so that its own derivative
+    /// vanishes.
     pub(super) fn new(
         samples: &'a [f64],
         mean: Mean,
@@ -103,11 +116,14 @@ impl<'a> At<'a> {
         })
     }
 
+    /// Samples of the record.
     pub(super) fn observations(&self) -> usize {
         self.samples.len()
     }
 
     /// Derivatives of `½ (weight S + log|V|)` by φ and by θ.
+    ///
+    /// `weight` is N/S over all records that share σ² [1/unit²]: the derivative of ½ N ln S.
     pub(super) fn gradient(&self, weight: f64) -> (Vec<f64>, Vec<f64>) {
         let Self { phi, theta, .. } = *self;
         let r = self.p.nrows();
@@ -142,6 +158,9 @@ fn companion(coefficients: &[f64], r: usize) -> DMatrix<f64> {
 }
 
 /// `Σ (Fᵏ)ᵀ Q Fᵏ`, by doubling.
+///
+/// Solves `Z = Fᵀ Z F + Q`, a discrete Lyapunov equation; at most 64 doublings, which is any memory
+/// that a double can hold.
 fn lasting(mut f: DMatrix<f64>, mut q: DMatrix<f64>) -> DMatrix<f64> {
     for _ in 0..64 {
         if f.amax() < VANISHED {
@@ -154,6 +173,10 @@ fn lasting(mut f: DMatrix<f64>, mut q: DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// Derivatives by θ of `tr K M`, M the information that `n` samples have of the state before them.
+///
+/// Forward over the bits of n, from the leading one: a doubling `M ← M + (Aᵏ)ᵀ M Aᵏ` for each, one
+/// more sample where the bit is set. Then backwards over the same steps with the adjoints of M and
+/// Aᵏ; O(r³ log n).
 fn by_moving_average(theta: &[f64], n: usize, k: &DMatrix<f64>) -> Vec<f64> {
     let r = theta.len();
     let a = companion(theta, r);

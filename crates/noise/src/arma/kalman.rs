@@ -10,6 +10,15 @@
 //!
 //! A unit root starts as a random walk at zero beside an unknown level with a flat prior (diffuse),
 //! the rest stationary; for an unbroken record that is the likelihood of its differences.
+//!
+//! Three callers: the likelihood of records with gaps ([`with_gaps`]), the check that an optimum is
+//! no rounding ([`filtered`]), and residuals ([`standardised`]). Unbroken records go through
+//! [`super::likelihood`], which costs less. Up to order 6 a record with gaps is taken by the
+//! steady-state pass of [`crate::steady`], beyond sample by sample: O(N r²) until the filter has
+//! settled, O(N r) after.
+//!
+//! Letters: r = max(p, q) states; F companion matrix of φ, A of θ, first column the coefficients
+//! and ones above the diagonal; G = φ − θ; H = (1, 0, …); all variances in units of σ².
 
 use super::likelihood::{Likelihood, Mean, concentrated};
 use super::linear::{initial_covariance, padded};
@@ -22,17 +31,26 @@ const SETTLED: f64 = 1e-20;
 /// The filter's covariance side, shared by the record and the record of ones.
 ///
 /// Plain loops: they run at every sample, and M P Mᵀ of a companion matrix M is r² operations instead of r³.
+///
+/// The covariance does not depend on the samples, only on which of them are missing; so one
+/// `Filter` serves the record and the series of ones, whose generalised least squares gives the
+/// mean.
 struct Filter {
+    /// Number of states, max(p, q).
     r: usize,
     /// First columns of the companion matrices of φ and θ.
     phi: Vec<f64>,
+    /// First column of A, the closed loop F − G H.
     theta: Vec<f64>,
+    /// Driving vector G = φ − θ.
     g: Vec<f64>,
     /// P, row by row.
     p: Vec<f64>,
     /// Room for a product.
     half: Vec<f64>,
+    /// First column of P, before it is overwritten.
     column: Vec<f64>,
+    /// P is below [`SETTLED`]: it is zero from here to the next missing sample, and the gain is G.
     settled: bool,
 }
 
@@ -75,6 +93,8 @@ impl Filter {
     /// Takes in a sample: writes the gain, moves P on.
     ///
     /// The first row and column of `P − P Hᵀ H P/V` are `P/V`: written so, they lose no digits where P is small.
+    ///
+    /// O(r²). After it P is the covariance of the prediction of the sample after.
     fn observe(&mut self, gain: &mut [f64]) {
         gain.copy_from_slice(&self.g);
         if self.settled {
@@ -111,6 +131,9 @@ impl Filter {
     /// Passes a missing sample.
     ///
     /// After it the filter has to settle again.
+    ///
+    /// No information comes in: the variance grows towards the stationary one, with a unit root
+    /// without bound.
     fn skip(&mut self) {
         let r = self.r;
         if r == 0 {
@@ -127,6 +150,8 @@ impl Filter {
 }
 
 /// `P ← M P Mᵀ` with M a companion matrix of first column `m`, ones above the diagonal.
+///
+/// `half` is room of r × r. O(r²), since all but the first column of M only shifts.
 fn sandwich(m: &[f64], p: &mut [f64], half: &mut [f64], r: usize) {
     for i in 0..r {
         for j in 0..r {
@@ -143,6 +168,9 @@ fn sandwich(m: &[f64], p: &mut [f64], half: &mut [f64], r: usize) {
 }
 
 /// The state's mean: predicts, then moves on with or without a sample.
+///
+/// x is the predicted state, its first element the prediction of the next sample less the centre
+/// \[unit\].
 struct Estimate {
     x: Vec<f64>,
 }
@@ -170,6 +198,9 @@ impl Estimate {
 
 /// Runs the filter over a record about `centre`. `visit` gets the gain of each sample and, where it is not missing,
 /// its innovation v and the relative excess q of its variance.
+///
+/// `None` where the initial covariance does not exist. A missing sample is NaN; `visit` is called
+/// for it as well, without an innovation, so that a caller may keep a second series in step.
 fn run(
     samples: &[f64],
     centre: f64,
@@ -198,6 +229,13 @@ fn run(
 
 /// Exact log-likelihood of a record in which NaN marks missing samples. With `unit_root`, φ holds a
 /// root at exactly 1 and `mean` is ignored (the level is free).
+///
+/// `centre` \[unit\] is a value near the mean that is taken off for the sake of digits. σ² is
+/// concentrated out; an estimated mean, or the level of a unit root, is by generalised least
+/// squares, exact.
+///
+/// `None` where φ is not stationary, where nothing determines the level of a unit root, or where
+/// the sum of squares is not positive.
 pub(super) fn with_gaps(
     samples: &[f64],
     mean: Mean,
@@ -223,6 +261,8 @@ pub(super) fn filtered(
 }
 
 /// The likelihood by whichever pass serves: the steady one, or sample by sample.
+///
+/// `order` chooses the pass: 1 to 6 the steady one, anything else sample by sample.
 fn likelihood(
     samples: &[f64],
     mean: Mean,
@@ -278,6 +318,9 @@ fn likelihood(
 }
 
 /// The sums by the filter's steady state, which is the process itself.
+///
+/// Of order N = r exactly. Only the first column of `f` is not a shift, which the pass takes
+/// advantage of.
 fn steady<const N: usize>(
     samples: &[f64],
     centre: f64,
@@ -303,6 +346,9 @@ fn steady<const N: usize>(
 }
 
 /// The sums by the filter, one sample after the other.
+///
+/// With `free` the series of ones runs beside the record; its innovations are the regressor of the
+/// level.
 fn one_by_one(
     samples: &[f64],
     centre: f64,

@@ -21,6 +21,10 @@
 //! Only the first samples (what is left over from whole blocks) are run one by one.
 //!
 //! Several points (φ, θ) share one pass over the record, so that it is read and rearranged once.
+//!
+//! Cost: O(N (p + q)) per point once the start has died out, O(N (p + q + r)) before. The numbers
+//! do not depend on the machine's vector width, but fused multiply-add, where there is one, changes
+//! the last digits.
 
 mod loops;
 mod power;
@@ -41,9 +45,13 @@ const BLOCK: usize = LANES * PIECE;
 const TOGETHER: usize = 32;
 
 /// φ and θ of one point.
+///
+/// φ1 … φp and θ1 … θq, the signs of docs/theory.md, section 1.
 pub(super) type Coefficients = (Vec<f64>, Vec<f64>);
 
 /// Sums over the record, g the impulse response of 1/θ(B), o the recursion over ones, r = max(p, q).
+///
+/// Units: those with `a` carry \[unit\] for each a, those of g and o none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Accumulated {
     /// Σ a².
@@ -64,6 +72,9 @@ pub(super) struct Accumulated {
 
 /// The sums at every point, in one pass over the record. Samples before the record count as
 /// `centre`. Those of o are zero unless `with_ones`. All points are of the same order.
+///
+/// `centre` \[unit\] should be near the mean: sums of squares of a record far from zero lose
+/// digits. The record has no gaps. The result has one entry a point, in their order.
 pub(super) fn accumulate(
     samples: &[f64],
     centre: f64,
@@ -115,6 +126,8 @@ fn accumulate_group(
 }
 
 /// Sum of `samples − centre` and of its absolute values.
+///
+/// One pass gives the mean and whether a sample is missing: a NaN makes both sums NaN.
 pub(super) fn sums_about(samples: &[f64], centre: f64) -> (f64, f64) {
     let (rows, rest) = samples.as_chunks::<LANES>();
     let mut last = [centre; LANES];

@@ -14,6 +14,11 @@
 //!
 //! (Rosenberg 1973; Ljung & Box 1979; de Jong 1988.) There is no transient to wait for: one step
 //! costs the same everywhere.
+//!
+//! Notation: N samples, r = max(p, q), P the stationary covariance of x₀ in units of σ², L its
+//! factor. Assumes a Gaussian process. With other independent innovations it is a quasi-likelihood:
+//! φ and θ keep their distribution in long records (Brockwell & Davis 1991, section 10.8), σ² does
+//! not.
 
 use super::ArmaError;
 use super::kernel::{Accumulated, Coefficients, accumulate, sums_about};
@@ -63,6 +68,8 @@ pub struct Likelihood {
 
 impl Likelihood {
     /// The likelihood of two independent records with one σ²; the mean stays that of the first.
+    ///
+    /// Sums of squares and determinants add; σ² is that of all observations together.
     pub(super) fn and(self, other: Self) -> Option<Self> {
         let joint = concentrated(
             self.observations + other.observations,
@@ -86,6 +93,8 @@ impl Likelihood {
 /// Exact log-likelihood of `x_t − φ1 x_{t−1} − … = a_t − θ1 a_{t−1} − …` about the mean at several
 /// points of the same order, for a record without gaps. `None` where φ is not stationary to working
 /// precision or S vanishes.
+///
+/// One pass of O(N (p + q)) a point, points side by side; r × r matrices after it.
 pub(super) fn unbroken(
     samples: &[f64],
     mean: Mean,
@@ -106,6 +115,9 @@ pub(super) fn unbroken(
 }
 
 /// Integrates the state before the record out.
+///
+/// The estimated mean is generalised least squares in the same regression; `None` as in
+/// [`unbroken`].
 fn integrate(
     samples: usize,
     estimated: bool,
@@ -171,6 +183,9 @@ pub(super) fn information(sums: &Accumulated) -> DMatrix<f64> {
 }
 
 /// The concentrated likelihood of `n` observations from S and log |V|.
+///
+/// σ² = S/n. `None` where S is not positive or anything overflows. The mean is left at 0, for the
+/// caller to fill in.
 pub(super) fn concentrated(
     observations: usize,
     squares: f64,
@@ -192,6 +207,10 @@ pub(super) fn concentrated(
 
 /// Rejects what no ARMA likelihood can be computed for; returns the sample mean of what is present
 /// and the number of samples present.
+///
+/// # Errors
+/// [`ArmaError::NotFinite`] for an infinite sample; [`ArmaError::TooShort`] for fewer than
+/// `parameters` + 3 present; [`ArmaError::Constant`] where all are equal.
 pub(super) fn screen(samples: &[f64], parameters: usize) -> Result<(f64, usize), ArmaError> {
     let first = samples.iter().copied().find(|x| !x.is_nan());
     let first = first.unwrap_or(0.0);

@@ -2,11 +2,18 @@
 //!
 //! Both run at every evaluation of the likelihood for orders up to 24. Doubling takes as many steps as the
 //! logarithm of the longest memory: some 25 for one of a million samples.
+//!
+//! The state is that of docs/theory.md, section 2, in innovations form. Closed form for (1, 1): P =
+//! (φ − θ)²/(1 − φ²). Doubling rather than the linear system of r² unknowns: it needs no inverse
+//! and adds only positive semi-definite terms, so P stays so.
 
 use nalgebra::DMatrix;
 
 /// Lower-triangular Cholesky factor of a positive semi-definite matrix; pivots at rounding level count
 /// as zero and leave a zero column, where nalgebra's would give up. `None` where an entry is not finite.
+///
+/// `a` symmetric; its lower triangle is read. L Lᵀ = a up to the pivots dropped, each below 1e-15
+/// of its diagonal.
 pub(super) fn semidefinite_cholesky(a: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = a.nrows();
     let mut l = DMatrix::zeros(n, n);
@@ -36,6 +43,8 @@ pub(super) fn semidefinite_cholesky(a: &DMatrix<f64>) -> Option<DMatrix<f64>> {
 }
 
 /// Coefficients with zeros after them, up to `n`.
+///
+/// `n` must not be less than their number: longer lists are cut.
 pub(super) fn padded(coefficients: &[f64], n: usize) -> Vec<f64> {
     let mut padded = coefficients.to_vec();
     padded.resize(n, 0.0);
@@ -46,6 +55,8 @@ pub(super) fn padded(coefficients: &[f64], n: usize) -> Vec<f64> {
 /// doubling. With `unit_root` φ has one root at exactly 1: the random walk it makes starts at
 /// zero and the rest stationary (the unit root's mode is projected out). `None` where φ is not
 /// stationary to working precision.
+///
+/// r × r, r = max(p, q) ≥ 1. `phi` holds the unit root, if there is one, multiplied in.
 pub(super) fn initial_covariance(
     phi: &[f64],
     theta: &[f64],

@@ -1,5 +1,10 @@
 //! What the search for an ARMA adds to BFGS: Nelder-Mead where it sticks, Newton's steps at the end. Nocedal &
 //! Wright 2006, chapters 3 and 8; Nelder & Mead 1965.
+//!
+//! Division of labour: BFGS ([`crate::quasi_newton`]) goes nearly all of the way; [`nelder_mead`]
+//! needs no derivatives and leaves an edge where BFGS has stuck; [`newton`] ends a fit, since its
+//! curvature is the observed information, whose inverse is the covariance of the estimates in
+//! search coordinates.
 
 use crate::quasi_newton::{Objective, Point, Scales, moved};
 use nalgebra::DMatrix;
@@ -20,6 +25,10 @@ pub(super) const SCALES: Scales = Scales {
 ///
 /// Reflection by 1, expansion by 2, contraction and shrinking by ½, as its authors have them. It ends where the
 /// values of the simplex differ by less than `tolerance`, or after `evaluations`.
+///
+/// `size` is the length of the edges along each coordinate. Cost: one or two evaluations an
+/// iteration, n + 1 to begin with and n more at a shrinking. The point returned is never worse than
+/// `start`.
 pub(super) fn nelder_mead(
     objective: &mut Objective,
     start: &Point,
@@ -92,6 +101,10 @@ pub(super) fn nelder_mead(
 /// Newton's steps from where BFGS has ended, whose estimate of the curvature may miss what is left where
 /// coordinates differ in it by orders of magnitude. Gives the inverse curvature at the end, or `None`
 /// where it is not positive: the edge of the region, a direction that changes nothing.
+///
+/// At most five steps. `best.converged` is set where the predicted gain ½ gᵀH⁻¹g is below
+/// `tolerance`, and cleared where five steps have not got there; a step that gains less than
+/// `tolerance` ends it as well.
 pub(super) fn newton(
     objective: &mut Objective,
     best: &mut Point,
@@ -127,6 +140,9 @@ pub(super) fn newton(
 
 /// Inverse of a positive definite matrix scaled to unit diagonal first, `None` where it is
 /// indefinite or singular to 1e-9.
+///
+/// Scaling makes the test of singularity independent of how coordinates are measured; the inverse
+/// is multiplied back and compared with the identity to 1e-6 before it is trusted.
 fn scaled_inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = matrix.nrows();
     let scale = matrix.diagonal().map(|value| value.max(0.0).sqrt());
@@ -146,6 +162,9 @@ fn scaled_inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
 /// not finite. `inverse`: what is known of its inverse.
 ///
 /// Smaller steps see rounding, larger ones the third derivative; each coordinate gets its own.
+///
+/// 2 evaluations a coordinate and try, then n(n−1) for the mixed derivatives. A rise between 1e-3
+/// and 1e-1 of the log-likelihood is the target: at 1e-9 of rounding that leaves six digits.
 fn hessian(
     objective: &mut Objective,
     z: &[f64],

@@ -3,6 +3,15 @@
 //! Every stationary (invertible) polynomial corresponds to exactly one vector of n partial
 //! autocorrelations in (−1, 1): Barndorff-Nielsen & Schou 1973; Monahan 1984. They are searched as
 //! `z = artanh κ = ½ log((1+κ)/(1−κ))`, which near ±1 is the logarithm of the distance to it.
+//!
+//! Signs: a coefficient is subtracted, as in docs/theory.md, for φ and θ alike. So "inverse roots"
+//! ρ satisfy 1 − c1/ρ − … − cn/ρⁿ = 0, and stable means |ρ| < 1. Recursions are O(n²); n is at most
+//! a few dozen.
+//!
+//! | c | κ (partial autocorrelations) | inverse roots |
+//! |---|---|---|
+//! | φ1 | φ1 | φ1 |
+//! | φ1, φ2 | φ1/(1 − φ2), φ2 | (φ1 ± √(φ1² + 4φ2))/2 |
 
 use crate::prediction::Predictor;
 use realfft::num_complex::Complex64;
@@ -11,6 +20,8 @@ use realfft::num_complex::Complex64;
 const Z_LIMIT: f64 = 14.16;
 
 /// Coefficients c of the polynomial with partial autocorrelations `tanh z` (Durbin-Levinson).
+///
+/// Any z gives a stable polynomial: the search needs no constraints.
 pub(super) fn from_search(z: &[f64]) -> Vec<f64> {
     let mut predictor = Predictor::new(1.0);
     for z in z {
@@ -52,6 +63,8 @@ pub(super) fn by_search(z: &[f64], by_coefficients: &[f64]) -> Vec<f64> {
 }
 
 /// Durbin's step back: the polynomial of one order less from one whose last partial autocorrelation is `kappa`.
+///
+/// Inverse of [`Predictor::extend`]; ill-conditioned for |κ| near 1, where it divides by 1 − κ².
 fn step_down(c: &mut Vec<f64>, kappa: f64) {
     c.pop();
     let turned: Vec<f64> = c.iter().rev().copied().collect();
@@ -62,6 +75,8 @@ fn step_down(c: &mut Vec<f64>, kappa: f64) {
 
 /// Search coordinates of a polynomial. Partial autocorrelations outside (−1, 1), or closer to ±1
 /// than `margin`, are drawn in to `1 − margin`: the nearest admissible start, not the same polynomial.
+///
+/// `margin` is between 0 and 1. With 0 the result is exact up to rounding for a stable polynomial.
 pub(super) fn to_search(c: &[f64], margin: f64) -> Vec<f64> {
     let mut c = c.to_vec();
     let mut z = vec![0.0; c.len()];
@@ -94,6 +109,8 @@ pub(super) fn is_stable(c: &[f64]) -> bool {
 }
 
 /// Coefficients of `(1 − a1 B − …)(1 − b1 B − …)`.
+///
+/// Of degree `a.len() + b.len()`; the inverse roots of both together.
 pub(super) fn multiply(a: &[f64], b: &[f64]) -> Vec<f64> {
     let mut c = vec![0.0; a.len() + b.len()];
     for (i, a) in a.iter().enumerate() {
@@ -111,6 +128,8 @@ pub(super) fn multiply(a: &[f64], b: &[f64]) -> Vec<f64> {
 }
 
 /// A polynomial with the factor (1 − B) divided out: d_k = φ_{k+1} + d_{k+1} from the end, tail sums with minus sign.
+///
+/// One coefficient fewer. Exact only if the coefficients sum to 1, that is, if 1 is a root.
 pub(super) fn less_unit_root(c: &[f64]) -> Vec<f64> {
     (1..c.len()).map(|k| -c[k..].iter().sum::<f64>()).collect()
 }
@@ -120,6 +139,9 @@ pub(super) fn less_unit_root(c: &[f64]) -> Vec<f64> {
 ///
 /// They are the poles (of φ) and zeros (of θ) of the process in the z plane: a real one ρ near 1 has the
 /// correlation time −1/ln ρ samples, a complex one the frequency of its argument.
+///
+/// As many as coefficients, in no particular order, complex ones in conjugate pairs to rounding.
+/// Multiple roots are found to about the square root of the working precision only.
 pub(crate) fn inverse_roots(c: &[f64]) -> Vec<Complex64> {
     let degree = c.iter().rposition(|v| *v != 0.0).map_or(0, |k| k + 1);
     let start = |k: usize| Complex64::from_polar(0.8, 2.4 * k as f64 + 0.4);

@@ -158,6 +158,9 @@ impl Profile<'_> {
     /// Root of twice the log-likelihood that is lost at `z`, maximised over the other coordinate: nearly linear in z. `near` is that
     /// coordinate's best value nearby, with its curvature, from which the search starts, and becomes that at `z`; `moved` is z
     /// less that of `near`.
+    ///
+    /// Signed square roots of deviances are nearly linear where the likelihood is nearly normal,
+    /// which is why ends are sought on this scale and not on the deviance itself.
     fn root_deviance(&self, z: f64, moved: f64, near: &mut Point) -> f64 {
         let function = |others: &[Vec<f64>]| {
             let point = |other: &Vec<f64>| match self.root {

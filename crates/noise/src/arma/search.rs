@@ -15,6 +15,13 @@
 //!
 //! Orders are climbed from below ([`Ladder`]): a model is inside the next larger one, so that its likelihood
 //! can only rise.
+//!
+//! Effort is a factor on the number of likelihood evaluations (1 for a careful fit); the search is
+//! deterministic, its random starts have a fixed seed. That it finds the global optimum is not
+//! proven; [`crate::arma::ArmaFit::local_optima`] reports how many optima it met.
+//!
+//! What a search costs: up to some 30 000 evaluations of Whittle's likelihood, a few hundred bins
+//! each whatever N, and the exact one at its optima, O(N (p + q)) an evaluation.
 
 mod problem;
 
@@ -40,20 +47,27 @@ const KEPT: usize = 4;
 const GLANCE: usize = 25_000;
 
 /// Local optima by order, so that a higher order builds on what was found below it.
+///
+/// A ladder belongs to one record (or one set of records) and one treatment of mean and unit root;
+/// it must not be reused for another, since its optima are starts whose values are compared.
 #[derive(Default)]
 pub(crate) struct Ladder {
+    /// Order (p, q) with its optima, best first.
     rungs: Vec<((usize, usize), Vec<Point>)>,
     /// Approximate likelihood of the record, once it is there.
     whittle: Option<Option<Whittle>>,
 }
 
 impl Ladder {
+    /// Optima of an order that has been searched.
     fn at(&self, p: usize, q: usize) -> Option<&[Point]> {
         let rung = self.rungs.iter().find(|(order, _)| *order == (p, q));
         rung.map(|(_, points)| points.as_slice())
     }
 
     /// The best value found at ARMA(p−1, q−1), if there is that order.
+    ///
+    /// Negative log-likelihood. With it goes the likelihood ratio of one pair of roots.
     pub(super) fn below(&self, p: usize, q: usize) -> Option<f64> {
         let points = self.at(p.checked_sub(1)?, q.checked_sub(1)?)?;
         points.first().map(|point| point.value)
@@ -61,6 +75,11 @@ impl Ladder {
 
     /// The best distinct local optima of ARMA(p, q), best first: every order (p−k, q−k) is searched
     /// from the optima of the one and the two below it. `known` are further starts.
+    ///
+    /// Orders that were searched before are not searched again unless there are new starts.
+    ///
+    /// # Errors
+    /// [`ArmaError::NoOptimum`] where no start of some order has a finite likelihood.
     pub(super) fn climb(
         &mut self,
         problem: &Problem,
@@ -119,6 +138,9 @@ impl Ladder {
 /// Best first, at most eight; `known` are starts in search coordinates.
 /// # Errors
 /// [`ArmaError::NoOptimum`] where no start has a finite likelihood.
+///
+/// A best optimum of a higher cost than that of ARMA(p−1, q−1) is marked as not converged: the
+/// smaller model is inside the larger one, so the search has missed something.
 fn optima(
     problem: &Problem,
     (p, q): (usize, usize),
@@ -201,6 +223,10 @@ fn optima(
 }
 
 /// The lower optima with a real AR and a real MA root laid over.
+///
+/// A pair (α, μ) of nearly cancelling roots is laid over a lower optimum at no loss of likelihood,
+/// which is the direction in which the likelihood of the larger model rises. Slow pairs come from
+/// block averages ([`starts::slow_bias`]) and from a grid.
 fn real_starts(
     problem: &Problem,
     lower: &[Point],
@@ -228,6 +254,9 @@ fn real_starts(
 }
 
 /// The optima two orders below with a complex pair of AR and one of MA roots laid over.
+///
+/// A pair of complex roots makes a resonance (AR radius above the MA radius) or a notch (below). 20
+/// or 60 frequencies between 0 and π rad/sample, five pairs of radii each.
 fn line_starts(n: usize, lower: &[Point], p: usize, candidates: &mut Vec<Vec<f64>>) {
     const RADII: [(f64, f64); 5] = [
         (0.9, 0.98),
@@ -249,6 +278,9 @@ fn line_starts(n: usize, lower: &[Point], p: usize, candidates: &mut Vec<Vec<f64
 }
 
 /// The candidates that are best on the first part of a long record; all of them for a short one.
+///
+/// A resonance shows in [`GLANCE`] samples as well as in all, at a fraction of the cost of an
+/// evaluation.
 fn glance(problem: &Problem, candidates: Vec<Vec<f64>>, p: usize, budget: f64) -> Vec<Vec<f64>> {
     if problem.samples.len() <= 2 * GLANCE {
         return candidates;
@@ -266,6 +298,10 @@ fn glance(problem: &Problem, candidates: Vec<Vec<f64>>, p: usize, budget: f64) -
 }
 
 /// The search over all starts by the approximate likelihood; the exact one from its optima.
+///
+/// The first `privileged` candidates (white noise, known coefficients, Hannan-Rissanen) and the
+/// `narrow` ones are always put to the exact likelihood; the others only if Whittle's likelihood
+/// keeps them.
 fn screened(
     objective: &mut Objective,
     approximate: &mut Objective,
@@ -314,6 +350,9 @@ fn screened(
 
 /// Short searches from many starts; the best quarter goes on, longer; the last few to the end.
 /// The first `privileged` candidates are in the first round whatever their value.
+///
+/// Successive halving, by quarters: 6 iterations of BFGS for all, then four times as many for the
+/// best quarter, until a few are left, which are finished to [`TOLERANCE`].
 fn rounds(
     objective: &mut Objective,
     candidates: Vec<Vec<f64>>,
@@ -362,6 +401,8 @@ fn rounds(
 }
 
 /// Nelder-Mead around the best point where BFGS has stuck, then BFGS again, as long as that helps.
+///
+/// At most three rounds; ends as soon as a search has converged, or gains less than [`TOLERANCE`].
 fn polish(objective: &mut Objective, best: &mut Point, dimension: usize) {
     for _ in 0..3 {
         if best.converged {

@@ -1,6 +1,18 @@
 //! Where the search for the optimum starts. The likelihood of an ARMA model has many local optima
 //! (18 for ARMA(4,3) on 48 samples); the one of a slow bias under white noise is a narrow gorge that
 //! a start at zero or from a long autoregression never sees.
+//!
+//! All starts are given in search coordinates ([`super::polynomial`]): p numbers of φ, then q of θ.
+//! They are proposals only: nothing here evaluates a likelihood, and a bad start costs time, not
+//! correctness.
+//!
+//! | start | finds |
+//! |---|---|
+//! | [`hannan_rissanen`] | short memory: filter taps, resonances |
+//! | [`slow_bias`] | a slow bias under white noise, φ ≈ θ ≈ 1 |
+//! | [`real_pairs`] | any real pole and zero that nearly cancel |
+//! | [`with_complex_pair`] | a resonance or notch |
+//! | [`random_points`] | optima that none of these reach |
 
 use super::autoregressive;
 use super::polynomial::{from_search, multiply, to_search};
@@ -23,6 +35,10 @@ pub(super) fn encode(phi: &[f64], theta: &[f64], margin: f64) -> Vec<f64> {
 
 /// Hannan-Rissanen: innovations from a long autoregression, then least squares of the record on its
 /// own past and theirs. Hannan & Rissanen 1982. Missing samples count as the mean.
+///
+/// At most 100 000 samples are used; the long autoregression has 10 log₁₀ N coefficients, by Burg's
+/// method. `None` where the record is too short for the regression, or its normal matrix is not
+/// positive definite.
 pub(super) fn hannan_rissanen(
     samples: &[f64],
     centre: f64,
@@ -75,6 +91,11 @@ pub(super) fn hannan_rissanen(
 /// (φ, θ) of a slow AR(1) under white noise, from the autocovariances of block means at scales m = 4,
 /// 16, 64, …: the lag-2 to lag-1 ratio is φᵐ, their size gives the AR(1)'s variance, the rest is white.
 /// (The Allan variance at two neighbouring scales carries the same information.)
+///
+/// For φ near 1 block means of m samples have the autocovariance `bias·s²·φ^{m(k−1)}` at lags k ≥
+/// 1, with the smear s = (1 − φᵐ)/(m (1 − φ)); white noise has none. So the ratio of lags 2 and 1
+/// is φᵐ whatever the white noise. Scales at which one of the two is not positive are skipped.
+/// Missing samples count as `centre`.
 pub(super) fn slow_bias(samples: &[f64], centre: f64) -> Vec<(f64, f64)> {
     let x = |v: f64| if v.is_nan() { 0.0 } else { v - centre };
     let n = samples.len();
@@ -110,6 +131,8 @@ pub(super) fn slow_bias(samples: &[f64], centre: f64) -> Vec<(f64, f64)> {
 
 /// θ of an AR(1) process of variance `bias` plus white noise of variance r = `white`: the invertible root of
 /// `(1 + θ²)/θ = (q + r (1 + φ²))/(r φ)`, `q = bias (1 − φ²)`.
+///
+/// `None` where the root is outside of (0, 1).
 fn ma_coefficient(phi: f64, bias: f64, white: f64) -> Option<f64> {
     let q = bias * (1.0 - phi) * (1.0 + phi);
     // With d = 1 − θ: d²/(1 − d) = q/(r φ) + (1 − φ)²/φ.
@@ -121,6 +144,9 @@ fn ma_coefficient(phi: f64, bias: f64, white: f64) -> Option<f64> {
 
 /// Pairs (α, μ) of an AR and an MA root, which nearly cancel, to multiply into a model of lower order: 1 − α in equal steps of its
 /// logarithm down to below 1/n, near −1, and between.
+///
+/// `per_decade` values of 1 − α in each factor of ten. Pairs further apart than two decades are not
+/// tried: they do not cancel, and other starts reach them.
 pub(super) fn real_pairs(n: usize, per_decade: f64) -> Vec<(f64, f64)> {
     let far = (n as f64).log10() + 0.5;
     let count = (far * per_decade) as usize;
@@ -164,6 +190,9 @@ pub(super) fn with_real_pair(z: &[f64], p: usize, alpha: f64, mu: f64) -> Vec<f6
 
 /// A lower-order optimum (order two less) multiplied by a complex pair of AR roots and one of MA roots, in
 /// search coordinates: a resonance or a notch at the frequency `omega` [rad/sample].
+///
+/// `ar_radius` and `ma_radius` are moduli of the inverse roots, below 1: AR roots of radius ρ near
+/// 1 are a line of about (1 − ρ)/π cycles per sample full width at half power.
 pub(super) fn with_complex_pair(
     z: &[f64],
     p: usize,

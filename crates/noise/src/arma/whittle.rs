@@ -5,6 +5,11 @@
 //! [`bins`], narrow towards zero, where slow errors differ, and no wider than a line elsewhere: an evaluation costs
 //! the same whatever the length of the record. It is approximate, most of all at the lowest frequencies; only the
 //! exact likelihood decides. A sine taper keeps a slow error from leaking over the others.
+//!
+//! Bias: of order 1/N in the parameters for short-memory processes, but larger for roots near 1,
+//! where the approximation of the covariance by a circulant one fails; a unit root must be
+//! differenced away (`differenced`). It is used to rank starts only, and every result goes to the
+//! exact likelihood.
 
 use super::kernel::{Coefficients, PowerSum};
 use realfft::RealFftPlanner;
@@ -23,7 +28,9 @@ const MOST: usize = 1 << 21;
 
 /// The periodogram of a record, in bins.
 pub(crate) struct Whittle {
+    /// N, after which the periodogram is normalised.
     samples: f64,
+    /// Binned powers, with sine and cosine of the middle of each bin.
     sums: PowerSum,
     /// The ordinates themselves, from that of one cycle a record on.
     ordinates: Vec<f64>,
@@ -40,6 +47,9 @@ pub(super) struct Narrow {
 
 impl Whittle {
     /// The periodogram of a record about `centre`; missing samples are bridged by the one before. `None` of a short record.
+    ///
+    /// At most 2²¹ samples of the start of the record are used. Powers are |X|²/N with a sine taper
+    /// of unit mean square, so that white noise of variance σ² has mean power σ².
     pub(super) fn new(record: &[f64], centre: f64, differenced: bool) -> Option<Self> {
         let record = &record[..record.len().min(MOST)];
         let mut last = 0.0;
@@ -83,6 +93,9 @@ impl Whittle {
 
     /// The bands of several widths in which a model's power is most wrong, one of each width: where a
     /// factor m on the power of w ordinates gains most, `w (m − 1 − ln m)`.
+    ///
+    /// At most ten: two shapes of each of five widths. AR radius above MA radius where the model
+    /// has too little power there.
     pub(super) fn narrow(&self, phi: &[f64], theta: &[f64]) -> Vec<Narrow> {
         let step = 2.0 * PI / self.samples;
         let (squares, _) = self.sums.over(phi, theta, step);
@@ -130,6 +143,9 @@ impl Whittle {
     }
 
     /// Derivatives of the negative log-likelihood by φ and by θ.
+    ///
+    /// The analytic derivative of [`Self::objective`]; chain rule to search coordinates is the
+    /// caller's.
     pub(super) fn gradient(&self, phi: &[f64], theta: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let lowest = 1.0 / self.samples;
         let (squares, _) = self.sums.over(phi, theta, lowest);
@@ -147,6 +163,8 @@ impl Whittle {
 }
 
 /// First ordinate and end of each bin; the mean, ordinate 0, is in none.
+///
+/// Width 6 % of the frequency, at least one ordinate, at most 1/384 of all.
 fn bins(ordinates: usize) -> impl Iterator<Item = (usize, usize)> {
     let widest = ordinates.div_ceil(FINEST);
     let mut at = 1;

@@ -2,6 +2,10 @@
 //!
 //! Blocks of which samples are missing are averages of fewer: the model of the averages is that of the share
 //! that is present ([`block_average_of_share`]), the same for all blocks of a record.
+//!
+//! All searches of this module evaluate [`Averages::cost`]; a restricted likelihood, so that terms
+//! that look like a level (a random walk, a τ beyond the record) are not favoured by the level they
+//! fit away. Records are independent: each its own level, likelihoods multiplied.
 
 use super::blocks::{average_in_blocks, block_average_of_share, share_present};
 use super::likelihood::{Level, RecordLikelihood, log_likelihood};
@@ -20,11 +24,15 @@ const CHANCE: f64 = 4.0;
 
 /// Records as the likelihood sees them: averages over blocks of samples `interval` \[s\] apart.
 pub(crate) struct Averages<'a> {
+    /// Averages \[unit\]; NaN of a block with too few samples.
     records: Vec<Vec<f64>>,
     /// Share of the samples of each that is there.
     present: Vec<f64>,
+    /// Samples of a block.
     block: usize,
+    /// Interval between samples \[s\].
     pub(crate) interval: f64,
+    /// Integrated out beside the levels.
     marginal: Marginal<'a>,
 }
 

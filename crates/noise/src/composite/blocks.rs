@@ -1,4 +1,9 @@
 //! Averages over blocks of samples, of a record and, exactly, of its model.
+//!
+//! Averaging keeps all that drifts, and the likelihood of the averages costs m times less. It is
+//! exact: a linear filter sampled every m steps, with the average as its output, is a linear filter
+//! of the same order ([`block_average`]), not an approximation of one. What is lost is what happens
+//! within a block.
 
 use super::CompositeError;
 use undrift_nav::shaping::{AxisMatrix, AxisVector, MAX_ORDER, ShapingError, ShapingFilter};
@@ -24,6 +29,8 @@ pub(crate) struct Span {
 
 impl Span {
     /// `k` steps by doubling: O(log k), only sums of covariances (no inverse, no closed form to cancel).
+    ///
+    /// `k` ≥ 1. Covariances grow only by sums of positive parts, so k may be in the millions.
     pub(crate) fn doubled(filter: &ShapingFilter, k: usize) -> Self {
         let n = filter.order;
         let mut span = Self {
@@ -106,6 +113,20 @@ impl Span {
 ///
 /// # Errors
 /// `m` = 0, or a result that is not finite.
+///
+/// A random walk of density K averaged over T′ = m T: its averages differ by a variance of K² T′ ·
+/// 2/3, less than K² T′, because averaging smooths:
+///
+/// ```
+/// use undrift_nav::shaping::ShapingFilter;
+/// use undrift_noise::composite::block_average;
+/// let averages = block_average(&ShapingFilter::random_walk(1.0, 0.001)?, 1000)?;
+/// // T′ = 1 s: the state moves by a variance of K² T′ from block to block,
+/// assert!((averages.q[0][0] - 1.0).abs() < 1e-9);
+/// // and the average lags its end: the variance of the average about its start is K² T′/3.
+/// assert!((averages.r - 1.0 / 3.0).abs() < 1e-3);
+/// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+/// ```
 pub fn block_average(filter: &ShapingFilter, m: usize) -> Result<ShapingFilter, ShapingError> {
     if m == 0 {
         return Err(ShapingError::BadParameter("the block length"));
@@ -180,6 +201,8 @@ pub fn average_in_blocks(record: &[f64], m: usize) -> Result<Vec<f64>, Composite
 }
 
 /// Share of the samples that is there, harmonic mean over the blocks of `m` that [`average_in_blocks`] keeps; 1 of none.
+///
+/// For likelihoods whose white noise is that of fewer samples a block.
 pub(crate) fn share_present(record: &[f64], m: usize) -> f64 {
     let (mut blocks, mut sum) = (0.0, 0.0);
     for block in record.chunks_exact(m.max(1)) {
@@ -228,6 +251,9 @@ pub(crate) fn block_beyond_memory(records: &[&[f64]], interval: f64, least: usiz
 
 /// Correlation time of the fast part of a record \[samples\]: the first lag at which the autocorrelation about the mean of each
 /// second is below 1/e; 0 where that is the first.
+///
+/// Removing the mean of each second hides what is slower, which is not what a block has to be
+/// longer than.
 fn memory(record: &[f64], interval: f64) -> usize {
     let second = ((1.0 / interval).round() as usize).max(2);
     let record = &record[..record.len().min(PROBE)];

@@ -64,6 +64,13 @@ pub struct ParameterInterval {
 
 impl ParameterInterval {
     /// Whether both ends are bounded.
+    ///
+    /// ```
+    /// use undrift_noise::composite::{Parameter, ParameterInterval};
+    /// // A correlation time of at least 200 s: the record does not exclude a random walk.
+    /// let tau = ParameterInterval { parameter: Parameter::Tau(0), estimate: 900.0, low: 200.0, high: f64::INFINITY };
+    /// assert!(!tau.is_determined());
+    /// ```
     pub fn is_determined(&self) -> bool {
         self.low > 0.0 && self.high.is_finite()
     }
@@ -263,6 +270,8 @@ impl Profile<'_> {
 
     /// The end of one parameter's interval on one side, where the profile has fallen by `half`; none where
     /// it does not.
+    ///
+    /// False position on the root of the fall, from [`STEP`] outwards; at most 20 steps.
     fn end(&self, best: &Point, at: usize, sign: f64, half: f64) -> Option<f64> {
         let others = |w: &[f64]| -> Vec<f64> {
             w.iter()

@@ -1,4 +1,8 @@
 //! Exact Gaussian log-likelihood of a record under any shaping filter.
+//!
+//! The steady-state pass ([`crate::steady`]) where the model has one, else sample by sample
+//! ([`pass`]); both are exact. O(N r²), no copy of the record. Comparable between models of one
+//! record only: the same samples present, the same block.
 
 use super::CompositeError;
 use super::predictor::{Predictor, dot};
@@ -39,6 +43,20 @@ impl RecordLikelihood {
     /// The logarithm of the restricted likelihood: the level integrated out under a flat prior, not put at its
     /// best value. Unlike the profile it has a limit where a correlation time grows beyond the record, that
     /// of the random walk (Harville 1974; Chen & Deo 2009 for its tests near a unit root).
+    ///
+    /// The difference of two models is what a comparison needs; for one level it is log L + ½ ln(2π
+    /// s²), s its standard error \[unit\]:
+    ///
+    /// ```
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// use undrift_noise::composite::{Level, log_likelihood};
+    /// let filter = ShapingFilter::white(1.0, 1.0)?;
+    /// let at = log_likelihood(&[1.0, 2.0, 3.0, 2.0], &filter, Level::Estimated)?;
+    /// assert!((at.level - 2.0).abs() < 1e-12 && (at.level_standard_error - 0.5).abs() < 1e-12); // σ/√4.
+    /// let freedom = 0.5 * (std::f64::consts::TAU * 0.25).ln();
+    /// assert!((at.restricted() - at.log_likelihood - freedom).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn restricted(&self) -> f64 {
         let freedom = match self.level_standard_error {
             error if error > 0.0 && error.is_finite() => {
@@ -125,6 +143,7 @@ pub fn log_likelihood(
     })
 }
 
+/// Of a record and of ones under one filter; see [`steady::Sums`].
 struct LikelihoodSums {
     squares: f64,
     ones_cross: f64,
@@ -133,6 +152,7 @@ struct LikelihoodSums {
     observations: usize,
 }
 
+/// `None` where some sample has no positive variance.
 fn sums<const N: usize>(
     record: &[f64],
     filter: &ShapingFilter,

@@ -8,6 +8,10 @@
 //! A filter that has settled no longer carries its covariance. It counts as settled where neither gains nor
 //! variance change by more than a given share over 64 samples; [`Predictor::settling`] is for uses that need
 //! less, and goes over such spans by the doubled recursion of [`Steps`].
+//!
+//! Used where samples come one by one: by [`crate::drift_score`], by models without a steady state,
+//! and by [`crate::temperature`], which whitens several signals with one gain. N is the filter's
+//! order, known at compile time; O(N³) a sample until settled, O(N²) after.
 
 use crate::steady::Steps;
 use undrift_nav::shaping::ShapingFilter;
@@ -28,10 +32,15 @@ type Freed<const N: usize> = ([[f64; N]; N], [[f64; N]; N]);
 /// The filter with N states.
 #[derive(Clone, Debug)]
 pub(crate) struct Predictor<const N: usize> {
+    /// Transition over one sample.
     f: [[f64; N]; N],
+    /// Output: the sample is H x plus its own noise.
     pub(crate) h: [f64; N],
+    /// Covariance of the driving noise, GGᵀ.
     q: [[f64; N]; N],
+    /// Its covariance with the sample's own noise, GDᵀ.
     s: [f64; N],
+    /// Variance of the sample's own noise, DDᵀ \[unit²\].
     r: f64,
     /// F, q without the correlation with the sample's own noise; none where r = 0.
     freed: Option<Freed<N>>,
@@ -50,8 +59,12 @@ pub(crate) struct Predictor<const N: usize> {
     /// What [`LOOK`] samples make of P; none where the gains are those of every sample until they settle.
     stride: Option<Steps<N>>,
     /// Samples for which the gains are kept.
+    ///
+    /// Samples for which they are still kept.
     kept: u32,
+    /// Samples since the last missing one.
     since: u32,
+    /// Gain and variance at the last look.
     seen: ([f64; N], f64),
 }
 
@@ -105,6 +118,8 @@ impl<const N: usize> Predictor<N> {
 
     /// The same for states to be trusted to `still` alone: settled below that relative change, and the gains kept over
     /// [`LOOK`] samples where they change slowly.
+    ///
+    /// For scores, whose error is the square of the gain's; not for likelihoods.
     pub(crate) fn settling(filter: &ShapingFilter, still: f64) -> Self {
         Self {
             stride: Steps::doubled(filter, LOG_LOOK),
@@ -152,6 +167,8 @@ impl<const N: usize> Predictor<N> {
     }
 
     /// Variance and gain of the next sample from P.
+    ///
+    /// V = H P Hᵀ + r, K = (F P Hᵀ + s)/V.
     fn weigh(&mut self) {
         let mut ph = [0.0; N];
         for i in 0..N {
@@ -169,6 +186,9 @@ impl<const N: usize> Predictor<N> {
     }
 
     /// Takes in a sample; returns its prediction error v. The variance is that before the call.
+    ///
+    /// `y` about the level \[unit\], finite. Standardised, v/√V is white with unit variance if the
+    /// model is right.
     pub(crate) fn observe(&mut self, y: f64) -> f64 {
         let v = y - dot(&self.h, &self.x);
         let mut next = self.advance(&self.x);
@@ -181,6 +201,9 @@ impl<const N: usize> Predictor<N> {
     }
 
     /// Carries the covariance over a sample that was taken in.
+    ///
+    /// For callers that predict several signals with one filter: they take gain and variance before
+    /// this call.
     pub(crate) fn move_on(&mut self) {
         if self.settled {
             return;
@@ -233,6 +256,8 @@ impl<const N: usize> Predictor<N> {
     }
 
     /// Looks whether the gains have settled since the last look, and whether they may be kept up to the next.
+    ///
+    /// A gain near zero is judged against the largest one.
     fn look(&mut self) {
         let (gain, variance) = self.seen;
         let largest = self.gain.iter().fold(0.0f64, |m, g| m.max(g.abs()));
@@ -251,6 +276,8 @@ impl<const N: usize> Predictor<N> {
     }
 
     /// Goes over a missing sample.
+    ///
+    /// P grows by one step without a sample; the filter has to settle again.
     pub(crate) fn skip(&mut self) {
         self.x = self.advance(&self.x);
         self.p = carried(&self.f, &self.p, &self.q);

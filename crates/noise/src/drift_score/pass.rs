@@ -4,6 +4,14 @@
 //! will be, and the running sums what it is. Origins are a 32nd of a horizon apart: closer ones would share
 //! their windows. A window in which samples are missing counts with the mean of the others, up to a third of
 //! it.
+//!
+//! The quantity: with T the interval, the integral of the error over the next k samples is T Σ ε;
+//! its prediction is T H (I + F + … + F^{k−1}) x̂, and the score of the horizon the root mean
+//! square of the difference, in rad for a gyro, m/s for an accelerometer. White noise alone
+//! contributes N √(k T) at any model.
+//!
+//! O(r³) a sample until the filter has settled, O(r²) after, for all horizons together; the running
+//! sums take 12 bytes a sample.
 
 use super::{DriftError, HorizonScore, MAX_BATCHES};
 use crate::composite::predictor::{Predictor, dot};
@@ -19,21 +27,30 @@ const OVERLAP: usize = 32;
 const SETTLED: f64 = 1e-5;
 
 pub(super) struct Task<'a> {
+    /// Both parts; NaN is a missing sample.
     pub(super) record: &'a [f64],
+    /// Samples that the filter only runs through.
     pub(super) first_part: usize,
+    /// Level that is taken off \[unit\].
     pub(super) mean: f64,
+    /// The candidate.
     pub(super) filter: &'a ShapingFilter,
+    /// Horizons \[samples\].
     pub(super) lengths: &'a [usize],
+    /// Of this record about this mean.
     pub(super) sums: &'a RunningSums,
 }
 
 /// Sums of a record about its constant, up to each sample.
 pub(super) struct RunningSums {
+    /// Sum before each sample \[unit\], one more than samples.
     values: Vec<f64>,
+    /// Samples missing before each.
     missing: Vec<u32>,
 }
 
 impl RunningSums {
+    /// Missing samples add nothing; [`Self::over`] corrects for them.
     pub(super) fn new(record: &[f64], mean: f64) -> Self {
         let (mut sum, mut absent) = (0.0, 0);
         let (mut values, mut missing) = (vec![0.0], vec![0]);
@@ -62,6 +79,8 @@ impl RunningSums {
     }
 }
 
+/// Squares of the errors of neighbouring origins; the scatter of batches gives the standard error
+/// of a score.
 #[derive(Clone, Default)]
 struct Batch {
     squares: f64,
@@ -86,6 +105,7 @@ pub(super) struct Horizon<const N: usize> {
     stride: usize,
     seen: usize,
     batches: Vec<Batch>,
+    /// Sum of the variances that the model itself expects \[unit²\].
     predicted: f64,
     /// row P rowᵀ once the filter has settled.
     settled: Option<f64>,
@@ -93,6 +113,12 @@ pub(super) struct Horizon<const N: usize> {
 
 impl Task<'_> {
     /// Runs the filter over the record and scores the second part.
+    ///
+    /// N must be the filter's order. Origins of each horizon begin at the first sample of the
+    /// second part.
+    ///
+    /// # Errors
+    /// A sample that is infinite, a model without variance, a horizon without one complete window.
     pub(super) fn run<const N: usize>(&self) -> Result<Vec<HorizonScore>, DriftError> {
         let (first, second) = self.record.split_at(self.first_part);
         let mut predictor = Predictor::<N>::settling(self.filter, SETTLED);
@@ -137,6 +163,8 @@ fn take_in<const N: usize>(predictor: &mut Predictor<N>, y: f64) -> Result<(), D
 
 impl<const N: usize> Horizon<N> {
     /// A horizon of `length` samples in a scored part of `scored` samples.
+    ///
+    /// `scored` must be at least `length`.
     fn new(filter: &ShapingFilter, length: usize, scored: usize) -> Self {
         let span = Span::doubled(filter, length);
         let origins = scored + 1 - length;

@@ -2,6 +2,9 @@
 //!
 //! One sentence a remark, with the axis or sensor in front. They are for whoever opens the file of another
 //! program a year later.
+//!
+//! The comment sign is put in front by the format ([`super::formats`]), which makes one line of each.
+//! Numbers have three digits and units; names of axes are those of the model file.
 
 use super::equivalent::Remark;
 use crate::bias_model::{HORIZON, SLOW};
@@ -51,11 +54,15 @@ pub(super) fn comment((name, remark): &(&str, Remark)) -> String {
 }
 
 /// "1.3 times".
+///
+/// One decimal: factors here are estimates.
 fn times(factor: f64) -> String {
     format!("{factor:.1} times")
 }
 
 /// Three digits each, with the unit.
+///
+/// Separated by commas, as in a sentence.
 fn list(values: &[f64], unit: &str) -> String {
     let values = values.iter();
     let values = values.map(|value| format!("{} {unit}", rounded(*value, 3)));

@@ -8,6 +8,13 @@
 //! | no bias at all | for programs that divide by it, the largest walk that the record could hide |
 //!
 //! What a format cannot take becomes a [`Remark`], a comment in the file.
+//!
+//! Why a walk "that the record could hide": Kalibr and its relatives weigh bias steps by 1/K², and
+//! K = 0 stops them. A record of length L \[s\] cannot exclude K < √3 N/(0.1 L), so that this is the
+//! honest number for "no bias seen".
+//!
+//! Units of the result are SI: rad/s and m/s² with √s; the formats convert. The order of axes is x,
+//! y, z of the sensor.
 
 use super::ModelFormat;
 use super::outage::WalkFilter;
@@ -187,6 +194,9 @@ fn unseen_walk(white: f64, length: f64) -> f64 {
 }
 
 /// Remarks on it are added to `remarks` under its `name`.
+///
+/// Densities of independent parts add in squares. Terms win over an ARMA where the model has both:
+/// they are the longer view, since an ARMA of the full rate describes short memory first.
 fn equivalent(
     name: &'static str,
     axis: &AxisModel,
@@ -242,6 +252,9 @@ fn equivalent(
 }
 
 /// White density [unit·√s] and bias of an ARMA, and what of it is in neither.
+///
+/// Three cases: white (all coefficients 0), an ARMA(1,1) that splits exactly, anything else by its
+/// poles.
 fn of_arma(arma: &Arma, remarks: &mut Vec<Remark>) -> (f64, Slow) {
     let innovations = arma.sigma / arma.rate_hz.sqrt();
     if arma.is_white() {
@@ -270,6 +283,8 @@ fn of_arma(arma: &Arma, remarks: &mut Vec<Remark>) -> (f64, Slow) {
 }
 
 /// Root mean square over the three axes.
+///
+/// Preserves the mean variance of the axes.
 pub(super) fn rms(axes: &[EquivalentAxis; 3], of: impl Fn(&EquivalentAxis) -> f64) -> f64 {
     (axes.iter().map(|axis| of(axis).powi(2)).sum::<f64>() / 3.0).sqrt()
 }
@@ -287,6 +302,8 @@ pub(super) fn common_tau<'a>(axes: impl Iterator<Item = &'a EquivalentAxis>) -> 
 
 /// Standard deviation \[unit\] of the Gauss-Markov process of correlation time `tau` \[s\] that a random
 /// walk of density `drive` [unit/√s] drives: σ = K √(τ/2).
+///
+/// Over times short against `tau` the two are the same.
 pub(super) fn driven(drive: f64, tau: f64) -> f64 {
     drive * (0.5 * tau).sqrt()
 }

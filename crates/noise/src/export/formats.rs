@@ -3,6 +3,24 @@
 //! Each function documents the equations of the program that reads the file, with the place in its source, and
 //! how a density N or a random walk K is turned into its numbers, of nine digits. Comments name the sensor, its
 //! source and the remarks.
+//!
+//! What differs between the programs is only what a "noise" number is multiplied by. For white
+//! noise of density N [rad/s/√Hz, m/s²/√Hz], a random walk K of the bias [rad/s²/√Hz, m/s³/√Hz] and
+//! the sample interval T \[s\]:
+//!
+//! | program | white noise | bias |
+//! |---|---|---|
+//! | Kalibr, OpenVINS, Basalt | N | K |
+//! | VINS-Mono, VINS-Fusion | N √(2/T) | K/√T |
+//! | PX4 EKF2 | N/√T, T of its prediction (100 Hz) | K/√T |
+//! | ROS `sensor_msgs/Imu` | variance N²/T | – |
+//! | KF-GINS | N in deg/√h, m/s/√h | Gauss-Markov of one τ, driven by 2σ²/τ |
+//! | MATLAB `imuSensor` | N | K, and a Gauss-Markov process |
+//!
+//! Programs with one number for a sensor get the root mean square of its three axes, which
+//! preserves the mean variance. The functions are pure: [`Equivalent`] in, text out; they do no
+//! fitting. What a format cannot hold (quantisation, lines, several processes) is in the remarks of
+//! [`Equivalent`], which every text has as comments at its head.
 
 use super::comments::comment;
 use super::equivalent::{Equivalent, EquivalentAxis, common_tau, driven, rms};
@@ -12,9 +30,12 @@ use undrift_nav::earth::STANDARD_GRAVITY;
 pub(super) const PX4_RATE: f64 = 100.0;
 /// 1 mGal [m/s²].
 const MILLIGAL: f64 = 1e-5;
+/// One hour \[s\].
 const HOUR: f64 = 3600.0;
 
 /// Kalibr, "IMU Noise Model": continuous-time densities of white noise and of the bias's random walk.
+///
+/// `rate_hz` \[Hz\] is written as `update_rate` and scales nothing.
 pub(super) fn kalibr(imu: &Equivalent, rate_hz: f64) -> String {
     let mut out = Text::about(imu, "#");
     out.comment("Each number is the root mean square of the three axes.");
@@ -25,6 +46,8 @@ pub(super) fn kalibr(imu: &Equivalent, rate_hz: f64) -> String {
 }
 
 /// Kalibr's four keys and values.
+///
+/// Accelerometer first; SI units, root mean square of the axes.
 fn densities(imu: &Equivalent) -> impl Iterator<Item = String> {
     let of_sensor = |(sensor, axes, unit): (&str, _, &str)| {
         let white = number(rms(axes, |axis| axis.white));
@@ -46,6 +69,9 @@ fn densities(imu: &Equivalent) -> impl Iterator<Item = String> {
 /// were independent, so that a step adds (noise dt)²/2 to angle and velocity, and (bias noise dt)² to the bias.
 /// A sample is the end of one step and the start of the next: it adds (σ dt)², with σ = N/√dt. A density N is
 /// therefore N √(2/dt), a random walk K is K/√dt. Read by `readParameters` of `parameters.cpp`.
+///
+/// `g_norm` \[m/s²\] is required by the reader and is standard gravity here: replace it by the
+/// local one.
 pub(super) fn vins(imu: &Equivalent, rate_hz: f64) -> String {
     let mut out = Text::about(imu, "#");
     let rate = number(rate_hz);
@@ -103,6 +129,9 @@ pub(super) fn openvins(imu: &Equivalent, rate_hz: f64) -> String {
 /// times √`imu_update_rate` a sample (`dicrete_time_gyro_noise_std`); a step of the bias over dt weighs
 /// 1/(std √dt) (`ImuBlock::linearizeImu` of `include/basalt/linearization/imu_block.hpp`). The first member of the file is the
 /// calibration; in it cereal's `JSONInputArchive` finds names and skips others, unless they begin with one of its own.
+///
+/// One number for each axis x, y, z. `rate_hz` \[Hz\] is written as `imu_update_rate` and scales
+/// nothing.
 pub(super) fn basalt(imu: &Equivalent, rate_hz: f64) -> String {
     let mut out = Text::about(imu, "");
     out.comment("Noise alone: put these keys into the calibration of cameras and IMU.");
@@ -128,6 +157,11 @@ pub(super) fn basalt(imu: &Equivalent, rate_hz: f64) -> String {
 
 /// KF-GINS, `dataset/kf-gins.yaml` and `loadConfig` of `src/kf_gins.cpp`: biases are Gauss-Markov
 /// processes of one correlation time, driven by 2σ²/τ.
+///
+/// Units are the file's: deg/√h, m/s/√h, deg/h, mGal, h. Since 2σ²/τ is what drives the process,
+/// one common τ with σ² scaled by it gives the same drift over times that are short against τ; the
+/// longest τ is taken ([`common_tau`], a random walk counting as 1 h), 1 h where no axis has a bias
+/// that moves. `initbgstd` and `initbastd` are written only with a turn-on constant.
 pub(super) fn kf_gins(imu: &Equivalent) -> String {
     let mut out = Text::about(imu, "#");
     out.comment(
@@ -164,6 +198,9 @@ pub(super) fn kf_gins(imu: &Equivalent) -> String {
 
 /// `sensor_msgs/Imu`: row-major 3×3 covariances of one sample, N² rate on the diagonal; −1 in the
 /// first place where there is no such measurement.
+///
+/// A message has no field for biases: a filter that uses these covariances alone underestimates its
+/// drift.
 pub(super) fn ros(imu: &Equivalent, rate_hz: f64) -> String {
     let mut out = Text::about(imu, "#");
     let rate = number(rate_hz);
@@ -192,6 +229,9 @@ pub(super) fn ros(imu: &Equivalent, rate_hz: f64) -> String {
 /// PX4's EKF2, `covariance.cpp`: a prediction over dt adds (noise dt)² to angle and velocity and
 /// (bias noise dt)² to the bias, so that a density N is the parameter N/√dt. Ranges and units:
 /// PX4 parameter reference. The file: "Parameter file format" of QGroundControl.
+///
+/// Values outside of PX4's range are written as they are, with a comment. Zero initial biases are
+/// not written, so that PX4's defaults apply.
 pub(super) fn px4(imu: &Equivalent, rate_hz: f64) -> String {
     let mut out = Text::about(imu, "#");
     let rate = number(rate_hz);
@@ -245,6 +285,9 @@ pub(super) fn px4(imu: &Equivalent, rate_hz: f64) -> String {
 /// deviation NoiseDensity √rate and a step of the random walk RandomWalk/√rate. Its bias instability
 /// is white noise through a filter of one's own: of φ = exp(−1/(rate τ)), √(1 − φ²)/(1 − φ z⁻¹), the
 /// Gauss-Markov process itself.
+///
+/// With several Gauss-Markov processes the slowest becomes `BiasInstability`; the others are joined
+/// with the random walk ([`crate::bias_model`]).
 pub(super) fn matlab(imu: &Equivalent, rate_hz: f64) -> String {
     let mut out = Text::about(imu, "%");
     for (name, constructor, axes) in [
@@ -289,6 +332,8 @@ pub(super) fn matlab(imu: &Equivalent, rate_hz: f64) -> String {
 }
 
 /// A text under comments.
+///
+/// `mark` begins a comment line: `#`, `%`, or nothing where comments are strings of JSON.
 struct Text {
     mark: &'static str,
     comments: Vec<String>,
@@ -335,6 +380,8 @@ impl Text {
 }
 
 /// Numbers between brackets, as YAML and MATLAB take them.
+///
+/// Comma-separated, each by [`number`].
 fn row(values: impl Iterator<Item = f64>) -> String {
     let items: Vec<String> = values.map(number).collect();
     format!("[{}]", items.join(", "))

@@ -5,6 +5,13 @@
 //! Gauss-Markov process of variance cᵢ and correlation time −T/ln λ, for λ = 1 a random walk. Slow poles that are
 //! complex or have cᵢ < 0 are no process of their own; over short times all slow ones together are a random walk, which moves in
 //! a sample by the variance Σ qᵢ, qᵢ = −2 cᵢ ln λᵢ.
+//!
+//! Example: ARMA(2,1) with λ = 0.9999 and 0.5 at 100 Hz has a bias of τ = 100 s and a filter's
+//! memory of 14 ms; the latter goes into the white density at frequency 0, the former into the
+//! bias.
+//!
+//! Assumes distinct poles: of a double pole the partial fractions do not exist, and rounding
+//! decides what is left.
 
 use crate::arma::inverse_roots;
 use crate::bias_model::{SLOW, Slow};
@@ -37,6 +44,8 @@ fn polynomial(coefficients: &[f64], z: Complex64) -> Complex64 {
 }
 
 /// A pole with its share of the spectrum.
+///
+/// A complex pair is two of these, whose imaginary parts cancel in every sum.
 struct PartialFraction {
     pole: Complex64,
     /// c(1 − λ²), which is finite at λ = 1 \[unit²\].
@@ -45,6 +54,8 @@ struct PartialFraction {
 
 impl PartialFraction {
     /// The share of the pole number `at` of all of them.
+    ///
+    /// `poles` are all inverse roots of φ.
     fn new(arma: &Arma, poles: &[Complex64], at: usize) -> Self {
         let pole = poles[at];
         let others = poles.iter().enumerate().filter(|(l, _)| *l != at);
@@ -57,6 +68,9 @@ impl PartialFraction {
     }
 
     /// Spectrum at an angle, c(1 − λ²)/((1 − λe^{iω})(1 − λe^{−iω})); its real part, summed over a pair \[unit²\].
+    ///
+    /// ω in rad/sample; the sum over all poles is the spectrum of the process less its
+    /// moving-average remainder.
     fn spectrum(&self, angle: f64) -> f64 {
         let z = Complex64::from_polar(1.0, angle);
         (self.drive / ((1.0 - self.pole * z) * (1.0 - self.pole * z.conj()))).re
@@ -83,6 +97,8 @@ fn is_real(pole: Complex64) -> bool {
 }
 
 /// Splits an ARMA into white noise and a bias by its poles.
+///
+/// White noise is what remains of the density at frequency 0 when the slow poles are taken away.
 pub(super) fn parts(arma: &Arma) -> Parts {
     let interval = 1.0 / arma.rate_hz;
     let poles = inverse_roots(&arma.ar);

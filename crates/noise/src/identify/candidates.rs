@@ -4,6 +4,16 @@
 //! and scored on the second, and the other way round, on the record reversed in time (the models are normal
 //! processes, which look the same in either direction). Fitted on the whole, it is the model that is given out.
 //! Several records of one sensor are fitted together, and what is scored is a record that has not been fitted at all.
+//!
+//! Flow: [`candidates`] fits every recipe of [`recipes`] to the whole, then [`Task::candidate`]
+//! fits it to each fold and scores it there. A recipe whose fit fails, or that makes no shaping
+//! filter at this rate, is dropped; the methods of the literature are listed with the reason
+//! ([`NotFitted`]). Candidates run in parallel and come back in the order of the recipes, so the
+//! result does not depend on the number of cores.
+//!
+//! The search over orders sees a prefix of the first record, an ARMA of p > 1 at most
+//! [`HIGH_ORDER_SAMPLES`](super::HIGH_ORDER_SAMPLES) of all; sums of terms see block averages; AR
+//! and ARMA(1,1) see every sample.
 
 mod folds;
 mod recipe;
@@ -56,6 +66,7 @@ const FEWEST_COMPARED: usize = 100;
 pub(super) struct Task<'a> {
     /// Screened records about their means, NaN where a sample was left out; the longest first.
     pub(super) records: Vec<&'a [f64]>,
+    /// Sample rate \[Hz\].
     pub(super) rate_hz: f64,
     /// Overlapping Allan deviation of the records.
     pub(super) curve: &'a Curve,
@@ -73,10 +84,15 @@ pub(super) struct Task<'a> {
 
 /// All that was tried.
 pub(super) struct Tried {
+    /// Table of ARMA(2n, 2n−1).
     pub(super) pandit_wu: Option<PanditWu>,
+    /// Grid of orders by AIC and BIC.
     pub(super) box_jenkins: Option<Selection>,
+    /// Block averages: the slow part at several scales.
     pub(super) scales: Option<Scales>,
+    /// Those that could be fitted and scored, in the order of tables.
     pub(super) candidates: Vec<Candidate>,
+    /// Methods of the literature that make nothing of this record.
     pub(super) not_fitted: Vec<NotFitted>,
 }
 
@@ -89,6 +105,8 @@ impl Task<'_> {
     }
 
     /// Samples to a block of the likelihood of a sum of terms.
+    ///
+    /// The same for all candidates and folds: likelihoods of different blocks are not comparable.
     fn block(&self) -> usize {
         let samples: usize = self.records.iter().map(|record| record.len()).sum();
         let least = samples.div_ceil(composite::FitOptions::default().max_points);
@@ -97,6 +115,9 @@ impl Task<'_> {
 
     /// The candidate of a fit of the whole, scored on the halves; `None` where it makes no filter or cannot
     /// be fitted to each half.
+    ///
+    /// Scores of all folds are pooled by horizon. A candidate that cannot be scored on one fold has
+    /// no score at all.
     fn candidate(&self, recipe: Recipe, whole: Fitted, folds: &[Fold]) -> Option<Candidate> {
         let filter = whole.shaping(self.turn_on, self.rate_hz)?;
         let mut scores: Vec<Vec<HorizonScore>> = Vec::new();
@@ -143,6 +164,10 @@ impl Task<'_> {
     }
 
     /// Akaike's criterion of block averages of the record, the same of every candidate; infinite without one.
+    ///
+    /// 2k − 2 log L with k the parameters beside the level. The block is 2.5 s or more where the
+    /// record is long enough, so that it compares what drifts and not what a filter does inside a
+    /// second.
     fn aic(&self, fitted: &Fitted, recipe: Recipe) -> f64 {
         let shortest = (COMPARED_S * self.rate_hz).round() as usize;
         let shortest = self.block().max(shortest);
@@ -163,6 +188,8 @@ impl Task<'_> {
     }
 
     /// Of the samples that the search over orders saw; `None` where the residuals cannot be computed.
+    ///
+    /// p of the first 20 lags, degrees of freedom less p + q (Ljung & Box 1978).
     fn ljung_box(&self, fit: &ArmaFit) -> Option<f64> {
         let residuals = fit.residuals(self.searched()).ok()?;
         let present: Vec<f64> = residuals.into_iter().filter(|r| r.is_finite()).collect();
@@ -253,6 +280,8 @@ pub(super) fn candidates(task: &Task) -> Tried {
 }
 
 /// Intervals of a candidate's parameters; none of one that is not a sum of terms.
+///
+/// 95 % profile intervals; empty where they cannot be computed.
 pub(super) fn intervals(task: &Task, of: &Candidate) -> Vec<ParameterInterval> {
     let (interval, marginal) = (1.0 / task.rate_hz, |filter: &ShapingFilter| {
         task.marginal(filter)

@@ -1,4 +1,8 @@
 //! What is left of a record when a model has predicted it: white where the model is right.
+//!
+//! Under the right model correlations at lags ≥ 1 lie within ±1.96/√n 95 times in 100. A slow bias
+//! far below white noise does not show in them (docs/theory.md, section 1): white residuals do not
+//! prove a model.
 
 use super::{LAGS, SEARCH_SAMPLES};
 use crate::{
@@ -35,6 +39,8 @@ pub(super) fn of_models(
 impl Residuals {
     /// Of a fit over the start of a screened record, at most [`SEARCH_SAMPLES`] of it.
     /// `None` where φ is not stationary to working precision, or [`LAGS`] errors or fewer are present.
+    ///
+    /// `half` is the screened record \[unit\], NaN a missing sample.
     pub fn new(fit: &ArmaFit, half: &[f64]) -> Option<Self> {
         let searched = half.get(..SEARCH_SAMPLES).unwrap_or(half);
         let errors = fit.residuals(searched).ok()?;

@@ -38,7 +38,9 @@ pub enum Detrend {
 
 /// A record less its trend and its outliers, and what was seen on the way.
 pub(super) struct Screened {
+    /// Level that was removed \[unit\].
     pub(super) mean: f64,
+    /// Straight line that was removed, if one was.
     pub(super) removed: Detrend,
     /// The effect of temperature, or why it is unknown; taken out where it is determined.
     pub(super) temperature: Option<Result<Estimate, TemperatureError>>,
@@ -49,8 +51,11 @@ pub(super) struct Screened {
     pub(super) outliers: Vec<Outlier>,
     /// Samples that were missing.
     pub(super) missing: usize,
+    /// Stretches in which the sensor was moved; `None` where the record is too short to tell.
     pub(super) motion: Option<Motion>,
+    /// Samples at the end of the range.
     pub(super) saturation: Vec<Saturation>,
+    /// Runs of equal samples that a working sensor does not give.
     pub(super) hanging: Vec<Hanging>,
     /// Robust standard deviations beyond which a sample was an outlier.
     pub(super) threshold: f64,
@@ -65,6 +70,8 @@ pub(super) struct Screened {
 
 impl Screened {
     /// Takes lines and narrow resonances out.
+    ///
+    /// After it the record has notches at resonances; what was removed is returned.
     pub(super) fn remove_lines(&mut self, rate_hz: f64) -> Vec<Line> {
         let lines = spectrum::remove_lines(&mut self.cleaned, rate_hz);
         if !lines.is_empty() {
@@ -75,6 +82,11 @@ impl Screened {
 }
 
 /// Screens a record; NaN marks a missing sample.
+///
+/// # Errors
+/// A record that is constant or shorter than identification needs; a dead band
+/// ([`IdentifyError::DeadBand`]); steps so coarse that the noise does not show
+/// ([`IdentifyError::Coarse`]). Trends that cannot be removed.
 pub(super) fn screened(record: &[f64], options: &Options<'_>) -> Result<Screened, IdentifyError> {
     let missing = |k: &usize| record[*k].is_nan();
     let left_out: Vec<usize> = (0..record.len()).filter(missing).collect();
@@ -209,6 +221,8 @@ fn estimated(
 }
 
 /// A record less the effect of its temperature.
+///
+/// Temperatures in °C, one a sample.
 fn less(record: &[f64], temperature_c: &[f64], effect: &Temperature) -> Vec<f64> {
     let samples = record.iter().zip(temperature_c);
     samples.map(|(x, t)| x - effect.bias(*t)).collect()

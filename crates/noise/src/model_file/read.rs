@@ -8,6 +8,26 @@
 //! Refused with file, line and key: a key that is not known (with the nearest that is), a value without unit,
 //! of another quantity or out of its range, an ARMA that makes no filter, and what is recognisably another
 //! file, a log or a drive file.
+//!
+//! Layers. For `gyro_x` of a file with `preset = "…"` four tables are laid over each other, the
+//! first that has a key wins:
+//!
+//! 1. `[gyro_x]` of the file,
+//! 2. `[gyro]` of the file,
+//! 3. `[gyro_x]` of the preset,
+//! 4. `[gyro]` of the preset.
+//!
+//! So a file may correct one number of one axis of a data sheet and keep the rest. A table inside
+//! an axis (`arma`, `temperature`) and a list of tables (`line`) are not merged: they come whole
+//! from the first layer that has one.
+//!
+//! Units. Every dimensional value is a string with its unit; the [`Quantity`] asked for decides
+//! which units are accepted and gives the factor to SI: rad/s, m/s², s, Hz, and for densities
+//! rad/√s, m/s/√s. Temperatures are read in °C or K and kept in °C.
+//!
+//! Called by [`ImuModel::from_toml`], [`ImuModel::load`], the presets, and the reader of drive
+//! files, which hands its own `[model]` table to [`model`]. It checks form and range only: whether
+//! a filter can be made of an axis is decided by [`ImuModel::shaping`].
 
 use super::{
     AXES, Arma, AxisModel, FORMAT, ImuModel, Line, MAX_PROCESSES, ModelError, Provenance,
@@ -22,6 +42,7 @@ use undrift_config::{ConfigError, Section, Table, Value, is_log};
 use undrift_nav::shaping::ShapingFilter;
 use undrift_nav::units::Quantity;
 
+/// Keys of the top level. Any other key is an error with the nearest of these as a suggestion.
 const TOP_KEYS: [&str; 14] = [
     "format",
     "version",
@@ -38,6 +59,7 @@ const TOP_KEYS: [&str; 14] = [
     "accel_y",
     "accel_z",
 ];
+/// Keys of a table of one axis (`[gyro_x]`) or of three (`[gyro]`).
 const AXIS_KEYS: [&str; 11] = [
     "white_noise",
     "bias_instability",
@@ -51,7 +73,10 @@ const AXIS_KEYS: [&str; 11] = [
     "temperature",
     "identification",
 ];
+/// Keys of `[[gyro_x.line]]`, a spectral line or narrow resonance.
 const LINE_KEYS: [&str; 3] = ["frequency", "amplitude", "width"];
+/// Keys of `[gyro_x.temperature]`: a polynomial of second order about `reference`, valid from
+/// `lowest` to `highest`.
 const TEMPERATURE_KEYS: [&str; 8] = [
     "reference",
     "lowest",
@@ -62,7 +87,10 @@ const TEMPERATURE_KEYS: [&str; 8] = [
     "quadratic_sigma",
     "axes",
 ];
+/// Keys of `[gyro_x.arma]`. `rate` and `sigma` are required, `ar` and `ma` default to no
+/// coefficients.
 const ARMA_KEYS: [&str; 4] = ["rate", "ar", "ma", "sigma"];
+/// Keys of `[provenance]`; all are optional.
 const PROVENANCE_KEYS: [&str; 6] = [
     "record",
     "rate",
@@ -71,6 +99,7 @@ const PROVENANCE_KEYS: [&str; 6] = [
     "program",
     "recording",
 ];
+/// Keys of `[[provenance.recording]]`, one table for each of several records; `record` is required.
 const RECORDING_KEYS: [&str; 3] = ["record", "samples", "sha256"];
 
 /// The tables of a model file's text.
@@ -100,6 +129,12 @@ fn not_a_model(what: &str, file: &str) -> ModelError {
 
 /// Reads the text of a model file, which must state format and version.
 /// A log or a drive file is recognised, since it is given by mistake most often.
+///
+/// `file` is the name that messages put before the line; nothing is read from the disk here.
+///
+/// # Errors
+/// [`ModelError`] with file and line: text that is not TOML, a log or a drive file, `format` or
+/// `version` missing or of another program, and all that [`model`] refuses.
 pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> {
     if is_log(text) {
         return Err(not_a_model("a log", file));
@@ -125,6 +160,14 @@ pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> 
 ///
 /// At least one axis must have a noise model; the axes that have none are left at [`AxisModel::default`] and
 /// are an error only where a filter is asked of them.
+///
+/// `top` may be the whole file or the `[model]` table of a drive file; `format` and `version` are
+/// checked where they are given. Axes are returned in the order gyro x, y, z, accelerometer x, y,
+/// z, in the sensor's own axes.
+///
+/// # Errors
+/// An unknown key; another `format` or `version`; an unknown preset; a value without a unit, of
+/// another quantity or out of range; no axis with a noise model.
 pub(super) fn model(top: &Section) -> Result<ImuModel, ModelError> {
     top.only(&TOP_KEYS)?;
     if let Some(format) = top.text("format")?
@@ -195,6 +238,9 @@ pub(super) fn model(top: &Section) -> Result<ImuModel, ModelError> {
 }
 
 /// Reads `[provenance]`.
+///
+/// Informative only: no value of it changes a filter. `rate` \[Hz\] and `samples` are those of the
+/// record that the model was identified from, not of the drive it is used on.
 fn provenance(top: &Section) -> Result<Provenance, ConfigError> {
     let table = top.section("provenance")?;
     table.only(&PROVENANCE_KEYS)?;
@@ -208,11 +254,14 @@ fn provenance(top: &Section) -> Result<Provenance, ConfigError> {
     })
 }
 
+/// A string of a table, owned; `None` where the key is missing.
 fn text(table: &Section, key: &str) -> Result<Option<String>, ConfigError> {
     Ok(table.text(key)?.map(str::to_owned))
 }
 
 /// Reads `[[provenance.recording]]`.
+///
+/// An empty list where the model comes from one record, or from a data sheet.
 fn recordings(provenance: &Section) -> Result<Vec<Recording>, ConfigError> {
     let tables = provenance.sections("recording")?;
     let recording = |table: &Section| {
@@ -230,6 +279,17 @@ fn recordings(provenance: &Section) -> Result<Vec<Recording>, ConfigError> {
 /// Reads one axis, its group's keys beneath its own.
 ///
 /// `gyro` chooses the quantities: angle and angular rate, or velocity and acceleration.
+///
+/// | key | gyro | accelerometer | SI |
+/// |---|---|---|---|
+/// | `white_noise` | angle random walk N | velocity random walk N | rad/√s, m/s/√s |
+/// | `random_walk` | rate random walk K | acceleration random walk K | rad/s/√s, m/s²/√s |
+/// | `bias_instability`, `turn_on`, `paper_sigma` | angular rate | acceleration | rad/s, m/s² |
+/// | `quantisation` | angle | velocity | rad, m/s |
+///
+/// # Errors
+/// Neither `white_noise` nor an `arma` table: a filter without white noise would trust a single
+/// sample.
 fn axis_model(table: &Section, gyro: bool) -> Result<AxisModel, ConfigError> {
     let (rounding, level, noise, walk) = if gyro {
         (
@@ -278,6 +338,14 @@ fn axis_model(table: &Section, gyro: bool) -> Result<AxisModel, ConfigError> {
 }
 
 /// The Gauss-Markov processes: as many standard deviations as correlation times.
+///
+/// One process may be written as two strings, several as two lists of equal length. A process is x′
+/// = −x/τ + √(2σ²/τ) w with σ in the unit of the axis and τ > 0 \[s\]; the limit on their number is
+/// that of the states of an axis ([`MAX_PROCESSES`]).
+///
+/// # Errors
+/// A correlation time of zero, lists of different length, one key without the other, too many
+/// processes.
 fn processes(table: &Section, level: Quantity) -> Result<Vec<GaussMarkov>, ConfigError> {
     let (sigma_key, tau_key) = ("bias_instability", "correlation_time");
     let sigmas = table.measures(sigma_key, level)?;
@@ -313,6 +381,8 @@ fn processes(table: &Section, level: Quantity) -> Result<Vec<GaussMarkov>, Confi
 }
 
 /// Reads one `[[…line]]`.
+///
+/// `frequency` > 0 \[Hz\] and `amplitude` > 0 are required; `width` \[Hz\] is 0 for a sine.
 fn line_of(table: &Section, level: Quantity) -> Result<Line, ConfigError> {
     table.only(&LINE_KEYS)?;
     Ok(Line {
@@ -325,6 +395,14 @@ fn line_of(table: &Section, level: Quantity) -> Result<Line, ConfigError> {
 /// Reads `[….temperature]`.
 ///
 /// The range of the record is required beside the slope: beyond it the effect is an extrapolation.
+///
+/// The bias changes by `slope·(T − reference) + quadratic·(T − reference)²`, T in °C; the slope is
+/// in rad/s/K or m/s²/K, the quadratic in rad/s/K² or m/s²/K². The two `_sigma` are standard
+/// errors, 0 where unknown. `axes` says whether the axis is the sensor's or the body's.
+///
+/// # Errors
+/// `reference`, `lowest`, `highest` or `slope` missing; `reference` outside of the range; an empty
+/// range.
 fn temperature_of(table: &Section, gyro: bool) -> Result<Temperature, ConfigError> {
     table.only(&TEMPERATURE_KEYS)?;
     let (slope, quadratic) = match gyro {
@@ -382,6 +460,10 @@ fn needed(table: &Section, key: &str, quantity: Quantity, whose: &str) -> Result
 }
 
 /// Reads `[….arma]`.
+///
+/// The filter is built once to check it: a φ that is not stationary (one root at 1 aside) or more
+/// coefficients than an axis has states are errors here, with the line of the table, and not during
+/// a run.
 fn arma_of(table: &Section, level: Quantity) -> Result<Arma, ConfigError> {
     table.only(&ARMA_KEYS)?;
     let arma = Arma {

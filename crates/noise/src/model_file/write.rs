@@ -3,6 +3,12 @@
 //! What [`super::read`] reads gives the same model to six digits, and written again the same text. Units are
 //! those of data sheets: deg/√h, deg/h, mg, m/s/√h. Coefficients of an ARMA get as many digits as their roots
 //! need ([`round`]). Three axes that are alike are one table.
+//!
+//! Six digits are those of the unit that is written, not of SI: else a number that is read back and
+//! written again could change its last digit. Coefficients are the exception since with φ and θ near
+//! 1 the sixth digit of φ moves the correlation time.
+//!
+//! Called by [`ImuModel::to_toml`]. Free text goes through [`text`], which quotes and escapes it.
 
 mod round;
 mod value;
@@ -17,15 +23,23 @@ use value::{as_key, filled, text};
 /// The units written: level at turn-on and in ARMA, slow bias, white noise, random walk, rounding of
 /// the integrated signal, slope and quadratic over temperature.
 struct Units {
+    /// Standard deviation of a Gauss-Markov process.
     slow: (&'static str, Quantity),
+    /// Turn-on constant, amplitude of a line, σ of an ARMA.
     level: (&'static str, Quantity),
+    /// Density N of the white noise.
     noise: (&'static str, Quantity),
+    /// Random walk K of the bias.
     walk: (&'static str, Quantity),
+    /// Quantisation Q of the integrated signal.
     rounding: (&'static str, Quantity),
+    /// Linear part over temperature.
     slope: (&'static str, Quantity),
+    /// Quadratic part over temperature.
     quadratic: (&'static str, Quantity),
 }
 
+/// Units of gyro axes, as their data sheets give them.
 const GYRO: Units = Units {
     level: ("deg/s", Quantity::AngularRate),
     slow: ("deg/h", Quantity::AngularRate),
@@ -35,6 +49,7 @@ const GYRO: Units = Units {
     slope: ("deg/h/K", Quantity::RatePerKelvin),
     quadratic: ("deg/h/K^2", Quantity::RatePerKelvin2),
 };
+/// Units of accelerometer axes.
 const ACCEL: Units = Units {
     level: ("mg", Quantity::Acceleration),
     slow: ("mg", Quantity::Acceleration),
@@ -45,13 +60,18 @@ const ACCEL: Units = Units {
     quadratic: ("ug/K^2", Quantity::AccelerationPerKelvin2),
 };
 
+/// Unit of rates and frequencies.
 const HERTZ: (&str, Quantity) = ("Hz", Quantity::Frequency);
+/// Unit of correlation times.
 const SECONDS: (&str, Quantity) = ("s", Quantity::Time);
 
 /// The text of a model file.
 ///
 /// The order is that of the documentation: head, provenance, gyros, accelerometers. Axes without a model
 /// are not written.
+///
+/// `[provenance]` is written only where something of it is known. Three equal axes become `[gyro]`
+/// or `[accel]`; otherwise each known axis has its own table.
 pub(super) fn to_text(model: &ImuModel) -> String {
     let mut out = String::new();
     line(&mut out, "format", &text("format", FORMAT));
@@ -108,6 +128,9 @@ pub(super) fn to_text(model: &ImuModel) -> String {
 /// Writes one axis, or a group of three that are alike, under its name.
 ///
 /// The turn-on constant is written even where it is 0, so that a reader sees that there is none.
+///
+/// Terms that are `None` or empty are not written. Order: terms of the data sheet, `arma`, `line`,
+/// `temperature`, `identification`.
 fn axis(out: &mut String, name: &str, axis: &AxisModel, units: &Units) {
     // Writing into a String cannot fail.
     let _ = writeln!(out, "\n[{name}]");
@@ -174,6 +197,8 @@ fn axis(out: &mut String, name: &str, axis: &AxisModel, units: &Units) {
 }
 
 /// A table and the tables in it, each with a head of its own.
+///
+/// Values first, then tables, as TOML requires: a key after `[a.b]` would belong to it.
 fn table(out: &mut String, path: &str, entries: &toml::Table) {
     let _ = writeln!(out, "\n[{path}]");
     for (key, value) in entries.iter().filter(|(_, value)| !value.is_table()) {
@@ -192,6 +217,7 @@ fn table(out: &mut String, path: &str, entries: &toml::Table) {
     }
 }
 
+/// One `key = value`, the value already in TOML's syntax.
 fn line(out: &mut String, key: &str, value: &str) {
     let _ = writeln!(out, "{key} = {value}");
 }
@@ -202,6 +228,8 @@ fn numbers(key: &str, values: &[f64]) -> String {
 }
 
 /// The number in six digits: what is read from the text is written as the same text.
+///
+/// Between 1e-5 and 1e7 in positional notation, outside in scientific notation.
 fn measure(value: f64, (unit, quantity): (&str, Quantity)) -> String {
     let number = six_digits(value / units::unit_factor(unit, quantity).unwrap_or(1.0));
     if number == 0.0 || (1e-5..1e7).contains(&number.abs()) {

@@ -10,6 +10,11 @@ const EXACT: usize = 500;
 
 /// 5 % critical distance of the plain test for n samples, asymptotic: 1.3581 / √n.
 /// The source paper compares with it although mean and deviation are fitted.
+///
+/// ```
+/// use undrift_noise::normality::plain_critical_5;
+/// assert!((plain_critical_5(100) - 0.1358).abs() < 1e-4);
+/// ```
 pub fn plain_critical_5(samples: usize) -> f64 {
     1.358_098_638 / (samples.max(1) as f64).sqrt()
 }

@@ -1,4 +1,12 @@
 //! From the ARMA(1,1) of block averages to the process at the full rate.
+//!
+//! Derivation: averages over m samples of an AR(1) of parameter ρ = e^{−a} have the variance C and
+//! at lags k ≥ 1 the covariance B φᵏ, φ = ρᵐ, times the process's variance; white noise adds its
+//! own over m at lag 0 only. Two moments of the ARMA(1,1), γ₀ and γ₁, thus give process and white
+//! noise, and φ its correlation time.
+//!
+//! "Exact" is meant for the second moments: an ARMA(1,1) of averages has one such pre-image, if it
+//! has any.
 
 use crate::arma::ArmaFit;
 use crate::composite::{CompositeTerms, GaussMarkov};
@@ -74,6 +82,17 @@ impl Lifted {
 /// // A unit root in averages of 20 samples at 100 Hz: K² = (1 − θ)² σ²/(m² T).
 /// let walk = lift(1.0, 0.9, 1e-3, 20, 0.01).expect("a slow part");
 /// assert!(walk.tau_s.is_infinite() && (walk.drive - 1e-4 / 0.2_f64.sqrt()).abs() < 1e-12);
+/// ```
+///
+/// Ranges: 0 < φ ≤ 1, −1 < θ < φ, σ > 0, `interval` > 0 \[s\]; O(`block`).
+///
+/// ```
+/// use undrift_noise::scales::lift;
+/// // Averages of 50 samples at 100 Hz with φ = e^{−0.01}: 100 averages of 0.5 s are the correlation time, 50 s.
+/// let slow = lift((-0.01f64).exp(), 0.9, 1e-3, 50, 0.01).expect("a slow part");
+/// assert!((slow.tau_s - 50.0).abs() < 1e-9);
+/// assert!((slow.drive - slow.sigma * (2.0 / slow.tau_s).sqrt()).abs() < 1e-15);
+/// assert!(lift(0.5, 0.9, 1e-3, 50, 0.01).is_none()); // θ > φ: no slow part, but its opposite.
 /// ```
 pub fn lift(phi: f64, theta: f64, sigma: f64, block: usize, interval: f64) -> Option<Lifted> {
     let m = block.max(1) as f64;

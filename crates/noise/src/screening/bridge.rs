@@ -3,9 +3,15 @@
 //! For spectra, Allan deviations, correlations and tests, which need an unbroken record; likelihoods see the
 //! gaps themselves. A line across a gap of g samples is smoother than the noise was: up to 64 samples its ends
 //! are the samples beside it, over more the means of 64 on either side.
+//!
+//! What a bridge does to a statistic: white noise of a bridged record has a higher level at long
+//! times ([`inflation`], by which Allan terms are corrected), and less power at frequencies above
+//! the inverse of twice a gap.
 
 /// Missing samples replaced by the straight line between their neighbours, across a long gap between the means of those on either
 /// side, that the error of one sample is not in all of it; at either end by the record's `mean`.
+///
+/// The samples that are there are not changed. `mean` \[unit\] fills a record's beginning and end.
 pub(crate) fn bridge(cleaned: &[f64], mean: f64) -> Vec<f64> {
     let mut whole = cleaned.to_vec();
     let mut last: Option<usize> = None;
@@ -42,6 +48,8 @@ pub(crate) fn bridge(cleaned: &[f64], mean: f64) -> Vec<f64> {
 const LONG: f64 = 64.0;
 
 /// Mean of the samples that are there among the next ones, as many as a long gap has.
+///
+/// NaN of a record without any sample.
 fn mean_of<'a>(samples: impl Iterator<Item = &'a f64>) -> f64 {
     let there = samples.take(LONG as usize).filter(|x| !x.is_nan());
     let (sum, count) = there.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));

@@ -3,6 +3,10 @@
 //! Sums are made in eight lanes of blocks of 64 samples, and blocks are added with Neumaier's compensation: the
 //! error of a mean or a variance is a few units in the last place whatever the length of the record, and the
 //! same on every machine.
+//!
+//! Everything here treats NaN as an error: records with missing samples are bridged first
+//! (`screening::bridge`) or go to the likelihoods, which know gaps. Cost O(N) each, no copies except
+//! `prefix_sums`.
 
 /// Why a statistic cannot be computed from a record.
 ///
@@ -43,7 +47,9 @@ const BLOCK: usize = 64;
 /// A running sum with Neumaier's compensation (Z. angew. Math. Mech. 54, 1974).
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Compensated {
+    /// The sum as rounded so far.
     sum: f64,
+    /// What rounding has lost, added at the end.
     rest: f64,
 }
 
@@ -67,6 +73,8 @@ impl Compensated {
 
 /// Sum of `f` over the samples, in eight lanes of short blocks: exact to a few units in the last
 /// place of Σ|f|, whatever the length.
+///
+/// The bound of a plain loop is N ε of Σ|f|: 1e-9 for 10⁷ samples.
 pub(crate) fn sum_of(x: &[f64], f: impl Fn(f64) -> f64) -> f64 {
     let mut total = Compensated::default();
     for block in x.chunks(BLOCK) {
@@ -83,6 +91,8 @@ pub(crate) fn sum_of(x: &[f64], f: impl Fn(f64) -> f64) -> f64 {
 }
 
 /// Dot product in eight lanes, of slices of one length.
+///
+/// Without compensation: for short slices.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let ((a8, a_tail), (b8, b_tail)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
     let mut lanes = [0.0; 8];
@@ -104,6 +114,8 @@ pub(crate) fn mean(x: &[f64]) -> f64 {
 }
 
 /// Mean and sum of squared deviations from it [unit, unit²].
+///
+/// Two passes, so that a record far from zero loses no digits in its variance.
 pub(crate) fn mean_and_squares(x: &[f64]) -> (f64, f64) {
     let centre = mean(x);
     let squares = sum_of(x, |v| (v - centre) * (v - centre));
@@ -111,6 +123,9 @@ pub(crate) fn mean_and_squares(x: &[f64]) -> (f64, f64) {
 }
 
 /// Ok where the record has `needed` samples, all of them finite.
+///
+/// # Errors
+/// [`RecordError::TooShort`] before [`RecordError::NotFinite`], which gives the first such sample.
 pub(crate) fn check(x: &[f64], needed: usize) -> Result<(), RecordError> {
     if x.len() < needed {
         return Err(RecordError::TooShort {
@@ -125,6 +140,9 @@ pub(crate) fn check(x: &[f64], needed: usize) -> Result<(), RecordError> {
 }
 
 /// Ok where a sample rate \[Hz\] is one.
+///
+/// # Errors
+/// [`RecordError::Argument`] for zero, negative, infinite or NaN.
 pub(crate) fn check_rate(rate_hz: f64) -> Result<(), RecordError> {
     if rate_hz > 0.0 && rate_hz.is_finite() {
         return Ok(());
@@ -136,6 +154,10 @@ pub(crate) fn check_rate(rate_hz: f64) -> Result<(), RecordError> {
 
 /// Does [`check`], and the record must vary by more than the rounding of its mean.
 /// Gives the mean and the sum of squared deviations [unit, unit²].
+///
+/// # Errors
+/// As [`check`]; [`RecordError::Constant`] where the standard deviation is below four roundings of
+/// the mean; [`RecordError::Argument`] where squares overflow.
 pub(crate) fn check_varying(x: &[f64], needed: usize) -> Result<(f64, f64), RecordError> {
     check(x, needed)?;
     let (centre, squares) = mean_and_squares(x);
@@ -152,6 +174,9 @@ pub(crate) fn check_varying(x: &[f64], needed: usize) -> Result<(f64, f64), Reco
 /// Prefix sums of the deviations from `centre`: n + 1 values, the first 0 [its unit]. Blocks are
 /// summed on their own and joined with compensation, so that the error of a sum does not grow with
 /// its position.
+///
+/// The sum of samples i to j − 1 is the difference of two entries; a mean over any window costs
+/// O(1).
 pub(crate) fn prefix_sums(x: &[f64], centre: f64) -> Vec<f64> {
     let mut sums = vec![0.0; x.len() + 1];
     let mut base = Compensated::default();

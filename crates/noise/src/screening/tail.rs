@@ -3,6 +3,11 @@
 //! Ratios of quantiles to the median give the degrees of freedom, the lightest tail of all counts, and the
 //! bound is where that distribution leaves a thousandth of a sample of the whole record. Normal noise keeps the
 //! caller's threshold.
+//!
+//! Why: a rule of eight robust standard deviations, the default, takes samples of heavy-tailed noise
+//! for outliers, 3 in 1000 of a t distribution with 3 degrees of freedom, and the white noise that is
+//! then fitted is too small. Outliers do not pass for a tail: a few of them reach the outer
+//! quantiles only, and the lightest of the four tails counts.
 
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
@@ -18,6 +23,9 @@ const LIGHT: f64 = 0.02;
 const HEAVY: f64 = 0.5;
 
 /// The distance from the median that noise of these absolute distances does not reach, `least` or more.
+///
+/// `distances` are |x − median| \[unit\] and are reordered; `least` \[unit\] is the caller's
+/// threshold and what is returned for normal noise, few samples, or a median distance of zero.
 pub(super) fn bound(mut distances: Vec<f64>, least: f64) -> f64 {
     if distances.is_empty() {
         return least;
@@ -43,6 +51,8 @@ pub(super) fn bound(mut distances: Vec<f64>, least: f64) -> f64 {
 }
 
 /// 1/ν of the t distribution in which the quantile that `share` lie beyond is `ratio` times the median.
+///
+/// Bisection on 1/ν from 0 (normal) to 1/2, to 20 binary digits.
 fn inverse_freedom(ratio: f64, share: f64) -> f64 {
     let ratio_of = |inverse: f64| quantile_of(inverse, share) / quantile_of(inverse, 0.5);
     let (mut low, mut high) = (0.0, HEAVY);

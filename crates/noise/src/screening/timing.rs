@@ -1,4 +1,16 @@
 //! What the time stamps of a record say: rate, jitter, gaps.
+//!
+//! Three kinds of logs, since the rate is wrong by up to a factor otherwise:
+//!
+//! | stamps | rate |
+//! |---|---|
+//! | near even ones, some intervals long | mean of the intervals that are no gaps |
+//! | late at random, so that many intervals look long | slope of a straight line through all stamps |
+//! | read in bursts from a sensor's buffer | time of whole bursts over their samples |
+//!
+//! Stamps are only reported on. Resampling, sorting or filling of gaps is the caller's, with
+//! [`Gap::missing`] as the number of samples to fill in. Statistics that need an even rate check
+//! [`Timing::even`].
 
 use super::record::{RecordError, check};
 use serde::{Deserialize, Serialize};
@@ -64,6 +76,21 @@ pub struct Timing {
 ///
 /// # Errors
 /// Fewer than 3 stamps, one that is not finite, or [`RecordError::Argument`] where they do not increase.
+///
+/// The median makes the interval robust: up to half of the intervals may be gaps. O(N), with one
+/// copy of the intervals.
+///
+/// A logger that loses every fourth sample has intervals of one and two steps: they are gaps, since
+/// the median is one step, and the rate is that of the sensor, not of the log:
+///
+/// ```
+/// use undrift_noise::screening::timing;
+/// let stamps: Vec<f64> = (0..400).filter(|k| k % 4 != 3).map(|k| 0.005 * f64::from(k)).collect();
+/// let report = timing(&stamps)?;
+/// assert!((report.rate_hz - 200.0).abs() < 1e-6);
+/// assert_eq!((stamps.len(), report.gaps.len()), (300, 99)); // One sample missing in each.
+/// # Ok::<(), undrift_noise::screening::RecordError>(())
+/// ```
 pub fn timing(stamps_s: &[f64]) -> Result<Timing, RecordError> {
     check(stamps_s, 3)?;
     let intervals: Vec<f64> = stamps_s.windows(2).map(|w| w[1] - w[0]).collect();
@@ -124,6 +151,9 @@ const LONG_ONES: f64 = 0.01;
 
 /// The report on stamps that are late at random, by which each may be after the next: those that are nowhere further from even
 /// ones, over the whole record, than lost samples would make them. `None` where samples are missing.
+///
+/// The test is the RMS distance of the stamps from the best straight line: with samples lost in the
+/// middle it exceeds one step, with late ones it does not.
 fn without_loss(
     stamps_s: &[f64],
     intervals: &[f64],
@@ -167,6 +197,9 @@ const ALIKE: f64 = 0.8;
 const NEAR: f64 = 0.25;
 
 /// The report on stamps of samples that come in equal bursts at equal times; `None` of others.
+///
+/// A burst ends where an interval is four medians or more; the first and the last, which may be
+/// incomplete, count neither for the rate nor for gaps.
 fn in_bursts(stamps_s: &[f64], intervals: &[f64]) -> Option<Timing> {
     if intervals.iter().any(|v| *v < 0.0) {
         return None;

@@ -4,6 +4,14 @@
 //! `Δx_t = γ x_{t−1} + Σ δ_j Δx_{t−j} + deterministic + e_t`; the statistic is the t of γ. All lags
 //! share one matrix of products: of those between lagged differences only one row is summed over the
 //! record, the others follow by adding what enters and subtracting what leaves at the ends.
+//!
+//! Reading it: the null hypothesis is a unit root (a random walk in the record); a statistic below
+//! the critical value rejects it. Two failures matter for inertial sensors. A moving-average root
+//! near 1, that is white noise far above a slow walk, makes it reject whatever is true (Schwert
+//! 1989); and a correlation time of a tenth of the record or more often makes it keep a unit root
+//! that is not there. [`super::verdict()`] reads it beside KPSS.
+//!
+//! Cost O(N L) time for L lags and O(L²) memory, beyond the record nothing of length N.
 
 use super::mackinnon::{critical_tau, p_tau};
 use super::{Critical, Deterministic, schwert};
@@ -63,6 +71,19 @@ pub struct Adf {
 /// # Errors
 /// Fewer samples than the regression has coefficients plus one, a sample that is not finite, a constant
 /// record, or regressors that depend on each other (an exact line, a record of period two).
+///
+/// An exact example: for a record with no lags and no constant γ = Σ x_{t−1} Δx_t / Σ x²_{t−1}. Of
+/// the record 1, 0, 1, 0, 1, 0 each sample before a fall is 1 and before a rise 0, so γ = −1 and
+/// its t is −√6:
+///
+/// ```
+/// use undrift_noise::stationarity::{Deterministic, Lags, adf};
+/// let test = adf(&[1.0, 0.0, 1.0, 0.0, 1.0, 0.0], Deterministic::None, Lags::Fixed(0))?;
+/// // Σ x Δx = −3, Σ x² = 3, residuals 0, 1, 0, 1, 0: s² = 2/4, t = −1/√(0.5/3).
+/// assert!((test.statistic + 6f64.sqrt()).abs() < 1e-12);
+/// assert_eq!((test.lags, test.observations, test.criterion), (0, 5, None));
+/// # Ok::<(), undrift_noise::screening::RecordError>(())
+/// ```
 pub fn adf(x: &[f64], deterministic: Deterministic, lags: Lags) -> Result<Adf, RecordError> {
     let (mean, _) = check_varying(x, 4 + deterministic.columns())?;
     let centre = if deterministic == Deterministic::None {
@@ -110,6 +131,9 @@ pub fn adf(x: &[f64], deterministic: Deterministic, lags: Lags) -> Result<Adf, R
 ///
 /// Akaike's and Schwarz' criteria of all lags come from one Cholesky factor: its leading blocks are the
 /// regressions with fewer lags.
+///
+/// All lags are compared on the rows that the largest leaves: criteria of different rows are not
+/// comparable.
 fn search(
     products: &Products,
     deterministic: Deterministic,
@@ -161,8 +185,11 @@ fn search(
 /// A column of the regression.
 #[derive(Clone, Copy, PartialEq)]
 enum Column {
+    /// A column of ones.
     Constant,
+    /// The time, from −1 to 1 over the rows.
     Trend,
+    /// x_{t−1} less the centre.
     Level,
     /// Δx_{t−j}; 0 is the left-hand side.
     Difference(usize),
@@ -275,6 +302,8 @@ impl Products {
     }
 
     /// Sum of products of two columns over the rows.
+    ///
+    /// All products are sums that [`Products::new`] has made, or closed forms.
     fn product(&self, a: Column, b: Column) -> f64 {
         use Column::{Constant, Difference, Level, Trend};
         let rows = self.rows as f64;
@@ -296,6 +325,12 @@ impl Products {
     /// Cholesky factor of the columns scaled to unit length, applied to the left-hand side: one
     /// element a column, and the sum of squared residuals with the columns up to it. An element over
     /// the residual deviation of the model up to it is the t of that column there.
+    ///
+    /// `order` gives the columns; the first factor rows are the regressions with fewer of them.
+    ///
+    /// # Errors
+    /// Columns that depend on each other to 1e-13, or residuals of nothing: a straight line, a
+    /// repeating pattern.
     fn solve(&self, order: &[Column]) -> Result<(Vec<f64>, Vec<f64>), RecordError> {
         let degenerate = Err(RecordError::Argument(
             "the regression is degenerate: the recording is a straight line or a repeating pattern",

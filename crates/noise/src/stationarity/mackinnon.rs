@@ -1,6 +1,10 @@
 //! Distribution of the Dickey-Fuller statistics: response surfaces of critical values (MacKinnon,
 //! "Critical values for cointegration tests", Queen's Economics Department working paper 1227, 2010,
 //! table 2, N = 1) and p of τ (MacKinnon, J. Business & Economic Statistics 12, 1994, tables 3 and 4).
+//!
+//! The distributions are functionals of Brownian motion without a closed form; both tables are fits
+//! to simulations. Critical values hold for finite samples and normal errors; p values are
+//! asymptotic: with a constant and 50 rows p is 0.043 at the critical value of 5 %.
 
 use super::{Critical, Deterministic};
 use libm::erfc;
@@ -34,6 +38,8 @@ fn surface(deterministic: Deterministic) -> [[f64; 4]; 3] {
 /// assert!((five + 2.8615).abs() < 1e-3);
 /// assert!((p_tau(five, Deterministic::Constant) - 0.05).abs() < 1e-3);
 /// ```
+///
+/// More negative is more significant: `one` < `five` < `ten`.
 pub fn critical_tau(deterministic: Deterministic, rows: usize) -> Critical {
     let inverse = 1.0 / rows.max(1) as f64;
     let [one, five, ten] =
@@ -43,6 +49,13 @@ pub fn critical_tau(deterministic: Deterministic, rows: usize) -> Critical {
 
 /// Probability of a smaller Dickey-Fuller τ under a unit root, asymptotic; 0 and 1 beyond the range of the approximation.
 /// The normal distribution function of a polynomial in τ: of the second degree below a switch, of the third above it.
+///
+/// ```
+/// use undrift_noise::stationarity::{Deterministic, mackinnon::p_tau};
+/// let p = |tau| p_tau(tau, Deterministic::Constant);
+/// assert!(p(-6.0) < p(-2.86) && p(-2.86) < p(0.0)); // Small τ speaks against the unit root.
+/// assert_eq!((p(-20.0), p(3.0)), (0.0, 1.0));
+/// ```
 pub fn p_tau(tau: f64, deterministic: Deterministic) -> f64 {
     // Range, switch between the two polynomials, and their coefficients.
     let (least, switch, most, small, large) = match deterministic {

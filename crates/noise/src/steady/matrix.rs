@@ -1,12 +1,16 @@
 //! Small matrices of known size.
 //!
 //! Sums go in a fixed order and no product is left to a library, so that results are the same on every machine.
+//!
+//! N is 6 at most (the states of an axis). For sizes that are known at run time only, nalgebra is
+//! used.
 
 /// A square matrix by rows.
 pub(crate) type Matrix<const N: usize> = [[f64; N]; N];
 /// A column of a matrix.
 pub(crate) type Vector<const N: usize> = [f64; N];
 
+/// I, of order N.
 pub(crate) fn identity<const N: usize>() -> Matrix<N> {
     std::array::from_fn(|i| std::array::from_fn(|j| f64::from(i == j)))
 }
@@ -31,6 +35,8 @@ pub(crate) fn transposed<const N: usize>(a: &Matrix<N>) -> Matrix<N> {
 }
 
 /// `a b`.
+///
+/// O(N³).
 pub(crate) fn product<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N> {
     let mut out = [[0.0; N]; N];
     for i in 0..N {
@@ -44,11 +50,16 @@ pub(crate) fn product<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Matrix<N>
 }
 
 /// `a + times · b`.
+///
+/// Differences are sums with `times` = −1.
 pub(crate) fn add<const N: usize>(a: &Matrix<N>, b: &Matrix<N>, times: f64) -> Matrix<N> {
     std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + times * b[i][j]))
 }
 
 /// `a⁻¹ b` by elimination with pivots, and the determinant of a; `None` where a is singular.
+///
+/// Gauss-Jordan with row pivots, O(N³). Singular means a pivot of exactly 0 or not finite:
+/// near-singular matrices are solved, and the caller judges the determinant.
 pub(crate) fn solve<const N: usize>(a: &Matrix<N>, b: &Matrix<N>) -> Option<(Matrix<N>, f64)> {
     let (mut a, mut b) = (*a, *b);
     let mut determinant = 1.0;

@@ -2,6 +2,11 @@
 //!
 //! The state that a piece really starts from adds `H Aᵏ x` to its innovations; the sums of [`Summary`] and the
 //! tables of [`Tables`] give all products of that with the piece, so that no sample is looked at twice.
+//!
+//! With the closed loop A = F − K H: the innovations of a piece from state x are `v_k − H Aᵏ x`, so
+//! Σ v² = Σ v₀² − 2 xᵀb + xᵀ (Σ (H Aᵏ)ᵀ H Aᵏ) x, b = Σ (H Aᵏ)ᵀ v₀. The Gram matrices do not depend
+//! on the record: [`Tables`] has them for every length up to [`PIECE`], so that a gap may end a
+//! piece anywhere.
 
 use super::Innovations;
 use super::matrix::{Matrix, Vector, add, apply, dot, identity, product, transposed};
@@ -27,24 +32,32 @@ pub(super) struct Summary<const N: usize> {
 
 /// Matrices of a model for pieces of 0 to [`PIECE`] samples.
 pub(super) struct Tables<const N: usize> {
+    /// A = F − K H.
     closed: Matrix<N>,
+    /// A is a companion matrix and H its first row: products need only its first column.
     companion: bool,
     h: Vector<N>,
     gain: Vector<N>,
     /// H Aᵏ, and the error of a record of ones from a state of zeros.
     rows: [Vector<N>; PIECE],
+    /// c_k, the innovations of a record of ones.
     errors: [f64; PIECE],
     /// Aᵏ, A the closed loop F − K H.
     pub(super) powers: Vec<Matrix<N>>,
     /// Σ (H Aᵏ)ᵀ H Aᵏ.
     pub(super) grams: Vec<Matrix<N>>,
     /// Σ (H Aᵏ)ᵀ c_k, Σ c², and the state that ones end in.
+    ///
+    /// Σ (H Aᵏ)ᵀ c_k.
     pub(super) level: Vec<Vector<N>>,
+    /// Σ c_k².
     pub(super) level_squares: Vec<f64>,
+    /// State in which a record of ones ends.
     pub(super) constant: Vec<Vector<N>>,
 }
 
 impl<const N: usize> Tables<N> {
+    /// O(PIECE N³), once a model.
     pub(super) fn new(model: &Innovations<N>) -> Self {
         let Innovations { f, h, gain, .. } = model;
         let closed: Matrix<N> =
@@ -89,6 +102,8 @@ impl<const N: usize> Tables<N> {
     }
 
     /// The sums over a short piece.
+    ///
+    /// At most [`PIECE`] samples, none missing.
     pub(super) fn summary(&self, piece: &[f64], centre: f64) -> Summary<N> {
         let mut sums = Summary {
             squares: 0.0,
@@ -111,6 +126,8 @@ impl<const N: usize> Tables<N> {
     }
 
     /// The sums over the pieces of a block.
+    ///
+    /// A missing sample (NaN) makes the squares of its piece NaN, by which the caller finds it.
     pub(super) fn summaries(
         &self,
         block: &[f64; LANES * PIECE],
@@ -149,6 +166,7 @@ fn is_companion<const N: usize>(closed: &Matrix<N>, h: &Vector<N>) -> bool {
 /// Values of every lane: of two sums, and of two vectors.
 type LaneValues<const N: usize> = ([[f64; LANES]; 2], [[f64; LANES]; N], [[f64; LANES]; N]);
 
+/// The vectorised loop: N states of [`LANES`] pieces, one sample of each at a time.
 struct Side<'a, const N: usize, const COMPANION: bool> {
     tables: &'a Tables<N>,
     block: &'a [f64; LANES * PIECE],

@@ -2,6 +2,13 @@
 //!
 //! The recursion of the covariance over one sample is a linear fractional map; two of them in a row are one of
 //! the same form, so that k doublings give 2ᵏ samples: 22 are half a day at 100 Hz.
+//!
+//! Structure-preserving doubling for `P = A P (I + G P)⁻¹ Aᵀ + Q`, G = HᵀH/r. Each doubling costs
+//! O(N³); the error of P∞ is not accumulated over the samples that it covers. It is refused
+//! rather than approximated: the end is checked by one step of the plain recursion.
+//!
+//! Requires a noise r > 0 of a sample's own (white noise, or the innovations of an ARMA): without
+//! it G does not exist and the caller runs the plain filter.
 
 use super::Innovations;
 use super::matrix::{Matrix, Vector, add, apply, dot, identity, product, solve, transposed};
@@ -17,8 +24,11 @@ const EXACT: f64 = 1e-11;
 /// What some samples make of the covariance before them: `P ↦ p + aᵀ P (I + g P)⁻¹ a`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Steps<const N: usize> {
+    /// Transposed transition, freed of the correlation with the sample's noise.
     a: Matrix<N>,
+    /// Information that the samples bring about the state before them.
     g: Matrix<N>,
+    /// Covariance that they leave of a state that was known exactly.
     p: Matrix<N>,
 }
 
@@ -44,10 +54,14 @@ impl<const N: usize> Steps<N> {
     }
 
     /// The recursion over 2ᵏ samples.
+    ///
+    /// The result's [`Steps::after`] is over 2ᵏ samples, none of them missing.
     pub(crate) fn doubled(filter: &ShapingFilter, k: u32) -> Option<Self> {
         (0..k).try_fold(Self::one(filter)?, |steps, _| steps.twice())
     }
 
+    /// Two equal maps composed: a ← a (I + g p)⁻¹ a, g and p by the same inverse. `None` where it
+    /// is singular.
     fn twice(&self) -> Option<Self> {
         let Self { a, g, p } = self;
         let weight = add(&identity(), &product(g, p), 1.0);
@@ -72,6 +86,7 @@ impl<const N: usize> Steps<N> {
     }
 }
 
+/// The N × N block of a filter's matrix, whose arrays have the size of the largest order.
 fn leading<const N: usize>(a: &[[f64; 6]; 6]) -> Matrix<N> {
     std::array::from_fn(|i| std::array::from_fn(|j| a[i][j]))
 }
@@ -81,6 +96,10 @@ fn leading<const N: usize>(a: &[[f64; 6]; 6]) -> Matrix<N> {
 ///
 /// `P = A P (I + HᵀH P/r)⁻¹ Aᵀ + q`, A and q freed of the correlation with the sample's own noise, by the doubling of
 /// Anderson 1978 (Int. J. Control 28).
+///
+/// A random walk has a steady state in the presence of white noise. A constant without driving
+/// noise has P∞ = 0 and gain 0: what `p0` adds to it is Δ of [`super`], which is then never
+/// forgotten.
 pub(crate) fn steady_state<const N: usize>(
     filter: &ShapingFilter,
 ) -> Option<(Innovations<N>, f64)> {
@@ -129,6 +148,7 @@ pub(crate) fn steady_state<const N: usize>(
     })
 }
 
+/// Mean of a matrix and its transpose: rounding must not make a covariance asymmetric.
 fn symmetric<const N: usize>(a: &Matrix<N>) -> Matrix<N> {
     std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (a[i][j] + a[j][i])))
 }

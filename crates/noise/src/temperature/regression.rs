@@ -4,6 +4,13 @@
 //! With whitened level and regressors X and record y the coefficients are `(XᵀX)⁻¹ Xᵀy`, and −2 log of the
 //! restricted likelihood is `log|V| + log|XᵀX| + yᵀy − yᵀX(XᵀX)⁻¹Xᵀy` up to a constant. One pass of one filter
 //! whitens all four signals: what it needs of the model, gain and variance, does not depend on the data.
+//!
+//! Why not ordinary least squares: residuals of a bias that walks are correlated over the whole
+//! record, and the usual standard error of a slope is then far too small. The noise model is fitted
+//! with the regressors, so that slope and walk compete fairly for what moves slowly.
+//!
+//! Called by [`super`] only. Rows are block averages; a pass is O(rows), a fit some hundreds of
+//! passes.
 
 use crate::composite::predictor::{Predictor, dot};
 use crate::composite::{CompositeTerms, GaussMarkov, TermSet, block_average};
@@ -19,6 +26,7 @@ pub(super) type Row = [f64; SIGNALS];
 
 /// Averages over blocks of samples of a record and of its regressors.
 pub(super) struct Averages {
+    /// One a block, in time.
     pub(super) rows: Vec<Row>,
     /// Samples in a block, and the interval between samples \[s\].
     pub(super) block: usize,
@@ -36,13 +44,16 @@ pub(super) enum Likelihood {
 
 /// Products of the whitened signals.
 struct Products {
+    /// Σ aᵢ aⱼ/V of the whitened signals; V its innovation variance.
     of: [Row; SIGNALS],
     log_determinant: f64,
 }
 
 /// The normal equations of level and regressors, solved.
 struct Solved {
+    /// Of XᵀX.
     factor: Cholesky<f64, Dyn>,
+    /// Level \[unit\], then a coefficient for each regressor.
     coefficients: DVector<f64>,
     /// Sum of squares that is left.
     squares: f64,
@@ -52,6 +63,8 @@ struct Solved {
 
 impl Products {
     /// Solves for the level and the first `regressors`; `None` where they are dependent.
+    ///
+    /// Residual squares by subtraction; the regressors should be scaled to about unit size.
     fn solved(&self, regressors: usize) -> Option<Solved> {
         let count = 1 + regressors;
         let normal = DMatrix::from_fn(count, count, |i, j| self.of[1 + i][1 + j]);
@@ -72,6 +85,7 @@ impl Products {
 pub(super) struct Regression {
     /// Level, then one for each regressor.
     pub(super) coefficients: DVector<f64>,
+    /// (XᵀX)⁻¹ under the fitted noise, in the order of the coefficients.
     pub(super) covariance: DMatrix<f64>,
     /// −2 log likelihood less a constant, plus twice the noise model's parameters.
     pub(super) aic: f64,
@@ -79,6 +93,8 @@ pub(super) struct Regression {
 
 /// All signals predicted one step by one filter: prediction is linear, so the errors of the record less any
 /// combination of the regressors are that combination of the errors.
+///
+/// `None` where the model leaves a row without variance.
 fn products<const N: usize>(rows: &[Row], filter: &ShapingFilter) -> Option<Products> {
     let mut predictor = Predictor::<N>::new(filter);
     let mut states = [[0.0; N]; SIGNALS];
@@ -122,6 +138,7 @@ fn products<const N: usize>(rows: &[Row], filter: &ShapingFilter) -> Option<Prod
 }
 
 impl Averages {
+    /// Of this record under a model of the full rate, averaged over blocks exactly.
     fn products(&self, filter: &ShapingFilter) -> Option<Products> {
         let filter = block_average(filter, self.block).ok()?;
         match filter.order {
@@ -171,6 +188,8 @@ impl Averages {
     }
 
     /// The regression under white noise.
+    ///
+    /// Its standard errors assume white noise: for starts and outliers only.
     pub(super) fn plain(&self, regressors: usize) -> Option<Regression> {
         let white = CompositeTerms {
             white: 1.0,
@@ -180,6 +199,8 @@ impl Averages {
     }
 
     /// The regression under the most likely model of a set of terms, fitted with the regressors.
+    ///
+    /// Two searches from the best of nine starts. `None` where no start has a likelihood.
     pub(super) fn fit(
         &self,
         set: TermSet,

@@ -6,6 +6,10 @@
 //! the logarithms of the terms. The scales are not independent (the Haar filter leaks), so standard
 //! errors come from their covariance under the fitted model, `(JᵀWJ)⁻¹ JᵀWΣWJ (JᵀWJ)⁻¹` with J the
 //! derivatives of ν²: Guerrier et al. 2013, theorem 3.
+//!
+//! Beside maximum likelihood it is fast, since the record is seen once, by the wavelet variance; it
+//! loses precision where two terms share their scales, as a Gauss-Markov process whose τ is a third
+//! of the record and a random walk do.
 
 use super::scatter;
 use super::{ModelCurve, WaveletPoint, WaveletVariance, drift_variance};
@@ -63,6 +67,10 @@ pub struct MomentFit {
 ///
 /// # Errors
 /// An empty set or too many processes; fewer scales than parameters.
+///
+/// The result is in SI terms of the record's unit: N [unit·√s], K [unit/√s], B \[unit\], Q
+/// [unit·s], σ \[unit\], τ \[s\]. τ is searched from a twentieth of the interval to a thousand
+/// records.
 pub fn fit_moments(
     curve: &WaveletVariance,
     set: TermSet,
@@ -119,11 +127,14 @@ pub fn fit_moments(
     })
 }
 
+/// A scale counts where its variance and degrees of freedom are positive.
 fn usable(point: &WaveletPoint) -> bool {
     point.variance > 0.0 && point.edf.is_finite() && point.edf > 0.0
 }
 
 /// `flicker`: its variances at the points with B = 1.
+///
+/// `drift` R [unit/s]; +∞ where the model's variance is not positive at some scale.
 fn deviance(
     points: &[WaveletPoint],
     terms: &CompositeTerms,
@@ -152,6 +163,8 @@ fn deviance(
 }
 
 /// Covariance of the search coordinates; none where the moments do not determine them all.
+///
+/// (JᵀWJ)⁻¹ JᵀWΣWJ (JᵀWJ)⁻¹ by central differences of the logarithms of the parameters.
 fn sandwich(
     points: &[WaveletPoint],
     z: &[f64],
@@ -192,6 +205,10 @@ fn sandwich(
 }
 
 /// Starts: for correlation times of a grid, the amplitudes by non-negative least squares.
+///
+/// Correlation times in steps of 3 from half an interval to 20 times the longest scale, every pair
+/// of them for two processes. An amplitude that least squares put at zero starts at a trace, so
+/// that a search may raise it.
 fn grid(points: &[WaveletPoint], set: TermSet, drift: bool, interval: f64) -> Vec<Vec<f64>> {
     let last = points.last().map_or(0.0, |p| p.scale_s);
     let mut taus = Vec::new();

@@ -3,6 +3,10 @@
 //! The coefficient at the scale of m samples is a second difference of the running sum over m: from sums at
 //! every sample up to m = 32, above that at every m/32-th, which are 32 coefficients to a scale's length still.
 //! Each stride needs the last 65 of its own sums, so the memory is that of the scales, not of the record.
+//!
+//! O(N) time: 6 differences a sample at the finest stride, half a difference at the next, a quarter
+//! … . Up to a factor, the differences are the coefficients of the maximal-overlap Haar transform
+//! up to m = 32, and of its subsampled form beyond.
 
 /// Means at the finest stride go up to this many samples; at stride 2^k the scale is this times 2^k.
 const WIDTH: usize = 32;
@@ -21,15 +25,20 @@ pub(super) struct Energy {
 
 /// A ring of sums at one stride: 2⁰ = every sample, 2ᵏ = every 2ᵏ-th.
 struct Level {
+    /// Newest at (count − 1) mod [`RING`].
     sums: [f64; RING],
     /// Samples missing so far.
     missing: [u32; RING],
     /// Sums pushed so far.
+    ///
+    /// Sums pushed so far, the zero before the record included.
     count: usize,
 }
 
 impl Level {
     /// The sum after so many samples, and how many of these were missing.
+    ///
+    /// `missing` counts from the start of the record.
     fn push(&mut self, sum: f64, missing: u32) {
         self.sums[self.count % RING] = sum;
         self.missing[self.count % RING] = missing;
@@ -38,6 +47,8 @@ impl Level {
 
     /// Second difference over `width` entries, the newest last, if few enough of its samples
     /// (`stride` to an entry) are missing.
+    ///
+    /// More than a tenth of its samples missing makes it `None`.
     fn difference(&self, width: usize, stride: usize) -> Option<f64> {
         if self.count <= 2 * width {
             return None;
@@ -53,6 +64,9 @@ impl Level {
 }
 
 /// Squares of all octave scales up to a quarter of the record, growing.
+///
+/// `centre` \[unit\] keeps the sums small. A missing sample is replaced by the mean of the 32
+/// before it.
 pub(super) fn energies(record: &[f64], centre: f64) -> Vec<Energy> {
     let largest = record.len() / 4;
     let scales = largest.checked_ilog2().map_or(0, |l| l as usize + 1);

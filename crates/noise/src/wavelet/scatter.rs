@@ -42,6 +42,9 @@ fn spectrum(
 }
 
 /// Covariance of the wavelet variances at `points` of a record of `samples` under the terms \[unit⁴\].
+///
+/// Symmetric, in the order of `points`. Assumes normal noise; heavy tails scatter more at the
+/// shortest scales.
 pub(super) fn covariance(
     points: &[WaveletPoint],
     terms: &CompositeTerms,

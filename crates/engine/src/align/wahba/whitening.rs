@@ -4,6 +4,13 @@
 //! and attitude wander. The filter predicts each fix from those before; what is new in it, over its standard
 //! deviation, is white, and so are the columns of the parameters that went the same way. Sums of squares and
 //! products of these are the normal equations of generalised least squares.
+//!
+//! For a sequence of scalar measurements with innovation r and variance s the sums are cost Σ r²/s,
+//! gradient Σ j r/s and information Σ j jᵀ/s, j the row of derivatives that went through the same
+//! filter (Rosenberg 1973; de Jong 1991). So the correlated residuals never need a matrix of the
+//! size of the window.
+//!
+//! All loops are written out for a compile-time S; nothing allocates.
 
 use nalgebra::{SMatrix, SVector};
 use undrift_nav::{Matrix3, Quaternion, Vector3, preintegration::Preintegrated};
@@ -27,10 +34,14 @@ pub(super) const LATE: usize = 9;
 pub(super) const ARM: usize = 10;
 
 /// A guess put through the window up to some segment: cost with its linearisation `JᵀJ` and `Jᵀr`, and how far it came.
+///
+/// Cost in squared standard deviations; gradient and information in the parameters' units.
 pub(super) struct Linearised<const S: usize> {
     pub(super) cost: f64,
     pub(super) information: Information,
     pub(super) gradient: Unknowns,
+    /// Attitude at the end of the segments so far, by the guess; `state` holds what has wandered
+    /// from it.
     pub(super) q_nb: Quaternion,
     /// The filter's states.
     pub(super) state: [f64; S],
@@ -63,6 +74,7 @@ pub(super) fn add<const S: usize>(column: &mut [f64; S], from: usize, part: &[f6
 
 /// Effect of a segment on errors of the states.
 pub(super) struct Transition {
+    /// Length of the segment \[s\].
     pub(super) dt: f64,
     /// Effect of an attitude error on velocity and on position.
     pub(super) lean: [Matrix3; 2],
@@ -72,6 +84,8 @@ pub(super) struct Transition {
 
 impl Transition {
     /// Carries one column of errors of the states over the segment, in place.
+    ///
+    /// δp ← δp + δv dt + lean₁ ψ, δv ← δv + lean₀ ψ, ψ ← back ψ; delay and lever arm stay.
     #[inline(always)]
     pub(super) fn carry<const S: usize>(&self, column: &mut [f64; S]) {
         let turned = [column[3], column[4], column[5]];
@@ -97,6 +111,8 @@ impl<const S: usize> Linearised<S> {
     }
 
     /// Carries wander and effect over a segment: `c` takes its first axes to `n`.
+    ///
+    /// The wander is F W Fᵀ, by carrying its columns, transposing, and carrying again.
     #[inline(always)]
     pub(super) fn carry(&mut self, motion: &Preintegrated, c: &Matrix3, transition: &Transition) {
         for column in &mut self.effect {
@@ -129,6 +145,9 @@ impl<const S: usize> Linearised<S> {
     }
 
     /// Updates with a number that measures the sum of states, each times its weight.
+    ///
+    /// K ≤ 5 states have a weight in the row. A scalar Kalman update: gain W h/s, applied to the
+    /// data's state and to the nine columns of derivatives alike.
     #[inline(always)]
     pub(super) fn update<const K: usize>(
         &mut self,

@@ -3,6 +3,13 @@
 //! A row holds the same place of every piece. All loops go over rows, lane by lane, so that the feedback of the
 //! recursion waits once a row, not once a sample. Each [`Task`] is compiled for plain and for wide vectors
 //! ([`crate::vector`]).
+//!
+//! Layout. A block of `LANES × PIECE` samples is transposed once ([`Turn`]); from then on row k
+//! holds sample k of every piece, and a recursion over k runs all pieces at once. Nothing here
+//! allocates, and nothing knows of likelihoods: sums go back to [`super::run`] lane by lane.
+//!
+//! `FUSED` is whether the machine has fused multiply-add; results of the two differ in the last
+//! digit only.
 
 use super::{LANES, PIECE, Row};
 use crate::vector::{Task, add_products, multiply_add};
@@ -24,6 +31,8 @@ macro_rules! with_known_length {
 }
 
 /// `row_k ← row_k + θ1 row_{k−1} + … + θq row_{k−q}` after the first q rows.
+///
+/// The filter 1/θ(B), in place: rows before the first q are its history, zeros or what came before.
 #[inline(always)]
 pub(super) fn recurse_any<const FUSED: bool, const L: usize>(theta: &[f64], rows: &mut [[f64; L]]) {
     let q = theta.len();
@@ -51,7 +60,10 @@ fn recurse<const FUSED: bool, const L: usize>(theta: &[f64], rows: &mut [[f64; L
 }
 
 /// The recursion over rows, in place.
+///
+/// `rows` begins with q rows of history.
 pub(super) struct Recurse<'a, const L: usize> {
+    /// θ1 … θq.
     pub(super) theta: &'a [f64],
     pub(super) rows: &'a mut [[f64; L]],
 }
@@ -170,6 +182,8 @@ fn autoregress<const FUSED: bool>(phi: &[f64], x: &[Row], u: &mut [Row]) {
 /// Adds what the history before each piece makes of it; sum and sum of squares.
 ///
 /// A piece run from zeros plus h_0 w_0 + … + h_{q−1} w_{q−1}: the equation of [`super`].
+///
+/// Since the corrected rows are in registers, Σa and Σa² are taken in the same loop.
 #[inline(always)]
 fn correct<const FUSED: bool>(
     responses: &[[f64; PIECE]],
@@ -193,6 +207,8 @@ fn correct<const FUSED: bool>(
 }
 
 /// Sums of differences from `centre` and of their magnitudes, lane by lane.
+///
+/// One pass; the caller adds the lanes.
 pub(super) struct SumsAbout<'a> {
     pub(super) rows: &'a [Row],
     pub(super) centre: f64,
@@ -215,6 +231,8 @@ impl Task for SumsAbout<'_> {
 }
 
 /// What the histories `starts` make of pieces without input.
+///
+/// Row k is Σ_j h_j w_j(k), h the history before each piece, w_j the response to its place j.
 pub(super) struct Respond<'a> {
     pub(super) responses: &'a [[f64; PIECE]],
     pub(super) starts: &'a [Row],
@@ -236,6 +254,8 @@ impl Task for Respond<'_> {
 }
 
 /// Sums of products of rows with themselves and with a.
+///
+/// Σ o² and Σ o a, with o in `rows`.
 pub(super) struct ProductsWith<'a> {
     pub(super) rows: &'a [Row],
     pub(super) a: &'a [Row],
@@ -284,6 +304,8 @@ impl Task for Lagged<'_> {
 }
 
 /// Adds the sums of products of a with rows delayed by 1, 2, …; the rows begin as many before a as it takes.
+///
+/// Used by the gradient: Σ a_t w_{t−i} for i = 1, 2, …
 pub(super) struct DelayedProducts<'a> {
     pub(super) a: &'a [Row],
     pub(super) rows: &'a [Row],

@@ -3,13 +3,23 @@
 //! Whittle's likelihood and its gradient are sums over frequencies of the periodogram over the model's spectrum
 //! `|θ|²/|φ|²`; sixteen frequencies go side by side. Sine and cosine of each are computed once, since all
 //! evaluations of a search share them.
+//!
+//! With w = e^{−iω} the model's spectrum over σ² is g(ω) = |θ(w)|²/|φ(w)|², θ(w) = 1 − θ1 w − … .
+//! The sum over bins of I/g is what Whittle's likelihood needs ([`super::super::whittle`]); its
+//! derivative by a coefficient is that of |φ|² or |θ|², d|C|²/dc_i = −2 Re(C̄ wⁱ). Polynomials by
+//! Horner's rule, all derivatives of one frequency by one complex multiplication each: O(bins (p +
+//! q)).
 
 use super::{LANES, Row};
 use crate::vector::{Task, total, vectorised};
 
 /// Powers at frequencies, sixteen to a row.
+///
+/// Built once a record, then read by every evaluation. Unused lanes of the last row have power 0
+/// and contribute nothing.
 #[derive(Default)]
 pub(crate) struct PowerSum {
+    /// Frequencies so far.
     count: usize,
     /// cos ω, sin ω and the power.
     rows: Vec<[Row; 3]>,
@@ -17,6 +27,8 @@ pub(crate) struct PowerSum {
 
 impl PowerSum {
     /// Adds a frequency [rad/sample].
+    ///
+    /// `power` is summed over the bin \[unit²\], `omega` between 0 and π.
     pub(crate) fn push(&mut self, omega: f64, power: f64) {
         let lane = self.count % LANES;
         if lane == 0 {
@@ -30,6 +42,8 @@ impl PowerSum {
     }
 
     /// Σ power |φ|²/|θ|², and |θ|²/|φ|² at the frequency `at`.
+    ///
+    /// Both have the unit of the powers, respectively none.
     pub(crate) fn over(&self, phi: &[f64], theta: &[f64], at: f64) -> (f64, f64) {
         let sum = vectorised(Sum {
             phi,
@@ -40,6 +54,8 @@ impl PowerSum {
     }
 
     /// Derivatives of the first by φ and by θ.
+    ///
+    /// Of p and of q numbers.
     pub(crate) fn gradient(&self, phi: &[f64], theta: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let mut by = vec![[0.0; LANES]; phi.len() + theta.len()];
         vectorised(Gradient {
@@ -54,6 +70,8 @@ impl PowerSum {
     }
 
     /// Derivatives of the logarithm of the second.
+    ///
+    /// Of ln |θ|²/|φ|² at the frequency `at` [rad/sample], by φ and by θ.
     pub(crate) fn gain_gradient(phi: &[f64], theta: &[f64], at: f64) -> (Vec<f64>, Vec<f64>) {
         let (sin, cos) = at.sin_cos();
         let derivatives = |c: &[f64], sign: f64| {
@@ -69,6 +87,8 @@ impl PowerSum {
     }
 
     /// |θ|²/|φ|² at a frequency [rad/sample].
+    ///
+    /// Power gain of the filter θ(B)/φ(B) that makes the process from white noise \[–\].
     pub(crate) fn gain(phi: &[f64], theta: &[f64], at: f64) -> f64 {
         let (sin, cos) = at.sin_cos();
         let one = |c: &[f64]| squared::<false, 1>(c, &[cos], &[sin])[0];
@@ -76,6 +96,7 @@ impl PowerSum {
     }
 }
 
+/// Task of [`PowerSum::over`], a division and two polynomials a frequency.
 struct Sum<'a> {
     phi: &'a [f64],
     theta: &'a [f64],
@@ -132,6 +153,8 @@ impl Task for Gradient<'_> {
 }
 
 /// Adds `Re(c̄ wⁱ)`, w = cos − i sin, i = 1, 2, ….
+///
+/// c is rotated by w̄ once a coefficient instead of evaluating sines.
 #[inline(always)]
 fn along<const FUSED: bool>([re, im]: [Row; 2], cos: &Row, sin: &Row, by: &mut [Row]) {
     // c w̄ⁱ has the same real part.

@@ -1,5 +1,9 @@
 //! Sums of products of the innovations with filtered series, which the gradient of the likelihood is made of: see
 //! [`crate::arma::gradient`].
+//!
+//! Three filters run over the record in step, each by 1/θ(B): a from φ(B) y, w from y, v from a. So
+//! all p + q derivatives of Σ a² cost three recursions, O(N (p + q)), where differences would take
+//! p + q evaluations or more. Layout and blocks are those of [`super`].
 
 use super::{
     BLOCK, LANES, PIECE, Row,
@@ -18,11 +22,15 @@ pub(in crate::arma) struct Products {
 }
 
 /// A series filtered by 1/θ(B), piece by piece.
+///
+/// Keeps as many rows before a block as the longest delay that is asked for, so that products
+/// across the border of two blocks are complete.
 struct Filtered {
     /// Rows before the pieces for the longest delay, then the pieces.
     rows: Vec<Row>,
     /// What of it comes before the block: the newest values, newest first.
     history: Vec<f64>,
+    /// Longest delay, at least q.
     delays: usize,
 }
 
@@ -68,12 +76,16 @@ impl Filtered {
         }
     }
 
+    /// The block's output, without the rows before it.
     fn pieces(&self) -> &[Row] {
         &self.rows[self.delays..]
     }
 }
 
 /// The sums, of a record about `centre` and from the state `start`.
+///
+/// `centre` is the level \[unit\]; `start` are the r numbers of x₀ \[unit\], which enter the first
+/// r innovations only. The record has no gaps.
 pub(in crate::arma) fn products(
     samples: &[f64],
     centre: f64,

@@ -3,6 +3,10 @@
 //! The start of a record, up to a multiple of the block, goes sample by sample; blocks follow. While the
 //! response to the state before the record is above rounding, its sums are taken too; from then on only a
 //! itself is summed, and o stays at its limit.
+//!
+//! Which sums matter when: with |roots of θ| at most ρ, g falls as ρᵗ, so the sums with g end after
+//! some 30/(1 − ρ) samples; for a gyro's θ = 0.9994 after 50 000. A record of millions of samples
+//! thus spends nearly all of its time in [`Block`] alone.
 
 use super::{
     Accumulated, BLOCK, LANES, PIECE, Row,
@@ -16,6 +20,8 @@ use crate::vector::{total, vectorised};
 const NEGLIGIBLE: f64 = 1e-13;
 
 /// Working space of a block.
+///
+/// Allocated once a pass and shared by all points, which run one after the other over each block.
 pub(super) struct Scratch {
     /// a after q rows of zeros.
     work: Vec<Row>,
@@ -29,6 +35,7 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
+    /// Sized for orders (p, q).
     pub(super) fn new(p: usize, q: usize) -> Self {
         let r = p.max(q);
         let rows = |count| vec![[0.0; LANES]; count];
@@ -43,10 +50,14 @@ impl Scratch {
 }
 
 /// The recursions at one point, as far as they have come.
+///
+/// Holds no samples, so that many points may share one reading of the record.
 pub(super) struct Run<'a> {
     phi: &'a [f64],
     theta: &'a [f64],
+    /// Whether the mean is estimated, which needs the series o.
     with_ones: bool,
+    /// The result so far.
     sums: Accumulated,
     /// Responses of a piece: to a unit at each place of the history, and to a constant input of 1
     /// (with ones).
@@ -61,6 +72,7 @@ pub(super) struct Run<'a> {
     input: f64,
     /// g is below rounding for good, and o at its limit.
     settled: bool,
+    /// Value of o in the limit, (1 − Σφ)/(1 − Σθ) \[–\].
     limit: f64,
 }
 
@@ -147,6 +159,9 @@ impl<'a> Run<'a> {
     }
 
     /// Goes on over a block.
+    ///
+    /// `turned` is the block transposed, with p rows before it; a block must directly follow what
+    /// came before.
     pub(super) fn block(&mut self, turned: &[Row], scratch: &mut Scratch) {
         let q = self.theta.len();
         let [sum, squares] = vectorised(Block {
@@ -168,6 +183,8 @@ impl<'a> Run<'a> {
     }
 
     /// Adds the sums with g and o over a block.
+    ///
+    /// Called until g has vanished; decides itself when that is so.
     fn start_and_ones(&mut self, scratch: &mut Scratch) {
         let q = self.theta.len();
         let r = self.sums.state_cross.len();
@@ -254,6 +271,8 @@ pub(super) fn responses(theta: &[f64], ones: bool) -> Vec<[f64; PIECE]> {
 
 /// Continues a series of given response over the pieces of a block: `starts` gets what precedes each,
 /// newest first, `history` that at the end. `input` adds to place k of a piece.
+///
+/// Serial over the [`LANES`] pieces: O(LANES q²) a block, no loop over samples.
 fn histories(
     responses: &[[f64; PIECE]],
     history: &mut [f64],

@@ -3,6 +3,10 @@
 //! Search coordinates are the artanh of partial autocorrelations, φ's and then θ's
 //! ([`crate::arma::polynomial`]): every point of them is stationary and invertible, and near a unit root they
 //! are the logarithm of its distance.
+//!
+//! A [`Problem`] is what is constant during a search; it owns no optimum and changes nothing. The
+//! value to be minimised is −log L in natural logarithms, σ² and the mean at their best for each
+//! point, so that a difference of 1 is comparable whatever the unit of the record.
 
 use crate::arma::{
     gradient::At,
@@ -16,9 +20,15 @@ use super::{GLANCE, SAME};
 
 /// The record, or several, and what is asked of it. With a unit root `p` counts the other AR roots only, and an
 /// unbroken record is held as its differences, whose likelihood that is.
+///
+/// Joint fits: the records share φ, θ and σ², each has its own start and mean; see
+/// [`Likelihood::and`].
 pub(in crate::arma) struct Problem<'a> {
+    /// The record \[unit\]; NaN is a missing sample.
     pub(in crate::arma) samples: &'a [f64],
+    /// Whether the mean is known or estimated with the rest.
     pub(in crate::arma) mean: Mean,
+    /// A value near the mean, taken off first \[unit\].
     pub(in crate::arma) centre: f64,
     /// Some samples are missing: the Kalman filter is needed.
     pub(in crate::arma) gaps: bool,
@@ -49,6 +59,8 @@ impl Problem<'_> {
     }
 
     /// Derivatives by the search coordinates, `None` where one is not finite.
+    ///
+    /// Chain rule through [`by_search`]; `z` holds p coordinates of φ, then those of θ.
     pub(super) fn by_search(z: &[f64], by_phi: &[f64], by_theta: &[f64]) -> Option<Vec<f64>> {
         let (phi, theta) = z.split_at(by_phi.len());
         let mut by = by_search(phi, by_phi);
@@ -57,6 +69,8 @@ impl Problem<'_> {
     }
 
     /// The likelihood at several points of the same order: of an unbroken record in one pass.
+    ///
+    /// `None` for a point that has no likelihood: φ not stationary to working precision.
     pub(in crate::arma) fn likelihoods(&self, points: &[Coefficients]) -> Vec<Option<Likelihood>> {
         if self.gaps {
             return self.one_by_one(points);
@@ -66,6 +80,8 @@ impl Problem<'_> {
     }
 
     /// The likelihoods of this record with those of the further ones.
+    ///
+    /// Joint likelihood of independent records; `None` as soon as one of them has none.
     pub(super) fn with_rest(
         &self,
         own: Vec<Option<Likelihood>>,
@@ -100,6 +116,8 @@ impl Problem<'_> {
     }
 
     /// Negative log-likelihoods at search coordinates, +∞ where the likelihood is undefined.
+    ///
+    /// `z` are points of p + q coordinates each, `p` of them of φ.
     pub(in crate::arma) fn objective(&self, z: &[Vec<f64>], p: usize) -> Vec<f64> {
         let points: Vec<_> = z.iter().map(|z| self.coefficients(z, p)).collect();
         // Of one root the steady state loses no digits, and does without a response that may last for long.
@@ -118,6 +136,9 @@ impl Problem<'_> {
     }
 
     /// The gradient of the objective, of unbroken records; `None` where differences cost as little: see [`Self::objective`].
+    ///
+    /// A record with gaps has no exact gradient here: differences take its place near the end of a
+    /// search.
     pub(in crate::arma) fn gradient(&self, z: &[f64], p: usize) -> Option<Vec<f64>> {
         if self.gaps {
             return None;
@@ -126,6 +147,9 @@ impl Problem<'_> {
     }
 
     /// The gradient; of a record with gaps that of its bridged one, near enough for a search far from its end.
+    ///
+    /// Exact for unbroken records; O(N (p + q)) for all derivatives together. For orders with
+    /// max(p, q) < 2 the differences are as cheap, and `None` is returned.
     pub(super) fn gradient_bridged(&self, z: &[f64], p: usize) -> Option<Vec<f64>> {
         let (phi, theta) = self.coefficients(z, p);
         if phi.len().max(theta.len()) < 2 {
@@ -151,6 +175,8 @@ impl Problem<'_> {
 
     /// Whether the Kalman filter finds the same likelihood there, on the first part of a long record. Where roots nearly
     /// coincide on the edge of the invertible region, that of an unbroken record may be rounding: no optimum.
+    ///
+    /// Agreement to 1e-4 in log-likelihood counts as the same.
     pub(super) fn is_confirmed(&self, z: &[f64], p: usize) -> bool {
         let part = Problem {
             samples: &self.samples[..self.samples.len().min(GLANCE)],

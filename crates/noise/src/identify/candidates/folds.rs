@@ -2,6 +2,15 @@
 //!
 //! Records are scored both ways, so that one quiet half does not decide alone: a stationary normal process
 //! looks the same in both directions of time, and so do the increments of a random walk.
+//!
+//! | records | folds |
+//! |---|---|
+//! | one | first half fitted, second scored; then the same of the record reversed |
+//! | up to [`LEFT_OUT_SINGLY`] | each withheld in turn: fitted to the others, scored on both halves of it |
+//! | more | two groups, every second record |
+//!
+//! The filter runs through the fitted half before it scores the other one, so its state has
+//! settled.
 
 use super::LEFT_OUT_SINGLY;
 use crate::{
@@ -16,11 +25,16 @@ pub(super) struct TrainingSet<'a> {
     pub(super) records: Vec<&'a [f64]>,
     /// They end to end, straight lines over what is missing: of the products of samples, few are of two records.
     pub(super) end_to_end: Vec<f64>,
+    /// Sample rate \[Hz\].
     pub(super) rate_hz: f64,
+    /// Overlapping Allan deviation, pooled over the records.
     pub(super) curve: Curve,
+    /// Its terms, the white noise corrected for bridged samples.
     pub(super) allan: Terms,
     /// Samples to a block of the likelihood of a sum of terms: that of the whole, of a part too.
     pub(super) block: usize,
+    /// What is integrated out beside the levels: of the whole the effect of temperature, of parts
+    /// nothing.
     pub(super) marginal: Marginal<'a>,
 }
 
@@ -70,6 +84,8 @@ impl<'a> Fold<'a> {
 
     /// The folds of records and the same reversed: of one its halves, of several one record after the other left
     /// out (of many every second one), whose halves are scored both ways.
+    ///
+    /// A fold that cannot be fitted is missing from the result.
     pub(super) fn all(
         records: &[&'a [f64]],
         reversed: &'a [Vec<f64>],

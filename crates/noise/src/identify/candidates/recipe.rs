@@ -3,6 +3,17 @@
 //! A recipe is fitted to the whole, which gives the model, and to each part of it that a score leaves over,
 //! from the optimum of the whole. A part may miss a term that the whole shows; a whole in which a term vanishes
 //! is no candidate, since the smaller model is one.
+//!
+//! | recipe | data | method |
+//! |---|---|---|
+//! | `White`, `AllanWalk` | Allan deviation | [`crate::allan::fit_terms`] |
+//! | `Terms` | block averages | restricted maximum likelihood |
+//! | `Arma`, `UnitRoot` | samples | exact maximum likelihood |
+//! | `Burg` | samples, bridged | Burg 1975, no search |
+//! | `Compared` | Allan deviation, spectrum or autocorrelation | as published, [`crate::compared`] |
+//!
+//! To add one: a variant here with name, count of parameters and fit, and its place in
+//! [`recipes`](super::recipes).
 
 use super::{
     super::{HIGH_ORDER_SAMPLES, Origin},
@@ -43,8 +54,11 @@ pub(super) enum Recipe {
 
 /// A recipe fitted.
 pub(super) struct Fitted {
+    /// In the terms of a model file, without the turn-on constant.
     pub(super) model: AxisModel,
+    /// Free parameters, the level included.
     pub(super) parameters: usize,
+    /// How it was fitted, with the result of the fit.
     pub(super) origin: Origin,
 }
 
@@ -63,6 +77,8 @@ impl Recipe {
     }
 
     /// Parameters beside the level.
+    ///
+    /// ARMA: p + q coefficients and σ².
     pub(super) fn parameters(self) -> usize {
         match self {
             Self::White => 1,
@@ -84,6 +100,10 @@ impl Recipe {
 
     /// Fits a part of the record, from the optimum of the whole where that is known; `known`: coefficients
     /// near which that of an ARMA may lie.
+    ///
+    /// `part` is the whole (then `whole` is `None`) or a fold. `None` where the fit fails, or where
+    /// the whole shows none of what distinguishes the recipe, since the smaller recipe is then the
+    /// same model.
     pub(super) fn fit(
         self,
         part: &TrainingSet,
@@ -162,6 +182,8 @@ impl Recipe {
 
 impl Fitted {
     /// The filter that is scored: exact, with the turn-on constant; `None` where the model has no filter at this rate.
+    ///
+    /// `turn_on` \[unit\] is 0 for likelihoods, whose level is estimated.
     pub(super) fn shaping(&self, turn_on: f64, rate_hz: f64) -> Option<ShapingFilter> {
         let model = AxisModel {
             turn_on,
@@ -249,6 +271,8 @@ pub(super) fn arma_of(fit: ArmaFit, rate_hz: f64) -> (AxisModel, Origin) {
 }
 
 /// AR(p) by Burg's method on the parts of the training set, laid end to end.
+///
+/// Products across the seam of two records are p of N and do not matter.
 pub(super) fn burg(p: usize, part: &TrainingSet) -> Option<AxisModel> {
     let fit = arma::burg(&part.end_to_end, p).ok()?;
     let arma = Arma {

@@ -77,6 +77,15 @@ impl Between {
     /// three it has none, and the axes are taken as draws of one distribution: the upper 95 % bound of their pooled
     /// scatter. Where the scatter is within the uncertainty, that upper bound too. The constant `common` to all
     /// records is added in squares: a filter starts from zero.
+    ///
+    /// ```
+    /// use undrift_noise::identify::Between;
+    /// // Five switch-ons that scatter by 1: the next constant has the variance (n − 1)/(n − 3) = 2.
+    /// let axis = Between { records: 5, sigma: 1.0, scatter: 1.0, ..Between::default() };
+    /// assert_eq!(axis.degrees_of_freedom(), 4);
+    /// assert!((axis.for_filter(&[axis], 0.0) - 2f64.sqrt()).abs() < 1e-12);
+    /// assert!((axis.for_filter(&[axis], 1.0) - 3f64.sqrt()).abs() < 1e-12); // With a constant of 1 common to all.
+    /// ```
     pub fn for_filter(&self, alike: &[Self], common: f64) -> f64 {
         let freedom = self.degrees_of_freedom() as f64;
         let spread = match freedom {

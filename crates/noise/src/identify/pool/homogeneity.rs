@@ -9,6 +9,13 @@
 //! those of one record are binomial in its share of the time.
 //!
 //! The record that differs most is set aside and the others are compared again, else it would make all of them differ.
+//!
+//! The order of the factors: the first scales white noise, quantisation and processes with τ < 1 s;
+//! the second random walk, flicker and slower processes, and exists only where the pooled model has
+//! such terms. All standard deviations, so a factor of 2 is four times the variance.
+//!
+//! What it cannot do: with two records it cannot say which of them is unusual, and it does not
+//! refit the model: a record with another *kind* of noise shows as a factor, not as another model.
 
 use super::Share;
 use crate::composite::{Averages, CompositeTerms, GaussMarkov};
@@ -23,11 +30,14 @@ const SLOW: f64 = 1.5;
 /// shortest horizon of drift.
 const SLOW_S: f64 = 1.0;
 /// Share of the outliers' rate of the others.
+///
+/// A rate of outliers below three times that of the others is not reported.
 const OUTLIERS: f64 = 3.0;
 /// Level at which a factor itself has to differ.
 const ITSELF: f64 = 0.01;
 /// Largest logarithm of a factor.
 const FURTHEST: f64 = 12.0;
+/// Predicted decrease of the negative log-likelihood at which a search for factors ends.
 const TOLERANCE: f64 = 1e-4;
 
 /// A factor by which one record differs from the others.
@@ -67,18 +77,27 @@ pub struct Difference {
 
 /// What the records show together.
 pub(super) struct Compared {
+    /// 2 (Σ log L of own factors − log L of common ones), divided by the inflation [–].
     pub(super) likelihood_ratio: f64,
+    /// Factors times (records − 1).
     pub(super) degrees_of_freedom: f64,
+    /// Scale by which likelihood ratios were divided, 1 or more [–].
     pub(super) inflation: f64,
+    /// Probability of as large a ratio in records of one process.
     pub(super) p_value: f64,
+    /// The records set aside, in the order in which they were.
     pub(super) differing: Vec<Difference>,
 }
 
 /// Records and the terms that are scaled.
 pub(super) struct Records {
+    /// Block averages of each record; `None` of one that is too short.
     whole: Vec<Option<Averages<'static>>>,
+    /// Of its first and second half.
     halves: Vec<[Option<Averages<'static>>; 2]>,
+    /// The pooled model.
     terms: CompositeTerms,
+    /// 1, or 2 with slow terms.
     factors: usize,
 }
 
@@ -89,6 +108,8 @@ struct Best {
 }
 
 impl Records {
+    /// `interval` \[s\] between samples, `block` samples to an average: those that the pooled model
+    /// was fitted with.
     pub(super) fn new(
         records: &[&[f64]],
         block: usize,
@@ -130,6 +151,8 @@ impl Records {
     }
 
     /// Negative log-likelihood of some averages where the terms have these factors, in logarithms.
+    ///
+    /// +∞ beyond e^12 either way, where a factor has left any meaning.
     fn cost(&self, of: &[&Averages], at: &[f64]) -> f64 {
         if at.iter().any(|z| z.abs() > FURTHEST) {
             return f64::INFINITY;
@@ -157,6 +180,9 @@ impl Records {
     }
 
     /// The likelihood ratio of one factor that differs between the sets, the other one of each its own.
+    ///
+    /// Both of a set's other factors stay free: the ratio is of this factor alone, with one degree
+    /// of freedom.
     fn ratio_of(&self, factor: usize, a: (&[&Averages], &Best), b: (&[&Averages], &Best)) -> f64 {
         let with = |shared: f64, own: Option<&f64>| -> Vec<f64> {
             let mut factors = vec![shared; self.factors];
@@ -199,6 +225,9 @@ impl Records {
 
     /// Compares every record with the others, fills in what was found of each, and returns those that differ, at a level
     /// for all of them together.
+    ///
+    /// `level` is the probability of a false difference in all records and both kinds of test
+    /// together (Bonferroni). O(records²) fits of one or two factors each.
     pub(super) fn compare(&self, shares: &mut [Share], level: f64) -> Compared {
         let inflation = self.inflation();
         let all = self.whole.iter().enumerate();
@@ -234,6 +263,9 @@ impl Records {
     }
 
     /// The record of those left that differs most from the others, if it does; fills in what was found of each.
+    ///
+    /// A record has to pass three conditions: its p value below the level for each, a factor above
+    /// [`WHITE`] or [`SLOW`] either way, and that factor itself significant at 1 %.
     fn worst(
         &self,
         left: &[(usize, &Averages)],
@@ -283,6 +315,9 @@ impl Records {
 }
 
 /// Adds the records with more groups of outliers than their share of the time explains.
+///
+/// Needs at least one group of outliers in the record; others' rate of zero gives an infinite
+/// factor.
 fn outliers(shares: &[Share], each: f64, differing: &mut Vec<Difference>) {
     let events: usize = shares.iter().map(|share| share.outlier_events).sum();
     let samples: usize = shares.iter().map(|share| share.samples).sum();

@@ -11,6 +11,9 @@ const WIDTH: usize = 100;
 
 /// A text, over several lines where it is long: each ends in a backslash, which takes away the break and the
 /// spaces that the next one begins with.
+///
+/// `key` counts for the length of the line only. Texts that begin with a space stay on one line:
+/// continuation would eat it.
 pub(super) fn text(key: &str, text: &str) -> String {
     let is_short = key.len() + text.chars().count() + 5 <= WIDTH;
     if is_short || text.starts_with(' ') {
@@ -32,6 +35,8 @@ pub(super) fn text(key: &str, text: &str) -> String {
 }
 
 /// A list on one line, or filling several.
+///
+/// `items` are already in TOML's syntax; a trailing comma is allowed in arrays.
 pub(super) fn filled(key: &str, items: impl Iterator<Item = String>) -> String {
     let items: Vec<String> = items.collect();
     let one = format!("[{}]", items.join(", "));

@@ -5,6 +5,11 @@
 //! nearby, at the price of some efficiency, which counts as fewer neighbours. The level is divided by the
 //! number of all bins and bands that are looked at (Bonferroni), so that the false-alarm probability is one of
 //! the whole record.
+//!
+//! Frequencies are in cycles per sample throughout, ½ the Nyquist frequency. A Hann window keeps a
+//! slow bias from leaking over the record; its main lobe is four bins wide, which is why neighbours
+//! next to a peak do not count as background. O(N log N), and a median a bin that passes a quick
+//! look.
 
 use crate::screening::record::mean;
 use realfft::RealFftPlanner;
@@ -36,7 +41,9 @@ const ON_PEDESTAL: f64 = 3.0;
 
 /// Power of the bins 0 … n/2 over the variance of white noise: |X|²/Σw².
 pub(super) struct Periodogram {
+    /// Bins 0 … n/2 \[unit²\]; bin 0 stays 0.
     pub(super) power: Vec<f64>,
+    /// Samples of the record, n; a bin is 1/n.
     samples: usize,
 }
 
@@ -57,6 +64,9 @@ pub(super) struct Peak {
 
 impl Periodogram {
     /// The periodogram of a record less the straight line from its beginning to its end, with a Hann window.
+    ///
+    /// The line through the ends, not the least-squares one: it makes the record periodic, which is
+    /// what a transform takes it to be.
     pub(super) fn new(x: &[f64]) -> Self {
         let n = x.len();
         let end = (n / 10).clamp(1, 100);
@@ -122,6 +132,10 @@ impl Periodogram {
     }
 
     /// The band at `at`, if it is a peak and its F is beyond the level.
+    ///
+    /// F = power over background, with 2 degrees of freedom a bin and as many a neighbour, less for
+    /// the correlation of bins and the efficiency of the median. Bins whose neighbours would reach
+    /// below frequency 0 are not looked at.
     fn peak(&self, power: &[f64], bins: usize, at: usize, level: f64) -> Option<Peak> {
         let here = power[at];
         let (before, after) = (at.checked_sub(1)?, power.get(at + 1)?);

@@ -89,6 +89,8 @@ impl Resonance {
     }
 
     /// Spectrum at a frequency \[1/sample\], \[unit²\].
+    ///
+    /// A Lorentzian over a level: the spectrum of a damped oscillator near its resonance.
     fn density(&self, frequency: f64) -> f64 {
         let u = 2.0 * (frequency - self.frequency) / self.width;
         self.background + self.height / (1.0 + u * u)
@@ -104,6 +106,9 @@ impl Resonance {
     }
 
     /// Fisher's scoring: the step of f₀/w, ln w, ln H and ln B.
+    ///
+    /// Information Σ g gᵀ, score Σ g (P/S − 1), g = ∂ ln S; positive by construction, so a step
+    /// goes downhill. `None` where the information is singular, as of a height of zero.
     fn scoring(&self, bands: &[(f64, f64, f64)]) -> Option<Vector4<f64>> {
         let (mut information, mut score) = (Matrix4::zeros(), Vector4::zeros());
         for (f, power, bins) in bands {
@@ -136,6 +141,8 @@ impl Resonance {
     }
 
     /// Amplitude of a sine with the power 2·H·πw/2 of both peaks.
+    ///
+    /// `rate_hz` \[Hz\]; amplitude \[unit\] of the sine that has the power of the peak.
     pub(super) fn result(&self, rate_hz: f64) -> Line {
         Line {
             frequency_hz: self.frequency * rate_hz,
@@ -146,6 +153,9 @@ impl Resonance {
     }
 
     /// Filters the resonance out of a whole record and stores the samples that `record` has.
+    ///
+    /// `whole` is the record with its gaps bridged, on which the filter runs; missing samples of
+    /// `record` stay missing.
     pub(super) fn notch(&self, whole: &[f64], record: &mut [f64]) {
         let room = BROADEST * self.frequency.min(0.5 - self.frequency);
         let broad = (self.width * (1.0 + self.height / self.background).sqrt()).min(room);
@@ -175,6 +185,8 @@ impl Resonance {
 
 /// Zeros on the poles of a resonance, poles of a peak that is broader by √(1 + H/B): its gain is √(B/S), and 1 at
 /// frequency 0.
+///
+/// Second order, minimum phase; frequencies \[1/sample\].
 struct Notch {
     gain: f64,
     zeros: [f64; 2],

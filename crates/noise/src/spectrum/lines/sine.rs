@@ -3,6 +3,10 @@
 //! For a given frequency the coefficients of sine and cosine are linear least squares; the frequency follows by
 //! Gauss and Newton's method from within the main lobe of the periodogram, where there is one minimum. Time
 //! runs from the middle of the record: frequency and phase are then uncorrelated.
+//!
+//! Assumes one frequency for the whole record: a line that wanders by more than a bin is a
+//! resonance ([`super::resonance`]). Neighbouring lines are fitted one after the other by the
+//! caller, which adds and removes them by [`Sine::add_to`]. O(N) a step.
 
 use super::Line;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
@@ -72,6 +76,8 @@ impl Sine {
     }
 
     /// Adds a multiple of it to a record.
+    ///
+    /// −1 removes it.
     pub(super) fn add_to(&self, record: &mut [f64], factor: f64) {
         let (a, b) = (factor * self.cosine, factor * self.sine);
         for_each_phasor(record.len(), self.frequency, |k, _, c, s| {
@@ -80,6 +86,9 @@ impl Sine {
     }
 
     /// The line, with the Cramér-Rao bounds of its amplitude and frequency: var A = 2σ²/N, var ω = 24σ²/(A²N³) (Rife & Boorstyn 1974).
+    ///
+    /// `samples` are those of the whole record; the bounds assume white noise of the variance
+    /// beside the line. The phase is that of a cosine at the first sample \[rad\], within ±π.
     pub(super) fn to_line(self, samples: usize, rate_hz: f64) -> Line {
         let (n, amplitude) = (samples as f64, self.amplitude());
         let sigma = self.background.sqrt();
