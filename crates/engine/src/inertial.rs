@@ -24,7 +24,12 @@
 use super::{checked::Checked, summary::Summary};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
-use undrift_nav::{Matrix3, Vector3, covariance::AXES, sample::ImuSample};
+use undrift_nav::{
+    Matrix3, Vector3,
+    covariance::AXES,
+    repeats::{FROZEN_TIMES, Repeats, SATURATED_TIMES},
+    sample::ImuSample,
+};
 
 /// Values of an axis after which its usual behaviour is known.
 const LEAST_VALUES: u64 = 500;
@@ -46,14 +51,10 @@ const STEP_GAIN: f64 = 0.05;
 const REPLACED_STEPS: f64 = 5.0;
 /// A frozen axis repeats a value for this long \[s\].
 const FROZEN: f64 = 0.5;
-/// A frozen axis repeats a value for this many times the usual number of samples.
-const FROZEN_TIMES: f64 = 20.0;
 /// If all axes of a sensor repeat their values for this long at rest \[s\], repetitions carry no information.
 const NOISELESS: f64 = 5.0;
 /// Speed of the solution above which the vehicle does not rest \[m/s\]: walking pace.
 pub(super) const MOVES: f64 = 1.0;
-/// A saturated axis repeats its largest or smallest value for this many times the usual number of samples.
-const SATURATED_TIMES: f64 = 4.0;
 /// The value of a saturated axis is this many usual standard deviations from its mean.
 const SATURATED_SPREAD: f64 = 4.0;
 /// Time over which the usual behaviour of an axis is averaged \[s\].
@@ -82,16 +83,10 @@ pub(super) struct Inertial {
 #[derive(Clone, Copy, Default)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 struct AxisWatch {
-    /// The present value, the interval of its first sample \[s\], since when \[s\], and in how many samples.
-    value: f64,
+    /// How long values last.
+    values: Repeats,
+    /// Interval of the present value's first sample \[s\].
     dt: f64,
-    since: f64,
-    samples: u64,
-    /// Values that came to an end, and their samples.
-    ended: u64,
-    of_ended: u64,
-    least: f64,
-    most: f64,
     /// Mean and variance over [`USUAL`].
     mean: f64,
     variance: f64,
@@ -111,40 +106,32 @@ impl AxisWatch {
     /// Takes in a value; whether the axis holds it for longer than it can.
     ///
     /// Frozen: for half a second and 20 times the usual number of samples. Saturated: at the largest or
-    /// smallest value so far, four standard deviations from the mean, for four times the usual number.
+    /// smallest value so far, four standard deviations from the mean, for five times the usual number.
     ///
     /// `time` and `dt` \[s\] of the sample. A value counts as the same to 1e-12 of its size, as a
     /// rate or as an increment.
     fn is_stuck(&mut self, (time, dt): (f64, f64), value: f64) -> bool {
         // Of a log of increments those repeat, while the rounding of its times changes the rates.
-        if is_same(value, self.value) || is_same(value * dt, self.value * self.dt) {
-            self.samples += 1;
+        let present = self.values.present;
+        let same = is_same(value, present.value) || is_same(value * dt, present.value * self.dt);
+        if same && present.samples > 0 {
+            self.values.prolong(time);
         } else {
-            if self.samples > 0 {
-                self.ended += 1;
-                self.of_ended += self.samples;
-                if self.value < self.least {
-                    self.least = self.value;
-                }
-                if self.value > self.most {
-                    self.most = self.value;
-                }
-            }
-            (self.value, self.dt) = (value, dt);
-            (self.since, self.samples) = (time, 1);
+            self.values.renew(time, value);
+            self.dt = dt;
             self.jumped = false;
         }
-        if self.ended < LEAST_VALUES {
+        let values = &self.values;
+        if values.ended < LEAST_VALUES {
             return false;
         }
-        let lasts = time - self.since >= FROZEN;
-        let extreme = value <= self.least || value >= self.most;
+        let lasts = time - values.present.start >= FROZEN;
+        let extreme = value <= values.least.value || value >= values.most.value;
         // Most values are neither.
         if self.jumped || !(lasts || extreme) {
             return self.jumped;
         }
-        let usual = self.of_ended as f64 / self.ended as f64;
-        let times = self.samples as f64 / usual;
+        let times = values.present.samples as f64 / values.usual();
         let far = (value - self.mean).abs() > SATURATED_SPREAD * self.variance.sqrt();
         (lasts && times >= FROZEN_TIMES) || (far && extreme && times >= SATURATED_TIMES)
     }
@@ -160,7 +147,7 @@ impl AxisWatch {
         }
         let off = (value - around[0]).abs();
         // Of an axis that never repeats a value less is enough.
-        let repeats = self.of_ended as f64 > ALONE * self.ended as f64;
+        let repeats = self.values.usual() > ALONE;
         let limit = if repeats {
             (SPIKE_STEPS * self.step).max(least)
         } else {
@@ -219,18 +206,12 @@ fn is_same(a: f64, b: f64) -> bool {
 
 impl Inertial {
     pub(super) fn new(rotation: Matrix3) -> Self {
-        let axis = AxisWatch {
-            value: f64::NAN,
-            least: f64::INFINITY,
-            most: f64::NEG_INFINITY,
-            ..AxisWatch::default()
-        };
         Self {
             rotation,
             before: None,
             pending: None,
             noiseless: false,
-            axes: [axis; AXES],
+            axes: [AxisWatch::default(); AXES],
         }
     }
 
@@ -282,7 +263,7 @@ impl Inertial {
         for (i, axis) in self.axes.iter_mut().enumerate() {
             stuck[i] = axis.is_stuck((sample.time, sample.dt), values[i]);
         }
-        let still = |axis: &AxisWatch| sample.time - axis.since >= NOISELESS;
+        let still = |axis: &AxisWatch| sample.time - axis.values.present.start >= NOISELESS;
         self.noiseless |= !moves && self.axes.iter().all(still);
         if self.noiseless {
             stuck = [false; AXES];
@@ -303,9 +284,9 @@ impl Inertial {
                 // The samples before were not known to be stuck.
                 let from = match axis.doubted {
                     Some(_) => sample.time - sample.dt,
-                    None => axis.since,
+                    None => axis.values.present.start,
                 };
-                let since = *axis.doubted.get_or_insert(axis.since);
+                let since = *axis.doubted.get_or_insert(axis.values.present.start);
                 let std = axis.variance.sqrt().max(floor);
                 let grown = |t: f64| {
                     let t = t.max(0.0);

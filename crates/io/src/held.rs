@@ -1,5 +1,7 @@
 //! Sensors that repeat a value: frozen, saturated, or never connected.
 
+use undrift_nav::repeats::{FROZEN_TIMES, Repeat, Repeats, SATURATED_TIMES};
+
 /// A value that a sensor axis held longer than its noise explains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Held {
@@ -19,86 +21,24 @@ pub struct Held {
     pub constant: bool,
 }
 
-/// A frozen axis holds a value for so many samples, so long \[s\] …
+/// A frozen axis holds a value for so many samples, so long \[s\].
 const FROZEN: (u64, f64) = (20, 1.0);
-/// … and for so many times the usual number of samples: rounded values of a quiet sensor repeat too.
-const FROZEN_TIMES: f64 = 20.0;
-/// The same of a saturated one, which is at its largest or smallest value.
+/// A saturated one for so many samples.
 const SATURATED: u64 = 5;
-const SATURATED_TIMES: f64 = 5.0;
 
-/// Samples of one value on end.
-#[derive(Clone, Copy, Default)]
-struct Repeat {
-    value: f64,
-    start: f64,
-    end: f64,
-    samples: u64,
-}
-
-#[derive(Clone, Copy, Default)]
-struct HeldAxis {
-    present: Repeat,
-    /// How many came to an end, and their samples.
-    ended: u64,
-    samples: u64,
-    longest: Repeat,
-    /// The longest at the smallest and at the largest value.
-    least: Repeat,
-    most: Repeat,
-}
-
-impl HeldAxis {
-    #[inline]
-    fn add(&mut self, time: f64, value: f64) {
-        if self.present.samples > 0 && self.present.value == value {
-            self.present.end = time;
-            self.present.samples += 1;
-            return;
-        }
-        self.end();
-        self.present = Repeat {
-            value,
-            start: time,
-            end: time,
-            samples: 1,
-        };
-    }
-
-    #[inline]
-    fn end(&mut self) {
-        let Repeat { value, samples, .. } = self.present;
-        if samples == 0 {
-            return;
-        }
-        self.ended += 1;
-        self.samples += samples;
-        if samples > self.longest.samples {
-            self.longest = self.present;
-        }
-        let longer = |of: &Repeat| value == of.value && samples > of.samples;
-        if self.ended == 1 || value < self.least.value || longer(&self.least) {
-            self.least = self.present;
-        }
-        if self.ended == 1 || value > self.most.value || longer(&self.most) {
-            self.most = self.present;
-        }
-    }
-
-    fn held(mut self, axis: usize) -> Option<Held> {
-        self.end();
-        let varies = self.least.value < self.most.value;
-        let extreme = |of: &Repeat| of.value == self.least.value || of.value == self.most.value;
-        let is_beyond = |of: &Repeat, times: f64| {
-            let others =
-                (self.samples - of.samples) as f64 / self.ended.saturating_sub(1).max(1) as f64;
-            of.samples as f64 >= times * others
-        };
-        let frozen = Some(self.longest).filter(|of| {
+impl Held {
+    /// What an axis held, if it held a value.
+    fn of(axis: usize, mut values: Repeats) -> Option<Self> {
+        values.end();
+        let varies = values.least.value < values.most.value;
+        let extreme = |of: &Repeat| of.value == values.least.value || of.value == values.most.value;
+        let is_beyond =
+            |of: &Repeat, times: f64| of.samples as f64 >= times * values.usual_beside(of);
+        let frozen = Some(values.longest).filter(|of| {
             let length = of.end - of.start;
             of.samples >= FROZEN.0 && length >= FROZEN.1 && is_beyond(of, FROZEN_TIMES)
         });
-        let saturated = [self.least, self.most]
+        let saturated = [values.least, values.most]
             .into_iter()
             .max_by_key(|of| of.samples)
             .filter(|of| varies && of.samples >= SATURATED && is_beyond(of, SATURATED_TIMES));
@@ -116,21 +56,21 @@ impl HeldAxis {
 
 /// Watches the six axes of an inertial log.
 #[derive(Clone, Copy, Default)]
-pub struct HeldWatch([HeldAxis; 6]);
+pub struct HeldWatch([Repeats; 6]);
 
 impl HeldWatch {
     /// Takes in the next sample at `time` \[s\], gyros before accelerometers, in any units.
     #[inline]
     pub fn add(&mut self, time: f64, values: [f64; 6]) {
         for (axis, value) in self.0.iter_mut().zip(values) {
-            axis.add(time, value);
+            axis.push(time, value);
         }
     }
 
     /// The axes that held a value for long, each with its longest.
     pub fn held(&self) -> Vec<Held> {
         let axes = self.0.iter().enumerate();
-        axes.filter_map(|(k, axis)| axis.held(k)).collect()
+        axes.filter_map(|(k, axis)| Held::of(k, *axis)).collect()
     }
 }
 

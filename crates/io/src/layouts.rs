@@ -1,4 +1,5 @@
-//! Tables whose columns are known: what others' programs write, always the same.
+//! Column layouts of tables whose columns never change: KF-GINS, EuRoC. Descriptions only; `undrift-drive` chooses one by the
+//! file's format and gives it to the readers.
 
 use crate::gnss::{FixOptions, GnssFormat, PositionColumns, VelocityAxes};
 use crate::imu::ImuFormat;
@@ -21,8 +22,9 @@ pub fn kf_gins_imu() -> ImuFormat {
 /// Columns of a KF-GINS GNSS text with velocities; without them it has 7.
 pub const KF_GINS_WITH_VELOCITY: usize = 13;
 
-/// KF-GINS GNSS text: time \[s\], latitude, longitude \[deg\], height \[m\], with `columns` =
-/// [`KF_GINS_WITH_VELOCITY`] then velocity [m/s], then the standard deviations of each, north, east, down.
+/// KF-GINS GNSS text: time \[s\], latitude, longitude \[deg\], height \[m\]; if `columns` is
+/// [`KF_GINS_WITH_VELOCITY`], velocity [m/s]; then the standard deviations of the position and, if there is one, of the
+/// velocity. Each is north, east, down.
 pub fn kf_gins_gnss(columns: usize) -> GnssFormat {
     let with_velocity = columns >= KF_GINS_WITH_VELOCITY;
     GnssFormat {

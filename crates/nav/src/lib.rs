@@ -42,6 +42,7 @@ pub mod mechanisation;
 mod observation;
 pub mod parameters;
 pub mod preintegration;
+pub mod repeats;
 pub mod sample;
 pub mod shaping;
 pub mod tape;

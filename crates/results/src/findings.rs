@@ -1,5 +1,6 @@
 //! What a run finds out about its logs and its solution, as values: numbers in SI units, times in the
-//! log's own time base. Their sentences are made where results are shown.
+//! log's own time base. The engine's watches and `undrift-drive` make them, `undrift_report::sentence` words them.
+//! The names of kinds and fields are those of the stored JSON.
 
 mod implausible;
 mod kinds;
@@ -51,7 +52,7 @@ pub enum Finding {
         /// Lowest and highest temperature of the drive [°C].
         seen_c: Option<[f64; 2]>,
     },
-    /// Gaps between samples were too long for that.
+    /// Gaps between samples were too long to be bridged by interpolation.
     LongGaps {
         /// How many.
         gaps: u64,
@@ -162,7 +163,8 @@ pub enum Finding {
         /// Times the predicted size, of innovations that are too large.
         factor: Option<f64>,
     },
-    /// The samples hold earlier than they are stamped, or a slow log's later, and the vehicle is fast enough for that to matter.
+    /// The stamps of the samples are later than the motion they measure (in a slow log, they may be earlier), and the vehicle is fast
+    /// enough for that to matter.
     LateSamples {
         /// By how much they are late against the fixes, negative if early, and its standard deviation \[s\].
         delay: [f64; 2],

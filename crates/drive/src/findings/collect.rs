@@ -1,4 +1,5 @@
-//! The findings of a run, from its counts.
+//! Findings from the counts of a run or a recording, one function for each subject, with the thresholds from which something is
+//! a finding. [`crate::navigate`], [`crate::outages`], [`crate::record`] and `undrift-fleet` call them and put them in order.
 
 use super::{Finding, Log, Severity};
 use crate::{
@@ -27,7 +28,12 @@ const LEAST_LATE_SHARE: f64 = 0.05;
 const MOST_DELAY: f64 = 2.0;
 /// Spans of rejected fixes that are reported one by one.
 const LISTED: usize = 3;
-/// Autocorrelation from one update to the next above which innovations are correlated: not the accuracy of the fixes is wrong.
+/// Rows out of time order from which on a log is unsorted; fewer are single rows that came late.
+const LEAST_UNSORTED: u64 = 10;
+/// Share of the vertical in the axis of the gyro that is nearest to it.
+const VERTICAL: f64 = 0.7;
+/// Autocorrelation from one update to the next above which innovations are correlated: then it is not the accuracy of the fixes that is
+/// wrong.
 const CORRELATED: f64 = 0.5;
 /// NIS per degree of freedom below which correlated innovations are no fault: the standard deviations contain them.
 const MODEST_NIS: f64 = 0.7;
@@ -78,11 +84,6 @@ pub fn of_health(summary: &Summary) -> Vec<Finding> {
     }
     found
 }
-
-/// Rows out of time order from which on a log is unsorted; fewer are single rows that came late.
-const LEAST_UNSORTED: u64 = 10;
-/// Share of the vertical in the axis of the gyro that is nearest to it.
-const VERTICAL: f64 = 0.7;
 
 /// Samples that should have been corrected for temperature and were not, or were by extrapolation.
 pub fn of_temperature(seen: Option<ThermalSummary>) -> Option<Finding> {
@@ -337,7 +338,7 @@ pub fn of_scalar(
 }
 
 /// Rows of a log out of the order of time, or under a time stamp that they share; `interval` is the usual one \[s\],
-/// and so many records were accepted.
+/// `accepted` the number of rows that were used.
 pub fn of_order(log: Log, skipped: &Skipped, interval: f64, accepted: u64) -> Vec<Finding> {
     let mut found = Vec::new();
     if let (Some(behind), None) = (

@@ -1,4 +1,5 @@
-//! Gravity in the poses' frame, the lever arm and the unit of the positions, by accelerations.
+//! Gravity in the poses' frame, the lever arm, the noise and the unit of the positions, by least squares on double differences
+//! of positions; the equation is in [`super`].
 
 use super::{path::Path, turns::Turns};
 use nalgebra::{SMatrix, SVector};
@@ -24,7 +25,7 @@ pub(super) struct Forces {
 /// Times between the three poses of a double difference \[s\]: long for accelerations, short for the positions' own noise.
 const LONG: f64 = 0.4;
 const SHORT: f64 = 0.1;
-/// Poses further apart than this much of that are not used.
+/// Three poses whose whole span is more than this many times the wanted one are not used.
 const EVEN: f64 = 1.3;
 /// Double differences that it takes.
 const LEAST: usize = 60;
@@ -55,7 +56,7 @@ impl Forces {
     /// Compares accelerations.
     ///
     /// # Errors
-    /// Where there are too few positions, or gravity is not to be found in them.
+    /// Where there are too few positions, one of the frames is left-handed, or what is found is not gravity.
     pub(super) fn find(
         samples: &[ImuSample],
         poses: &[LocalPose],
@@ -78,7 +79,7 @@ impl Forces {
         } else if scale < 0.0 && (scale + 1.0).abs() < 0.5 {
             return Err(PoseFault::Mirrored);
         }
-        let scaled = |rows: &mut Vec<Row>| {
+        let without_scale = |rows: &mut Vec<Row>| {
             for row in rows {
                 // Known from here on.
                 let positions: Vector3 = row.by.column(SCALE).into_owned();
@@ -87,7 +88,7 @@ impl Forces {
             }
         };
         let mut long = long;
-        scaled(&mut long);
+        without_scale(&mut long);
         let (x, covariance) = solve(&long, false);
         let gravity: Vector3 = x.fixed_rows::<3>(0).into_owned();
         if (gravity.norm() / STANDARD_GRAVITY - 1.0).abs() > GRAVITY {
@@ -96,7 +97,7 @@ impl Forces {
             });
         }
         let mut short = rows(&path, samples, poses, turns, SHORT);
-        scaled(&mut short);
+        without_scale(&mut short);
         let at = &x;
         let noise = |row: &Row| {
             let left = row.force - row.by * at;
@@ -197,7 +198,8 @@ fn row(path: &Path, samples: &[ImuSample], three: [&(f64, Vector3, Quaternion); 
     })
 }
 
-/// Least squares with weights by the residuals: unknowns and their covariance.
+/// Least squares with weights by the residuals: unknowns and their covariance. `scaled`: the scale of the positions is among the
+/// unknowns.
 fn solve(rows: &[Row], scaled: bool) -> (SVector<f64, UNKNOWN>, SMatrix<f64, UNKNOWN, UNKNOWN>) {
     // Accelerometers are good to some tenths of m/s², lever arms to a metre.
     let mut prior = SMatrix::<f64, UNKNOWN, UNKNOWN>::zeros();

@@ -1,4 +1,5 @@
-//! An identification as a result. SI units.
+//! [`Identified`] as the stored result [`Identify`]: fields copied, sentences by `say`, nothing computed. SI units. Called by
+//! the command, the Python package and the demo.
 
 use super::Identified;
 use undrift_noise::{

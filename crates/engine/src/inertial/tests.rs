@@ -151,11 +151,11 @@ fn samples_until_stuck(value: f64) -> usize {
 
 #[test]
 fn an_axis_is_saturated_at_the_ends_of_what_it_has_read() {
-    // No value ever came twice: four times the usual number is four.
+    // No value ever came twice: five times the usual number is five.
     for end in [6.0, 6.1, 30.0] {
         assert_eq!(
             (samples_until_stuck(end), samples_until_stuck(-end)),
-            (4, 4)
+            (5, 5)
         );
     }
     // Inside its range, however far out, it has to last for half a second.

@@ -1,8 +1,8 @@
 //! Bags of ROS 2: a SQLite database (`.db3`), or a folder of such or of MCAP files that belong together.
 //! The messages are those that an MCAP holds: [`super::ros`].
 //!
-//! The database is read by its pages: its file format is documented by SQLite, and what a bag needs of it is
-//! reading two tables from their first row to their last. Pages that are missing or damaged are counted;
+//! [`crate::opened`] and [`super::Log::of_bag`] call this. The database is read page by page without the SQLite library: its
+//! format is documented, and a bag needs only two tables, from the first row to the last. Pages that are missing or damaged are counted;
 //! all others are read.
 
 mod database;

@@ -1,6 +1,6 @@
-//! Fewer rows than there are.
+//! Thinning of a solution's rows, for the writers of files here and the outputs of live runs (Foxglove, ROS 2).
 
-/// Lets rows through so many seconds apart, on a grid.
+/// Lets the first row of each cell of a grid in time through; two such rows may be closer than a cell is long.
 #[derive(Debug)]
 pub struct Thinning {
     every: f64,

@@ -1,4 +1,4 @@
-//! How the overlapping Allan variances of one record scatter together.
+//! Covariance matrix of the overlapping Allan variances of one record at several averaging times.
 //!
 //! For Gaussian noise `Cov(σ²_i, σ²_j) = Σ_s Σ_t r_ij(t − s)² / (2 n_i n_j)`, r_ij the covariance of
 //! the second differences of two averaging times, over τ (Greenhall & Riley, "Uncertainty of
@@ -7,8 +7,8 @@
 //! once for a record. The ends of the record are in it: long averages have few differences.
 //!
 //! What for: neighbouring points of an Allan plot share samples, their errors are correlated, and a
-//! least-squares fit that ignores it states errors that are too small. [`super::fit_terms`] uses
-//! this matrix for the errors of Q, N, B, K, R.
+//! least-squares fit that ignores it states errors that are too small. [`super::fit_terms`] and
+//! [`super::fit_gauss_markov`] weight the points by this matrix, and take the errors of their terms from it.
 //!
 //! Units: σ² in \[unit²\], so the covariance in \[unit⁴\]; τ in s. Cost: O(points²) pairs, at most
 //! about a thousand lags each.
@@ -64,7 +64,7 @@ impl Covariance {
         }
     }
 
-    /// The covariance where the squares of the terms are Q, N, B, K, R.
+    /// The covariance of the variances, for terms Q, N, B, K, R with these squares.
     ///
     /// The order of `squares` is Q² [unit²·s²], N² [unit²·s], B² \[unit²\], K² [unit²/s], R²
     /// [unit²/s²].

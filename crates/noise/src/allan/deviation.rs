@@ -1,4 +1,5 @@
-//! Overlapping Allan, modified Allan, overlapping Hadamard and total deviation of rate samples.
+//! Overlapping Allan, modified Allan, overlapping Hadamard and total deviation of samples of a rate (angular rate, specific
+//! force). Pure computation; called by [`crate::identify`] (the overlapping kind only) and the Python package.
 //!
 //! With `S_k` the sum of the first k samples less their mean and `m` samples to a τ, the variances
 //! are mean squares of `S_{i+2m} − 2 S_{i+m} + S_i` and its kin. The mean only adds a straight line
@@ -84,7 +85,7 @@ pub struct Curve {
 /// stretches that the averaging times share stay in the first cache.
 const STRETCH: usize = 2048;
 
-/// Averaging times from which on the work is spread over the cores, and FFTs may be faster.
+/// Number of averaging times from which on the work is spread over the cores, and FFTs may be faster.
 const SPREAD: usize = 128;
 
 impl DeviationKind {
@@ -456,7 +457,7 @@ fn total_energy(sums: &[f64], m: usize) -> f64 {
     ends + inner
 }
 /// The curve of several records of one process, of the same kind, rate and factors: at each averaging time the mean square
-/// over all their terms. `None` of no curve.
+/// over all their terms. `None` if `curves` is empty.
 ///
 /// Records of one sensor that was switched off in between may be pooled so; to concatenate them would turn the step of the
 /// turn-on constants into a random walk.

@@ -1,4 +1,5 @@
-//! Intervals of a composite model's parameters from the profile of its restricted likelihood.
+//! Confidence intervals of a composite model's parameters, from the profile of its restricted likelihood; that of white noise
+//! from its standard error. Called by [`crate::identify`] for the recommended model.
 //!
 //! A correlation time that is not short against the record is far from normally distributed about its estimate, in
 //! any scale: a standard error says little of it, and the record may not contradict a random walk at all. A profile
@@ -76,8 +77,9 @@ impl ParameterInterval {
     }
 }
 
-/// Intervals of all parameters of a fit to `record`, sampled every `interval` \[s\], with probability
-/// `level` (0.95, say). Hundreds of likelihood evaluations of 10 000 block averages each.
+/// Confidence intervals of all parameters of a fit to `record`; `interval` is the sampling interval \[s\], `level` the confidence
+/// level (0.95, say). Hundreds of likelihood evaluations, mostly of up to 10 000 block averages; with quantisation of every
+/// sample.
 ///
 /// ```
 /// use undrift_noise::composite::{CompositeTerms, FitOptions, TermSet, fit, intervals};
@@ -181,9 +183,9 @@ pub(crate) fn intervals_marginal(
     Ok(found)
 }
 
-/// The white density is known so well that its logarithm is normal, better than from the profile's averages: from
-/// the full rate its squared coefficients have the variance κ/n of so many samples, relatively, κ the noise's kurtosis; else
-/// from the fit's curvature, which is that of normal noise: 2 in place of κ − 1.
+/// The interval of white noise, by a standard error and not by the profile: it is known so well that its logarithm is normal.
+/// Estimated at the full rate, its square has the relative variance κ/n of n samples, κ the noise's kurtosis; else the error of
+/// the fit's curvature, which holds for normal noise, is multiplied by √((κ − 1)/2), κ that of the block averages.
 fn white(records: &[&[f64]], fit: &CompositeFit, level: f64) -> ParameterInterval {
     let estimate = fit.terms.white;
     let present = |record: &&[f64]| record.iter().filter(|value| !value.is_nan()).count();
