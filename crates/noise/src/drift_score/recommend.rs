@@ -16,6 +16,11 @@ const INDEPENDENT_ERRORS: f64 = 2.0;
 const SHORTEST_S: f64 = 10.0;
 /// Candidates whose Akaike criteria differ by less are as likely (Burnham & Anderson 2002, section 2.6).
 const EQUAL_AIC: f64 = 2.0;
+/// A criterion larger by more is that of a model without support (the same section): what the few windows of one record
+/// say of the drift counts for less, as long as …
+const DECISIVE_AIC: f64 = 10.0;
+/// … the likelier model's drift is above the least by no more than this share.
+const WITHIN: f64 = 0.1;
 
 /// Fewest batches whose scatter means anything; with fewer the best score's own error decides.
 const FEWEST: usize = 4;
@@ -117,7 +122,7 @@ fn is_as_good(score: &HorizonScore, best: &HorizonScore) -> bool {
 }
 
 /// The choice among models of one record. Of the candidates whose drift is within the sampling error of the least at
-/// every horizon of 10 s and more (of the longest, where none is), those whose Akaike criterion is within 2 of the least; of these the one with the fewest parameters, then states,
+/// every horizon of 10 s and more (of the longest, where none is), or within 10 % where the likelihood decides for them, those whose Akaike criterion is within 2 of the least; of these the one with the fewest parameters, then states,
 /// then the first. The windows of a long horizon are few: where drift does not tell two models apart, the likelihood may.
 /// Where no candidate is as good as the best everywhere, the one whose worst ratio to the best is least. None of an empty list,
 /// or where scores are missing or not finite in every candidate.
@@ -172,8 +177,13 @@ pub fn recommend(candidates: &[Scored]) -> Option<Recommendation> {
         deciding.all(|&h| is_as_good(&c.horizons[h], &best[h].horizons[h]))
     };
     // The likelihood sees more of a record than the few windows of a long horizon do.
-    let least_aic = usable.iter().filter(|(_, c)| good(c)).map(|(_, c)| c.aic);
-    let least_aic = least_aic.fold(f64::INFINITY, f64::min);
+    let least = |aic: f64, of: &(usize, &Scored)| aic.min(of.1.aic);
+    let least_drift = usable.iter().filter(|(_, c)| good(c));
+    let least_drift = least_drift.fold(f64::INFINITY, least);
+    let decided = |c: &Scored| c.aic < least_drift - DECISIVE_AIC && worst(c) <= 1.0 + WITHIN;
+    let good = |c: &Scored| good(c) || decided(c);
+    let least_aic = usable.iter().filter(|(_, c)| good(c));
+    let least_aic = least_aic.fold(f64::INFINITY, least);
     let likely = |c: &Scored| c.aic <= least_aic + EQUAL_AIC;
     let simplest = usable
         .iter()
@@ -258,6 +268,24 @@ mod tests {
         assert!((excess_percent - 0.5025).abs() < 1e-3, "{excess_percent}");
         let alone = recommend(&list[2..]).unwrap().reason;
         assert_eq!(alone.choice, Choice::LeastDrift);
+    }
+
+    /// White noise behind a filter with a walk: by luck the halves of the record drift less without the walk, which the likelihood
+    /// of the whole excludes.
+    #[test]
+    fn a_likelihood_that_decides_counts_for_more_than_a_drift_of_little_difference() {
+        let of = |aic: f64, of: Scored| Scored { aic, ..of };
+        let white = of(41.4, candidate("white", 0, &[1.03, 4.64], 0.0));
+        let walk = |aic: f64, excess: f64| {
+            let rms = [1.037, 4.64 * (1.0 + excess)];
+            of(aic, candidate("white + random walk", 1, &rms, 0.0))
+        };
+        let chosen = |walk| recommend(&[white.clone(), walk]).unwrap().index;
+        assert_eq!(chosen(walk(0.0, 0.09)), 1);
+        // Without support of the likelihood, or with more drift than that, it is not.
+        assert_eq!(chosen(walk(31.5, 0.09)), 0);
+        assert_eq!(chosen(walk(31.3, 0.09)), 1);
+        assert_eq!(chosen(walk(0.0, 0.11)), 0);
     }
 
     #[test]
