@@ -145,6 +145,7 @@ fn join_halves(files: &mut [Inspection]) {
         if file.file == *one {
             *file = joined.clone();
         } else if file.file == *other {
+            file.file.clone_from(&joined.file);
             file.found.clear();
         }
     }

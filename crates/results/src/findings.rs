@@ -128,6 +128,7 @@ pub enum Finding {
         /// Mean specific force over gravity.
         ratio: f64,
         /// The gyros measure gravity in place of the accelerometers.
+        #[serde(default)]
         exchanged: bool,
     },
     /// Gravity does not point along body down.

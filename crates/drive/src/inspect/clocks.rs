@@ -306,6 +306,10 @@ mod tests {
             }
             let (found, known) = offset(&log.imu, &fixes).unwrap();
             assert!((found + late).abs() < 0.2, "{late}: {found}");
+            // By the positions alone, too.
+            fixes.iter_mut().for_each(|fix| fix.velocity = None);
+            let (found, _) = offset(&log.imu, &fixes).unwrap();
+            assert!((found + late).abs() < 0.3, "{late}: {found}");
             let Known::Clocks {
                 hours: h, leap: l, ..
             } = known
