@@ -473,7 +473,7 @@ fn a_ratio_of_gravity_or_turns_hints_at_the_unit() {
         (
             0.0199,
             "0.0199",
-            "check imu.accel, imu.accel_unit and imu.data",
+            "(gravity seems to be removed, as from a \"linear acceleration\": log the accelerometers with gravity)",
         ),
         (8.5, "8.50", "(the numbers look like m/s^2)"),
         (11.4, "11.4", "(the numbers look like m/s^2)"),
@@ -483,13 +483,18 @@ fn a_ratio_of_gravity_or_turns_hints_at_the_unit() {
         (
             2e-6,
             "2.00e-6",
-            "check imu.accel, imu.accel_unit and imu.data",
+            "(gravity seems to be removed, as from a \"linear acceleration\": log the accelerometers with gravity)",
         ),
     ] {
         let text = gravity(ratio);
         let start = format!("the accelerometers measure {number} times gravity on average: check ");
         assert!(text.starts_with(&start) && text.ends_with(hint), "{text}");
     }
+    let exchanged = say(&Finding::WrongGravity {
+        ratio: 0.01,
+        exchanged: true,
+    });
+    assert!(exchanged.contains("exchange the columns"), "{exchanged}");
     for (ratio, hint) in [
         (
             -1.7,

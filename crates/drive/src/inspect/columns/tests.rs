@@ -1,6 +1,7 @@
 //! What columns are by their numbers, and the keys that follow.
 
 use super::*;
+use crate::inspect::numbers::{means, steady};
 
 fn preview(names: &[&str], rows: Vec<Vec<f64>>) -> Preview {
     let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
