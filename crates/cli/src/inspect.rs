@@ -131,7 +131,7 @@ pub fn complete(inspections: &[Inspection], drive: Option<&Path>) -> Result<()> 
             }) => bail!("the {what} cannot be read: {problem}"),
             Some(_) => {}
             None if table != "imu" && reference.is_some() => bail!(
-                "no {what} in {} beside an attitude, with which {} is a reference ([truth]): write [gnss] by hand to use it as fixes",
+                "no {what} to use in {}: {} has an attitude beside its positions, so it is a reference ([truth]); write [gnss] by hand to use it as fixes",
                 names.join(" and "),
                 reference.map_or_else(Default::default, output::shown)
             ),
