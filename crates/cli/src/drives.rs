@@ -111,10 +111,11 @@ impl Source {
             let mistake = "--data needs a drive file; specify the logs with their folder";
             bail!(Invalid(mistake.into()));
         }
-        let (inspections, motion) = inspect::described(read(files)?);
+        let inspections = read(files)?;
         if inspections.len() < files.len() {
             bail!("not every file could be read");
         }
+        let (inspections, motion) = inspect::described(inspections);
         inspect::complete(&inspections, None)?;
         let file = kept.file().unwrap_or(Path::new(UNSAVED));
         let folder = file.parent().unwrap_or(Path::new(""));

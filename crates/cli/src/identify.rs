@@ -65,6 +65,10 @@ pub struct Arguments {
     /// header, else guessed
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     columns: Vec<String>,
+    /// Column of times by name or number, and its unit where that is not shown, for instance "ticks,LSB/32768 s". Default: from the
+    /// header, else guessed
+    #[arg(long, value_name = "NAME[,UNIT]")]
+    time: Option<String>,
     /// Axis of a single column, gyro_x to accel_z
     #[arg(long, value_name = "AXIS")]
     axis: Option<String>,
@@ -137,7 +141,19 @@ fn format(arguments: &Arguments) -> Result<RecordFormat> {
         let number = text.parse().map(Column::Number);
         number.unwrap_or_else(|_| Column::Name(text.clone()))
     };
+    let time = |text: &String| {
+        let (name, unit) = match text.split_once(',') {
+            Some((name, unit)) => (name.trim().to_owned(), Some(unit.trim().to_owned())),
+            None => (text.clone(), None),
+        };
+        let factor = unit.as_ref().map(|unit| unit_factor(unit, Quantity::Time));
+        if let Some(Err(error)) = factor {
+            bail!(Invalid(format!("--time \"{text}\": {error}")));
+        }
+        Ok((column(&name), unit))
+    };
     Ok(RecordFormat {
+        time: arguments.time.as_ref().map(time).transpose()?,
         columns: arguments.columns.iter().map(column).collect(),
         axis: arguments.axis.clone(),
         units: arguments.units.as_ref().map(units).transpose()?,
@@ -293,6 +309,7 @@ fn read(path: &Path, format: &RecordFormat) -> Result<Record> {
     if path.extension().is_some_and(|ending| ending == "toml") {
         let stated = [
             ("--columns", !format.columns.is_empty()),
+            ("--time", format.time.is_some()),
             ("--units", format.units.is_some()),
             ("--axis", format.axis.is_some()),
             ("--topic", format.topic.is_some()),

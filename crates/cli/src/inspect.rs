@@ -51,7 +51,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let json = arguments.json.file().into_iter();
     let outputs = json.chain(arguments.output.as_deref());
     let files = Files::claim(arguments.files.iter().map(PathBuf::as_path), outputs)?;
-    let (inspections, motion) = described(read(&arguments.files)?);
+    let inspections = read(&arguments.files)?;
+    let unread = inspections.len() < arguments.files.len();
+    let (inspections, motion) = described(inspections);
     let json = results::text(&Vec::from_iter(inspections.iter().map(report::shown)));
     let shown = arguments.json.write(&files, &json)?;
     if !shown {
@@ -76,7 +78,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         complete(&inspections, Some(file))?;
         terminal::say(report::next(&model, motion, file))?;
     }
-    if inspections.len() < arguments.files.len() {
+    if unread {
         bail!("not every file could be read");
     }
     Ok(())
@@ -100,6 +102,10 @@ pub fn read(files: &[PathBuf]) -> Result<Vec<Inspection>> {
 /// What files are, and what the motion shows of them together.
 pub fn described(mut inspections: Vec<Inspection>) -> (Vec<Inspection>, Motion) {
     let motion = terminal::stage("aligning", || inspect::motion(&mut inspections));
+    // Of two files that were joined, the one that stands for both.
+    let joined = inspections.iter().filter(|file| !file.parts.is_empty());
+    let joined = Vec::from_iter(joined.map(|file| file.file.clone()));
+    inspections.retain(|file| !file.parts.is_empty() || !joined.contains(&file.file));
     (inspections, motion)
 }
 
@@ -111,6 +117,11 @@ pub fn complete(inspections: &[Inspection], drive: Option<&Path>) -> Result<()> 
         .collect();
     let unknown = |table| report::unknown_log(inspections, table);
     let fixes = inspect::fixes_table(inspections);
+    let is_reference = |file: &&Inspection| file.parts.iter().any(|part| part.table == "truth");
+    let reference = inspections
+        .iter()
+        .find(is_reference)
+        .map(|file| file.file.as_path());
     for (table, what) in [("imu", "inertial samples"), (fixes, "positions")] {
         let mut parts = inspections.iter().flat_map(|file| &file.parts);
         match parts.find(|part| part.table == table) {
@@ -119,6 +130,11 @@ pub fn complete(inspections: &[Inspection], drive: Option<&Path>) -> Result<()> 
                 ..
             }) => bail!("the {what} cannot be read: {problem}"),
             Some(_) => {}
+            None if table != "imu" && reference.is_some() => bail!(
+                "no {what} to use in {}: {} has an attitude beside its positions, so it is a reference ([truth]); write [gnss] by hand to use it as fixes",
+                names.join(" and "),
+                reference.map_or_else(Default::default, output::shown)
+            ),
             None if unknown(table).is_some() => bail!(
                 "no {what} in {}: {}",
                 names.join(" and "),

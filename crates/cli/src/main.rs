@@ -116,7 +116,7 @@ fn after_help() -> String {
 fn main() -> ExitCode {
     terminal::colour_from(std::env::args_os());
     let parsed = Arguments::try_parse().map_err(with_verbs);
-    let Arguments { verb, terminal } = parsed.unwrap_or_else(|error| error.exit());
+    let Arguments { verb, terminal } = parsed.unwrap_or_else(|error| refused(&error));
     terminal.apply();
     signals::watch();
     let result = match verb {
@@ -161,7 +161,48 @@ fn main() -> ExitCode {
 /// What the help calls a drive file.
 const DRIVE: &str = "DRIVE.toml|LOGS";
 
-/// Of an option that is unknown here, the verbs that have it; where the drive file is missing, what writes one.
+/// Keys of a drive file that are looked for as options, by their last word.
+const KEYS: [&str; 9] = [
+    "initial.heading",
+    "imu.axes",
+    "imu.mounting",
+    "imu.rate",
+    "imu.gyro_unit",
+    "imu.accel_unit",
+    "gnss.lever_arm",
+    "gnss.time_offset",
+    "gnss.position_std",
+];
+
+/// Ends with the error of a wrong command line; that of a wrong number in other words than its parser's.
+fn refused(error: &clap::Error) -> ! {
+    let text = error.to_string();
+    let words = text
+        .replace("invalid float literal", "expected a number")
+        .replace("invalid digit found in string", "expected a whole number");
+    if words == text {
+        error.exit();
+    }
+    eprint!("{words}");
+    std::process::exit(INVALID.into());
+}
+
+/// What is meant by a verb or an option that is not there.
+fn meant(name: &str) -> Option<String> {
+    if name == "allan" {
+        return Some("`undrift identify RECORD --allan` has the Allan deviations".into());
+    }
+    let word = name.replace('-', "_");
+    let key = KEYS
+        .iter()
+        .find(|key| key.split('.').next_back() == Some(&word))?;
+    Some(format!(
+        "set {key} in the drive file, which --save-drive or `undrift inspect LOGS -o drive.toml` writes"
+    ))
+}
+
+/// Of an option that is unknown here, the verbs that have it, or the key of a drive file; where the drive file is missing, what
+/// writes one.
 fn with_verbs(mut error: clap::Error) -> clap::Error {
     let of_missing = |missing: &[String]| missing.iter().any(|name| name.contains(DRIVE));
     match error.get(ContextKind::InvalidArg) {
@@ -172,6 +213,12 @@ fn with_verbs(mut error: clap::Error) -> clap::Error {
         }
         _ => {}
     }
+    if let Some(ContextValue::String(verb)) = error.get(ContextKind::InvalidSubcommand)
+        && let Some(tip) = meant(verb)
+    {
+        let tips = ContextValue::StyledStrs(vec![tip.into()]);
+        error.insert(ContextKind::Suggested, tips);
+    }
     let Some(ContextValue::String(option)) = error.get(ContextKind::InvalidArg) else {
         return error;
     };
@@ -180,8 +227,12 @@ fn with_verbs(mut error: clap::Error) -> clap::Error {
     let has = |verb: &&clap::Command| verb.get_arguments().any(|it| it.get_long() == Some(&long));
     let verbs = command.get_subcommands().filter(has);
     let verbs = Vec::from_iter(verbs.map(clap::Command::get_name)).join(", ");
-    if error.kind() == ErrorKind::UnknownArgument && !verbs.is_empty() {
-        let tip = format!("'--{long}' is an option of {verbs}");
+    let tip = match verbs.is_empty() {
+        true => meant(&long),
+        false => Some(format!("'--{long}' is an option of {verbs}")),
+    };
+    if let (ErrorKind::UnknownArgument, Some(tip)) = (error.kind(), tip) {
+        error.remove(ContextKind::SuggestedArg);
         let tips = ContextValue::StyledStrs(vec![tip.into()]);
         error.insert(ContextKind::Suggested, tips);
     }

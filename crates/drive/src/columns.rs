@@ -365,6 +365,9 @@ fn split_unit(name: &str) -> (&str, Option<String>) {
     }
 }
 
+/// Angles of which half a turn is 2^31, as in Garmin's FIT.
+pub const SEMICIRCLES: &str = "LSB/11930464.7111 deg";
+
 /// A unit as [`undrift_nav::units`] spells it.
 fn spelled(unit: &str) -> String {
     match unit {
@@ -376,6 +379,7 @@ fn spelled(unit: &str) -> String {
         "1e-7 deg" | "deg*1e7" | "1e7 deg" | "dege7" | "deg e7" | "deg*10^7" => {
             "LSB/1e7 deg".into()
         }
+        "semicircles" | "semicircle" => SEMICIRCLES.into(),
         "kmh" | "kph" | "km/hr" => "km/h".into(),
         "µs" | "usec" => "us".into(),
         "msec" | "millisecond" | "milliseconds" => "ms".into(),

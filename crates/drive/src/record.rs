@@ -47,6 +47,8 @@ pub struct RecordFormat {
     /// Units of gyro and accelerometer columns, such as "deg/s" and "g"; `None` to use the
     /// header's names.
     pub units: Option<(String, String)>,
+    /// The column of times, and its unit; `None` to use the header's name, and as a unit what the steps show.
+    pub time: Option<(Column, Option<String>)>,
     /// Whether the record must have a temperature; it is read wherever there is one.
     pub temperature: bool,
     /// The stream of a log that has several of inertial samples.

@@ -215,8 +215,13 @@ pub struct Lean {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Implausible {
-    /// The mean specific force is this multiple of gravity [–]: a unit of the accelerometers is wrong.
-    Gravity(f64),
+    /// The mean specific force is not gravity: a unit of the accelerometers is wrong.
+    Gravity {
+        /// Mean specific force over gravity [–].
+        ratio: f64,
+        /// The gyros measure gravity in place of the accelerometers.
+        exchanged: bool,
+    },
     /// Gravity lies along this direction in body axes (a unit vector), not along down, `[0, 0, 1]`: axes are wrong.
     Down([f64; 3]),
     /// The course turns by this multiple of what the gyros turn [–]: a unit of the gyros is wrong; negative where a sign is.

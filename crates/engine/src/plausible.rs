@@ -7,7 +7,7 @@
 //!
 //! | finding | from |
 //! |---|---|
-//! | gravity | the mean specific force of one-second blocks: fewer than a tenth between 0.7 and 1.4 of gravity |
+//! | gravity | the mean specific force of one-second blocks: fewer than a tenth between 0.7 and 1.4 of gravity; exchanged where the gyros' size is steady in its place |
 //! | down | its direction against body down, where axes are promised to be forward, right, down |
 //! | turns: scale, axis, late, none | regression of the course's turns on those of the gyros, at lags of −30 to 30 s |
 //! | pushes | regression of accelerations over ground on specific force along forward and right |
@@ -46,6 +46,8 @@ const LEAST_BLOCKS: u32 = 10;
 const GRAVITY: Range<f64> = 0.7..1.4;
 /// Least share of blocks with such a multiple.
 const LEAST_SHARE: f64 = 0.1;
+/// Variance of the logarithm of a block's size, at most where it is that of gravity: a standard deviation of 15 %.
+const STEADY: f64 = 0.0225;
 /// Cosine of the angle between gravity and body down below which axes are not forward, right, down.
 const DOWN: f64 = 0.5;
 
@@ -56,21 +58,44 @@ fn promises_level(settings: &Settings) -> bool {
             || settings.constraints.non_holonomic.is_some())
 }
 
+/// Sums of logarithms and of their squares.
+#[derive(Clone, Copy, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
+struct Logarithms {
+    sum: f64,
+    squares: f64,
+}
+
+impl Logarithms {
+    fn add(&mut self, size: f64) {
+        let logarithm = size.max(1e-9).ln();
+        self.sum += logarithm;
+        self.squares += logarithm * logarithm;
+    }
+
+    fn mean(&self, count: f64) -> f64 {
+        self.sum / count
+    }
+
+    fn variance(&self, count: f64) -> f64 {
+        self.squares / count - self.mean(count) * self.mean(count)
+    }
+}
+
 /// What is known so far.
 #[derive(Clone)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Plausible {
     /// Whether body axes are promised to be forward, right, down.
     level: bool,
-    /// Specific force of the present block [m/s], its length \[s\].
-    block: (Vector3, f64),
-    /// Sum of the directions of the blocks' specific force, of the logarithms of its size over gravity,
-    /// their number, and that of those of a vehicle.
-    ///
-    /// Unit vectors summed: n times as long as they agree.
+    /// Specific force of the present block [m/s], the turn in it \[rad\], its length \[s\].
+    block: (Vector3, Vector3, f64),
+    /// Sum of the directions of the blocks' specific force: n times as long as they agree.
     direction: Vector3,
-    /// Σ ln(|f|/g), whose mean is that of a wrong unit's factor.
-    logarithms: f64,
+    /// Logarithms of the specific force over gravity, whose mean is that of a wrong unit's factor, and of the turn rate.
+    force: Logarithms,
+    rate: Logarithms,
+    /// Number of blocks, and of those whose force is one of a vehicle.
     blocks: u32,
     sound: u32,
     turns: Turns,
@@ -83,9 +108,10 @@ impl Plausible {
     pub(super) fn new(settings: &Settings) -> Self {
         Self {
             level: promises_level(settings),
-            block: (Vector3::zeros(), 0.0),
+            block: Default::default(),
             direction: Vector3::zeros(),
-            logarithms: 0.0,
+            force: Logarithms::default(),
+            rate: Logarithms::default(),
             blocks: 0,
             sound: 0,
             turns: Turns::new(),
@@ -99,6 +125,7 @@ impl Plausible {
     pub(super) fn turn(&mut self, c: &Matrix3, settings: &Settings) {
         self.level = promises_level(settings);
         self.block.0 = c * self.block.0;
+        self.block.1 = c * self.block.1;
         self.direction = c * self.direction;
         self.turns.turn(c);
     }
@@ -106,14 +133,17 @@ impl Plausible {
     /// Takes in a sample.
     pub(super) fn sample(&mut self, sample: &ImuSample) {
         self.block.0 += sample.dvel;
-        self.block.1 += sample.dt;
-        if self.block.1 >= BLOCK {
-            let (sum, length) = core::mem::replace(&mut self.block, (Vector3::zeros(), 0.0));
+        self.block.1 += sample.dtheta;
+        self.block.2 += sample.dt;
+        if self.block.2 >= BLOCK {
+            let (sum, turn, length) = core::mem::take(&mut self.block);
             let ratio = sum.norm() / length / STANDARD_GRAVITY;
-            if ratio.is_finite() {
+            let rate = turn.norm() / length;
+            if ratio.is_finite() && rate.is_finite() {
                 self.blocks += 1;
                 self.sound += u32::from(GRAVITY.contains(&ratio));
-                self.logarithms += ratio.max(1e-9).ln();
+                self.force.add(ratio);
+                self.rate.add(rate);
                 self.direction += sum.try_normalize(1e-9).unwrap_or_else(Vector3::zeros);
             }
         }
@@ -148,7 +178,13 @@ impl Plausible {
         let down = self.direction.try_normalize(0.5 * blocks).map(|up| -up);
         if self.blocks >= LEAST_BLOCKS {
             if f64::from(self.sound) < LEAST_SHARE * blocks {
-                found.push(Implausible::Gravity((self.logarithms / blocks).exp()));
+                let ratio = self.force.mean(blocks).exp();
+                let [force, rate] = [&self.force, &self.rate].map(|size| size.variance(blocks));
+                let exchanged = rate < STEADY && 4.0 * rate < force;
+                found.push(Implausible::Gravity { ratio, exchanged });
+                if exchanged {
+                    return found;
+                }
             }
             if let Some(down) = down.filter(|down| self.level && down.z < DOWN) {
                 found.push(Implausible::Down(down.into()));

@@ -176,6 +176,7 @@ impl RecordSettings {
             number.map_or_else(|| Column::Name(name.clone()), Column::Number)
         };
         RecordFormat {
+            time: None,
             columns: self.columns.iter().map(column).collect(),
             axis: None,
             units: self.units.clone(),

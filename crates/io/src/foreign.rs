@@ -37,10 +37,6 @@ const SHEET: Foreign = foreign(
     "extract it, or save the sheet as CSV",
 );
 const EXCEL: Foreign = foreign("an Excel workbook (.xlsx)", "save the sheet as CSV");
-const RETURNS: Foreign = foreign(
-    "text with lines that end in CR alone",
-    "convert them to LF or CR LF",
-);
 const BINARY: Foreign = foreign(
     "binary data of an unknown format",
     "convert it to CSV or another supported format (docs/formats.md)",
@@ -138,7 +134,7 @@ pub fn known(start: &[u8]) -> Option<Foreign> {
     let of_lines = crate::table::are_json_lines(start);
     (json && !of_lines).then_some(foreign(
         "JSON",
-        "convert it to CSV, or to lines of an object each",
+        "convert it to CSV, to lines of an object each, or to an object of columns",
     ))
 }
 
@@ -154,14 +150,7 @@ pub(crate) fn not_rows(start: &[u8]) -> Option<Foreign> {
     let is_odd =
         |c: &char| c.is_control() && !c.is_whitespace() || *c == char::REPLACEMENT_CHARACTER;
     let odd = sample.chars().filter(is_odd).count();
-    if sample.contains('\0') || 10 * odd > 3 * all {
-        return Some(BINARY);
-    }
-    let ends_in_return = |line: &[u8]| line.iter().filter(|byte| **byte == b'\r').count() > 1;
-    match first {
-        first if first.len() == start.len() && ends_in_return(first) => Some(RETURNS),
-        _ => None,
-    }
+    (sample.contains('\0') || 10 * odd > 3 * all).then_some(BINARY)
 }
 
 fn first_line(start: &[u8]) -> &[u8] {
@@ -243,6 +232,5 @@ mod tests {
             .map(|k| (k.wrapping_mul(2_654_435_761) >> 13) as u8 | 0x80)
             .collect();
         assert_eq!(not_rows(&noise), Some(BINARY));
-        assert_eq!(not_rows(b"t,a\r1,2\r2,3\r"), Some(RETURNS));
     }
 }

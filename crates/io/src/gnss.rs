@@ -266,7 +266,8 @@ fn cause(out: &SkipEntry) -> Option<ReadError> {
         (problem, "set gnss.position_unit = \"ddmm.mmmm\"")
     } else if a.abs().max(b.abs()) > 1e8 {
         let problem = format!("latitude and longitude are in 1e-7 deg {at}");
-        (problem, "divide them by 1e7")
+        let mend = "set gnss.position_unit = \"LSB/1e7 deg\"";
+        (problem, mend)
     } else {
         return None;
     };

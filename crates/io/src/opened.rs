@@ -12,7 +12,9 @@ use crate::format::Format;
 use crate::log::rosbag2::{self, BagFile};
 use crate::log::{self, Log};
 use crate::source::{self, BytesRead, Failing, Source};
-use crate::table::{self, Columns, Preview, Table, TableOptions, TableSource, objects};
+use crate::table::{
+    self, Columns, Preview, Table, TableOptions, TableSource, halves, json_columns, objects,
+};
 use undrift_nav::sample::{GnssFix, ImuSample, Scalar, TruthSample};
 
 /// Bytes that the format is detected from.
@@ -99,6 +101,9 @@ impl Opened {
                 ..Self::from_stream(path, io::empty(), read)?
             });
         }
+        if let Some(files) = halves::files(path) {
+            return Self::from_stream(path, halves::table(&files)?, read)?.a_log();
+        }
         let file = source::file(path)?;
         let regular = file.metadata().is_ok_and(|about| about.is_file());
         let mut opened = Self::from_stream(path, file, read)?;
@@ -146,11 +151,16 @@ impl Opened {
     ) -> Result<Self, ReadError> {
         let mut opened = Self::begun(name, stream, read)?;
         opened.read_to(START as u64);
+        if source::has_returns_alone(&opened.start) {
+            opened.rewritten(source::with_newlines);
+        }
         if objects::are_there(&opened.start) {
             opened.rewritten(objects::lines);
         }
         if log::sensor_logger::are_objects(&opened.start) {
             opened.rewritten(log::sensor_logger::of_objects);
+        } else if json_columns::may_be(&opened.start) {
+            opened.rewritten(json_columns::table);
         }
         Ok(opened)
     }
@@ -251,6 +261,9 @@ impl Opened {
 
     /// The files that a log consists of: itself, or those of a ROS 2 bag in a folder.
     pub fn files(path: &Path) -> Vec<PathBuf> {
+        if let Some(files) = halves::files(path) {
+            return files.to_vec();
+        }
         let parts = match path.is_dir() {
             true => rosbag2::parts_of_folder(path).unwrap_or_default(),
             false => return vec![path.to_path_buf()],

@@ -102,6 +102,26 @@ pub(crate) fn decompressed(
     Ok((utf16::decoded(source), compressed))
 }
 
+/// Whether a text begins with lines that end in CR alone.
+pub(crate) fn has_returns_alone(start: &[u8]) -> bool {
+    let is_text = |byte: &u8| *byte >= b' ' || matches!(byte, b'\t' | b'\r');
+    start.iter().filter(|byte| **byte == b'\r').count() > 1 && start.iter().all(is_text)
+}
+
+/// The same text with lines that end in LF.
+pub(crate) fn with_newlines(source: Source, _: &[u8]) -> Source {
+    struct Newlines(Source);
+    impl Read for Newlines {
+        fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+            let length = self.0.read(into)?;
+            let returns = into.iter_mut().take(length).filter(|byte| **byte == b'\r');
+            returns.for_each(|byte| *byte = b'\n');
+            Ok(length)
+        }
+    }
+    Box::new(BufReader::with_capacity(BUFFER, Newlines(source)))
+}
+
 /// Opens a file, plain or compressed.
 ///
 /// # Errors

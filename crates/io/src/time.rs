@@ -130,13 +130,16 @@ impl WeekClock {
         };
         let time = time.trim_ascii_end();
         let day = self.day(date_part, half_of_day(time).is_some())?;
-        Some(self.utc_day(day, time_of_day(time)? - offset))
+        let seconds = time_of_day(time).or_else(|| time_of_digits(number::parse(time)?))?;
+        Some(self.utc_day(day, seconds - offset))
     }
 
     /// Days from the GPS epoch to a date with hyphens, strokes or points: the year first; or last, the day first, but
     /// behind strokes and hyphens the month where a date before had a day beyond 12 there, or else `month_first`.
     pub(crate) fn day(&mut self, text: &[u8], month_first: bool) -> Option<i64> {
-        let stroke = *text.iter().find(|byte| !byte.is_ascii_digit())?;
+        let Some(&stroke) = text.iter().find(|byte| !byte.is_ascii_digit()) else {
+            return day_of_digits(number::parse(text)?);
+        };
         if !matches!(stroke, b'-' | b'/' | b'.') {
             return None;
         }
@@ -272,6 +275,31 @@ pub(crate) fn date(field: &[u8], stroke: u8) -> Option<i64> {
     let mut parts = field.split(|&byte| byte == stroke).map(whole);
     let (year, month, day) = (parts.next()??, parts.next()??, parts.next()??);
     day_of(year, month, day).filter(|_| parts.next().is_none())
+}
+
+/// Days from the GPS epoch to a date whose digits are a number, `yyyymmdd` or, as NMEA has it, `ddmmyy`.
+pub(crate) fn day_of_digits(number: f64) -> Option<i64> {
+    let digits = Some(number as i64).filter(|whole| *whole as f64 == number)?;
+    let (high, middle, low) = (digits / 10_000, digits / 100 % 100, digits % 100);
+    match digits {
+        10_000..1_000_000 => day_of(2000 + low, middle, high),
+        _ => day_of(high, middle, low),
+    }
+}
+
+/// Seconds of day of a time whose digits are a number, `hhmmss.sss`, or with hundredths or thousandths behind the seconds.
+pub(crate) fn time_of_digits(number: f64) -> Option<f64> {
+    let of_second = [1.0, 100.0, 1000.0]
+        .into_iter()
+        .find(|parts| number / parts < 240_000.0)?;
+    let number = number / of_second;
+    let [hour, minute, second] = [
+        (number / 1e4).floor(),
+        (number / 100.0).floor() % 100.0,
+        number % 100.0,
+    ];
+    let plausible = number >= 0.0 && minute < 60.0 && second < 61.0;
+    plausible.then_some(3600.0 * hour + 60.0 * minute + second)
 }
 
 /// Days from the GPS epoch to a date; `None` for a day that its month does not have.

@@ -34,6 +34,15 @@ pub enum Which {
     Name(String),
 }
 
+impl Which {
+    fn column(self) -> Column {
+        match self {
+            Self::Number(number) => Column::Number(number),
+            Self::Name(name) => Column::Name(name),
+        }
+    }
+}
+
 /// Identifies records, each a file, or columns in memory under the name of a file: one, or several together.
 #[pyfunction]
 #[expect(
@@ -46,6 +55,7 @@ pub fn identify(
     columns: Vec<Which>,
     axis: Option<String>,
     units: Option<(String, String)>,
+    time: Option<(Which, Option<String>)>,
     topic: Option<String>,
     rate: Option<f64>,
     n_max: usize,
@@ -59,13 +69,8 @@ pub fn identify(
         ))
     })?;
     let format = RecordFormat {
-        columns: columns
-            .into_iter()
-            .map(|column| match column {
-                Which::Number(number) => Column::Number(number),
-                Which::Name(name) => Column::Name(name),
-            })
-            .collect(),
+        columns: columns.into_iter().map(Which::column).collect(),
+        time: time.map(|(column, unit)| (column.column(), unit)),
         axis,
         units,
         temperature: false,

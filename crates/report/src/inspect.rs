@@ -469,10 +469,19 @@ pub fn unknown_log(inspections: &[Inspection], table: &str) -> Option<String> {
 pub fn guesses(model: &Model, motion: Motion, inspections: &[Inspection]) -> Vec<String> {
     let mut lines = vec![format!("  model = {model}: {}", known(&model.known))];
     let mut tables = Vec::new();
-    for part in inspections.iter().flat_map(|file| &file.parts) {
-        if tables.contains(&part.table) {
+    let parts = inspections.iter().flat_map(|file| {
+        let parts = file.parts.iter().map(move |part| (file, Some(part)));
+        parts.chain(file.parts.is_empty().then_some((file, None)))
+    });
+    for (file, part) in parts {
+        let Some(part) = part.filter(|part| !tables.contains(&part.table)) else {
+            let (name, what) = (file.file.display().to_string(), part.map(|part| part.table));
+            let why = what.map_or("nothing of a drive is known in it".into(), |table| {
+                format!("[{table}] is that of another file")
+            });
+            lines.push(format!("  {} is not used: {why}", visible(&name)));
             continue;
-        }
+        };
         tables.push(part.table);
         let guessed = part.lines.iter().filter(|line| {
             let certain = matches!(line.known, Known::Certain | Known::Name { .. });

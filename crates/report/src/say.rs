@@ -93,7 +93,7 @@ pub fn say(finding: &Finding) -> String {
         F::StartedLate { time } => solution::started_late(*time),
         F::NoReference { outages } => solution::no_reference(*outages),
         F::Frozen { .. } | F::Held { .. } | F::Constant { .. } => sensors::still(finding),
-        F::WrongGravity { ratio } => sensors::wrong_gravity(*ratio),
+        F::WrongGravity { ratio, exchanged } => sensors::wrong_gravity(*ratio, *exchanged),
         F::NotDown { down } => sensors::not_down(*down),
         F::WrongTurnRate { ratio } => sensors::wrong_turn_rate(*ratio),
         F::WrongTurnAxis { axis } => sensors::wrong_turn_axis(*axis),

@@ -128,6 +128,9 @@ pub enum Finding {
     WrongGravity {
         /// Mean specific force over gravity.
         ratio: f64,
+        /// The gyros measure gravity in place of the accelerometers.
+        #[serde(default)]
+        exchanged: bool,
     },
     /// Gravity does not point along body down.
     NotDown {

@@ -11,6 +11,8 @@ pub enum Likely {
     Unit(&'static str),
     /// Accelerations without gravity.
     GravityRemoved,
+    /// The gyroscopes measure gravity in their place.
+    Exchanged,
     /// Velocity increments.
     Increments,
     /// None of those.

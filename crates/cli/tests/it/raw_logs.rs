@@ -16,3 +16,4 @@ mod phones;
 mod receivers;
 mod robots;
 mod tables;
+mod unaided;

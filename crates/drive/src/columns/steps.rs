@@ -8,6 +8,9 @@ use undrift_base::order_statistics::upper_median;
 const TICKS: [(&str, [(&str, f64); 2]); 1] =
     [("sampletimefine", [("0.1 ms/LSB", 1e-4), ("us", 1e-6)])];
 
+/// Ticks of 0.1 µs from 1601 and from the year 1 to years from 1980 to 2200, as Windows and .NET count time.
+const TICKS_OF_WINDOWS: [std::ops::Range<f64>; 2] = [1.19e17..1.89e17, 6.24e17..6.94e17];
+
 /// Longest ordinary step of an inertial log \[s\].
 pub const IMU_STEP: f64 = 0.25;
 /// Longest ordinary step of a log of fixes \[s\].
@@ -31,6 +34,10 @@ pub fn time_unit(stamps: &[f64], longest: f64) -> Option<(&'static str, f64)> {
 /// The unit of a column with a name, whose ticks may be others than those of [`time_unit`].
 pub fn time_unit_of(column: &str, stamps: &[f64], longest: f64) -> Option<(&'static str, f64)> {
     let name = letters(column);
+    let first = stamps.first().copied().unwrap_or_default();
+    if TICKS_OF_WINDOWS.iter().any(|since| since.contains(&first)) {
+        return Some(("0.1 us/LSB", 1e-7));
+    }
     match TICKS.iter().find(|(clock, _)| *clock == name) {
         Some((_, ticks)) => longest_unit(ticks, stamps, longest),
         None if is_tick_clock(&name) => {

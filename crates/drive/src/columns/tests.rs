@@ -327,6 +327,12 @@ fn ticks_of_a_clock_are_a_time_where_their_steps_show_a_usual_unit() {
     assert_eq!(unit("tick", 1e4, IMU_STEP), (Some("us"), false));
     assert_eq!(unit("ticks", 100.0, IMU_STEP), (None, true));
     assert_eq!(unit("ticks", 327.68, IMU_STEP), (None, true));
+    // Windows' and .NET's, by their size.
+    for since in [133_444_736e9, 638_355_968e9] {
+        let stamps = Vec::from_iter((0..100).map(|k| since + 2e5 * f64::from(k)));
+        let found = time_unit_of("Ticks", &stamps, IMU_STEP);
+        assert_eq!(found, Some(("0.1 us/LSB", 1e-7)));
+    }
     // Fixes each second.
     assert_eq!(unit("ticks", 1000.0, FIX_STEP), (Some("ms"), false));
     assert_eq!(unit("ticks", 32_768.0, FIX_STEP), (None, true));

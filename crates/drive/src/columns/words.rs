@@ -1,12 +1,15 @@
 //! The words and units that name columns.
 
 /// Endings of names that are units.
-pub(super) const SUFFIXES: [(&str, &str); 60] = [
+pub(super) const SUFFIXES: [(&str, &str); 63] = [
     ("_days", "d"),
     ("_dege7", "LSB/1e7 deg"),
     ("_deg_1e7", "LSB/1e7 deg"),
     ("_1e7", "LSB/1e7 deg"),
     ("_e7", "LSB/1e7 deg"),
+    ("_dege6", "LSB/1e6 deg"),
+    ("_1e6", "LSB/1e6 deg"),
+    ("_e6", "LSB/1e6 deg"),
     ("_mm_s", "mm/s"),
     ("_mmps", "mm/s"),
     ("_cm_s", "cm/s"),
@@ -129,7 +132,7 @@ pub(super) const TIME_ENDINGS: [(&str, &str); 6] = [
     ("us", "us"),
     ("ns", "ns"),
 ];
-pub(super) const GYROS: [&str; 27] = [
+pub(super) const GYROS: [&str; 32] = [
     "g",
     "gyro",
     "gyr",
@@ -156,9 +159,14 @@ pub(super) const GYROS: [&str; 27] = [
     "rawgyro",
     "angrate",
     "uncompangrate",
+    "dtheta",
+    "deltatheta",
+    "deltaangle",
+    "dang",
+    "deltaang",
     "uncompgyro",
 ];
-pub(super) const ACCELS: [&str; 27] = [
+pub(super) const ACCELS: [&str; 32] = [
     "totalacceleration",
     "a",
     "acc",
@@ -186,11 +194,17 @@ pub(super) const ACCELS: [&str; 27] = [
     "rawacc",
     "scaledacc",
     "uncompaccel",
+    "dv",
+    "dvel",
+    "deltav",
+    "deltavel",
+    "deltavelocity",
 ];
 pub(super) const DATES: [&str; 5] = ["date", "utcdate", "day", "datum", "fecha"];
 pub(super) const ECEFS: [&str; 3] = ["ecef", "ecefpos", "posecef"];
 pub(super) const ECEF_VELOCITIES: [&str; 4] = ["ecefv", "vecef", "ecefvel", "velecef"];
-pub(super) const LATITUDES: [&str; 14] = [
+pub(super) const LATITUDES: [&str; 15] = [
+    "positionlat",
     "lat",
     "latitude",
     "latdeg",
@@ -206,7 +220,8 @@ pub(super) const LATITUDES: [&str; 14] = [
     "latitud",
     "latitudine",
 ];
-pub(super) const LONGITUDES: [&str; 20] = [
+pub(super) const LONGITUDES: [&str; 21] = [
+    "positionlong",
     "lon",
     "long",
     "lng",

@@ -2,7 +2,7 @@
 
 use super::part::{Part, part_at_rest};
 use crate::{
-    inspect::{Known, about_gravity, unit_of_rates},
+    inspect::{Known, about_gravity, are_exchanged, unit_of_rates},
     record::{Record, own_values},
 };
 use undrift_base::order_statistics::upper_median;
@@ -61,7 +61,7 @@ fn wrong_numbers(record: &Record, rate_hz: f64) -> Option<NotStatic> {
     };
     let ((gyros, _), (accels, accel_hz)) = (named("gyro"), named("accel"));
     let (gyro_unit, accel_unit) = record.units.clone().unwrap_or_default();
-    force(&accels, &accel_unit, &gyro_unit, accel_hz)
+    force(&accels, &gyros, &accel_unit, &gyro_unit, accel_hz)
         .or_else(|| counts(&gyros, &gyro_unit, &accel_unit))
         .or_else(|| scattering(&gyros, &gyro_unit, &accel_unit))
         .or_else(|| turning(&gyros))
@@ -69,27 +69,28 @@ fn wrong_numbers(record: &Record, rate_hz: f64) -> Option<NotStatic> {
 
 fn force(
     accels: &[(&'static str, &[f64])],
+    gyros: &[(&'static str, &[f64])],
     unit: &str,
     gyro_unit: &str,
     rate_hz: f64,
 ) -> Option<NotStatic> {
-    let [(_, x), (_, y), (_, z)] = accels else {
-        return None;
-    };
-    let stride = (x.len() / PROBE).max(1);
-    let triples = x.iter().zip(*y).zip(*z).step_by(stride);
-    let mut sizes: Vec<f64> = triples
-        .map(|((x, y), z)| (x * x + y * y + z * z).sqrt())
-        .filter(|size| size.is_finite())
-        .collect();
-    if sizes.is_empty() {
-        return None;
-    }
+    let forces = probed(accels)?;
+    let size = |[x, y, z]: &[f64; 3]| (x * x + y * y + z * z).sqrt();
+    let mut sizes: Vec<f64> = forces.iter().map(size).collect();
     let force = upper_median(&mut sizes);
     if about_gravity([0.0, 0.0, force]) {
         return None;
     }
-    let number = force / unit_factor(unit, Quantity::Acceleration).unwrap_or(1.0);
+    let factor = |unit, quantity| unit_factor(unit, quantity).unwrap_or(1.0);
+    let number = force / factor(unit, Quantity::Acceleration);
+    let in_unit = |samples: Vec<[f64; 3]>, factor: f64| {
+        Vec::from_iter(samples.iter().map(|v| v.map(|x| x / factor)))
+    };
+    let forces = in_unit(forces, factor(unit, Quantity::Acceleration));
+    let rates = in_unit(
+        probed(gyros).unwrap_or_default(),
+        factor(gyro_unit, Quantity::AngularRate),
+    );
     let near = |value: f64| (0.85..1.15).contains(&(number / value));
     const SIZES: [(&str, f64); 9] = [
         ("m/s^2", STANDARD_GRAVITY),
@@ -103,6 +104,7 @@ fn force(
         ("LSB/256 g", 256.0),
     ];
     let likely = match SIZES.iter().find(|(_, gravity)| near(*gravity)) {
+        _ if are_exchanged(&rates, &forces) => Likely::Exchanged,
         Some((unit, _)) => Likely::Unit(unit),
         None if near(STANDARD_GRAVITY / rate_hz) => Likely::Increments,
         None if force < 0.1 * STANDARD_GRAVITY => Likely::GravityRemoved,
@@ -113,6 +115,18 @@ fn force(
         likely,
         gyro_unit: gyro_unit.to_owned(),
     })
+}
+
+/// Samples of three axes; `None` without them.
+fn probed(axes: &[(&'static str, &[f64])]) -> Option<Vec<[f64; 3]>> {
+    let [(_, x), (_, y), (_, z)] = axes else {
+        return None;
+    };
+    let stride = (x.len() / PROBE).max(1);
+    let triples = x.iter().zip(*y).zip(*z).step_by(stride);
+    let triples = triples.map(|((x, y), z)| [*x, *y, *z]);
+    let finite = triples.filter(|v| v.iter().all(|x| x.is_finite()));
+    Some(finite.collect()).filter(|samples: &Vec<_>| !samples.is_empty())
 }
 
 /// Gyros of whole numbers: a step of 1 deg/s is coarser than any has.

@@ -14,7 +14,7 @@ const RATE_TOLERANCE: f64 = 0.01;
 pub enum RecordingError {
     /// Nothing gives the sample rate.
     #[error(
-        "the recording has no time column; set its sample rate (--rate, or identify.rate in a manifest)"
+        "the recording has no time column; name it with --time, or set its sample rate (--rate, or identify.rate in a manifest)"
     )]
     NoRate,
     /// The stated rate is not that of the time stamps.

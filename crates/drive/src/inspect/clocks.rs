@@ -1,8 +1,10 @@
 //! By how much the clocks of two logs differ: where the turns that the gyros see are those of the course.
 
+use undrift_engine::derived::antenna;
 use undrift_io::epoch::{ClockSource, Epoch};
 use undrift_nav::{
     Vector3,
+    earth::Geodetic,
     sample::{GnssFix, ImuSample},
 };
 use undrift_results::inspect::Known;
@@ -38,8 +40,7 @@ const HOUR: f64 = 3600.0;
 /// Time zones and days.
 const MOST_HOURS: f64 = 24.0;
 
-/// What is to be added to the times of the fixes \[s\], where the turns show another offset than none; samples in sensor axes and
-/// fixes with velocities.
+/// What is to be added to the times of the fixes \[s\], where the turns show another offset than none; samples in sensor axes.
 pub(super) fn offset(imu: &[ImuSample], fixes: &[GnssFix]) -> Option<(f64, Known)> {
     let clocks = Clocks::new(imu, fixes)?;
     let now = clocks.correlation(0.0).unwrap_or(0.0);
@@ -122,6 +123,33 @@ fn whole(offset: f64) -> Option<(f64, f64, bool)> {
     near.next()
 }
 
+/// The velocities of fixes; of positions alone, those from one to the next.
+fn velocities(fixes: &[GnssFix]) -> Vec<(f64, Vector3)> {
+    let stated = fixes
+        .iter()
+        .filter_map(|fix| Some((fix.time, fix.velocity?.0)));
+    let stated = Vec::from_iter(stated);
+    if !stated.is_empty() {
+        return stated;
+    }
+    let mut before: Option<(f64, Geodetic)> = None;
+    let mut derived = Vec::new();
+    for (now, place) in fixes
+        .iter()
+        .filter_map(|fix| Some((fix.time, antenna(fix)?)))
+    {
+        let length = before.map_or(f64::INFINITY, |(time, _)| now - time);
+        if length < SPAN.start {
+            continue;
+        }
+        if let Some((time, from)) = before.filter(|_| length < SPAN.end) {
+            derived.push(((time + now) / 2.0, from.ned_to(&place) / length));
+        }
+        before = Some((now, place));
+    }
+    derived
+}
+
 /// The turns of two logs.
 struct Clocks {
     /// Time of the first angle \[s\], and the angle turned about down since then, every [`GRID`] \[rad\].
@@ -151,12 +179,9 @@ impl Clocks {
         }
         let mut turns = Vec::new();
         let mut before: Option<(f64, Vector3)> = None;
-        for fix in fixes {
-            let Some((velocity, _)) = fix.velocity else {
-                continue;
-            };
+        for (now, velocity) in velocities(fixes) {
             if let Some((time, last)) = before {
-                let length = fix.time - time;
+                let length = now - time;
                 if length < SPAN.start {
                     continue;
                 }
@@ -166,10 +191,10 @@ impl Clocks {
                         last.xy().dot(&velocity.xy()),
                         last.xy().perp(&velocity.xy()),
                     );
-                    turns.push((time, fix.time, across.atan2(along)));
+                    turns.push((time, now, across.atan2(along)));
                 }
             }
-            before = Some((fix.time, velocity));
+            before = Some((now, velocity));
         }
         let every = turns.len() / TURNS[1] + 1;
         let turns = Vec::from_iter(turns.into_iter().step_by(every));
@@ -281,6 +306,10 @@ mod tests {
             }
             let (found, known) = offset(&log.imu, &fixes).unwrap();
             assert!((found + late).abs() < 0.2, "{late}: {found}");
+            // By the positions alone, too.
+            fixes.iter_mut().for_each(|fix| fix.velocity = None);
+            let (found, _) = offset(&log.imu, &fixes).unwrap();
+            assert!((found + late).abs() < 0.3, "{late}: {found}");
             let Known::Clocks {
                 hours: h, leap: l, ..
             } = known

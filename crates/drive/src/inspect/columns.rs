@@ -2,7 +2,7 @@
 
 use super::{
     found::{Found, GRID},
-    numbers::{by_numbers, means, steady, three_of, time_by_numbers},
+    numbers::{are_exchanged, by_numbers, is_force, three_of, time_by_numbers},
     units::{self, Force},
 };
 use crate::columns::{
@@ -28,7 +28,9 @@ pub(super) fn parts(mut opened: Opened, notes: &mut Vec<Note>) -> Result<Vec<Par
 pub(super) fn parts_of(mut table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
     // A row that is cut, as the first of a log often is, shows nothing.
     let width = usual_width(&table.rows);
-    table.rows.retain(|row| row.len() == width);
+    table
+        .rows
+        .retain(|row| row.len() == width && row.iter().any(|x| x.is_finite()));
     let mut found = by_names(&table);
     let is_nothing = [&found.gyro, &found.accel, &found.ecef, &found.place].map(all) == [None; 4];
     let posed = || crate::columns::poses(&table);
@@ -108,12 +110,19 @@ fn by_names(table: &Preview) -> Found {
         ..Found::default()
     };
     let mut received = None;
+    let mut accels: Vec<[Option<usize>; 3]> = Vec::new();
     for (place, meaning) in meanings(&table.names).into_iter().enumerate() {
         let slot = match meaning {
             Some((Meaning::Time, _)) if table.names[place] == RECEIVED => &mut received,
             Some((Meaning::Time, _)) => &mut found.time,
             Some((Meaning::Gyro(axis), _)) => &mut found.gyro[axis],
-            Some((Meaning::Accel(axis), _)) => &mut found.accel[axis],
+            Some((Meaning::Accel(axis), _)) => {
+                match accels.iter_mut().find(|three| three[axis].is_none()) {
+                    Some(three) => three[axis] = Some(place),
+                    None => accels.push(std::array::from_fn(|k| (k == axis).then_some(place))),
+                }
+                &mut found.accel[axis]
+            }
             Some((Meaning::Latitude, _)) => &mut found.place[0],
             Some((Meaning::Longitude, _)) => &mut found.place[1],
             Some((Meaning::Height, _)) => &mut found.place[2],
@@ -138,6 +147,12 @@ fn by_names(table: &Preview) -> Found {
         };
         // The first of its kind.
         slot.get_or_insert(place);
+    }
+    // Of several accelerations the one that has gravity.
+    let forces = accels.iter().filter_map(all);
+    let mut with_gravity = forces.filter(|places| is_force(&three_of(&table.rows, *places)));
+    if let Some(places) = with_gravity.next() {
+        found.accel = places.map(Some);
     }
     // The clock of the sensor itself is the better one.
     found.time = found.time.or(received);
@@ -288,19 +303,10 @@ impl Columns {
         (lines, step)
     }
 
-    /// Whether the columns of the gyros measure gravity, and those of the accelerometers do not.
-    fn are_exchanged(&self, gyro: [usize; 3], accel: [usize; 3]) -> bool {
-        let is_gravity = |places: [usize; 3]| {
-            let samples = three_of(&self.table.rows, places);
-            matches!(units::force(&samples, None), Force::Rates(_)) && steady(&means(&samples))
-        };
-        let never = |places: [usize; 3]| !steady(&means(&three_of(&self.table.rows, places)));
-        is_gravity(gyro) && never(accel)
-    }
-
     /// The lines of an IMU: columns, units by their names, or by gravity where that contradicts.
     fn imu(&self, gyro: [usize; 3], accel: [usize; 3], notes: &mut Vec<Note>) -> Vec<Line> {
-        let exchanged = self.are_exchanged(gyro, accel);
+        let [rates, forces] = [gyro, accel].map(|places| three_of(&self.table.rows, places));
+        let exchanged = are_exchanged(&rates, &forces);
         let (gyro, accel) = match exchanged {
             true => (accel, gyro),
             false => (gyro, accel),
@@ -310,8 +316,10 @@ impl Columns {
         if lines.is_empty() {
             lines.push(Line::new("rate", "100 Hz", Known::NoTimes));
         }
-        let forces = three_of(&self.table.rows, accel);
-        let turns = three_of(&self.table.rows, gyro);
+        let (turns, forces) = match exchanged {
+            true => (forces, rates),
+            false => (rates, forces),
+        };
         let force = units::force(&forces, interval);
         let ((gyro_unit, gyro_why), (accel_unit, accel_why), increments) = match &force {
             Force::Increments((unit, why)) if named(accel).is_none() => {

@@ -2,9 +2,9 @@
 
 use super::{Comment, Inspection, Model, Motion, Part, Wheels, first, fixes_table};
 use crate::vehicle::Profile;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use toml::Value;
-use undrift_io::visible;
+use undrift_io::{table::halves, visible};
 
 /// Makes the text of a comment.
 type Say<'a> = &'a dyn Fn(Comment) -> String;
@@ -83,6 +83,12 @@ fn commented(text: &str) -> String {
 
 /// The file as seen from the folder: relative if it is below it, else whole.
 fn relative(file: &Path, home: &Path) -> String {
+    if let Some([first, second]) = halves::files(file) {
+        let first = PathBuf::from(relative(&first, home));
+        let same = first.with_file_name(second.file_name().unwrap_or_default());
+        let second = if second.is_absolute() { second } else { same };
+        return halves::name(&first, &second).display().to_string();
+    }
     let found = match (
         file.canonicalize(),
         Path::new(".").join(home).canonicalize(),

@@ -30,9 +30,10 @@ use undrift_nav::{
 use undrift_noise::BiasModel;
 use wheels::{LONGEST, Slip, is_held, side_slip};
 
-/// Looks at the first IMU and the first fixes of the files, and says how the IMU sits where a vehicle's motion shows it:
+/// Joins an IMU in two files, looks at the first IMU and the first fixes of the files, and says how the IMU sits where a vehicle's motion shows it:
 /// in its part's lines, or why not in its notes.
 pub fn motion(inspections: &mut [Inspection]) -> Motion {
+    super::join_halves(inspections);
     let readable = |table: &str| {
         inspections.iter().enumerate().find_map(|(at, file)| {
             let part = file.parts.iter().position(|part| part.table == table)?;

@@ -65,10 +65,6 @@ pub(super) fn by_numbers(table: &Preview) -> Found {
         let before = accel.checked_sub(3).filter(|before| free(*before));
         before.or(Some(accel + 3).filter(|behind| free(*behind)))
     };
-    let is_force = |samples: &[[f64; 3]]| {
-        !matches!(units::force(samples, None), Force::Unknown(_))
-            || units::counts(samples).is_some()
-    };
     let force = (0..width).filter(|k| free(*k)).find_map(|k| {
         let samples = three_of(&table.rows, [k, k + 1, k + 2]);
         let steady = steady(&samples) || steady(&means(&samples));
@@ -88,8 +84,7 @@ pub(super) fn by_numbers(table: &Preview) -> Found {
     if let Some((accel, gyro)) = force {
         // Rates at rest may look like gravity, which is steadier.
         let [force, rate] = [accel, gyro].map(|k| three_of(&table.rows, [k, k + 1, k + 2]));
-        let exchanged = is_force(&rate) && unsteadiness(&rate) < unsteadiness(&force);
-        let (accel, gyro) = if exchanged {
+        let (accel, gyro) = if is_force(&rate) && unsteadiness(&rate) < unsteadiness(&force) {
             (gyro, accel)
         } else {
             (accel, gyro)
@@ -118,6 +113,18 @@ pub(super) fn by_numbers(table: &Preview) -> Found {
         found.place = [0, 1, 2].map(|k| Some(lat + k));
     }
     found
+}
+
+/// Whether the size of samples is that of gravity in a unit of accelerometers, or in their counts.
+pub(super) fn is_force(samples: &[[f64; 3]]) -> bool {
+    !matches!(units::force(samples, None), Force::Unknown(_)) || units::counts(samples).is_some()
+}
+
+/// Whether what is called angular rates is gravity, and what is called specific force is not, or less steadily so.
+pub(crate) fn are_exchanged(rates: &[[f64; 3]], forces: &[[f64; 3]]) -> bool {
+    let [rate, force] = [rates, forces].map(|samples| unsteadiness(&means(samples)));
+    let clearly = if is_force(forces) { 3.0 } else { 1.0 };
+    is_force(rates) && rate < 1.0 / 3.0 && clearly * rate < force
 }
 
 /// Means over a part of the rows, without vibration.
@@ -150,7 +157,7 @@ fn unsteadiness(samples: &[[f64; 3]]) -> f64 {
 }
 
 /// The values of three columns, row by row, where all of them are finite.
-pub(super) fn three_of(rows: &[Vec<f64>], places: [usize; 3]) -> Vec<[f64; 3]> {
+pub(crate) fn three_of(rows: &[Vec<f64>], places: [usize; 3]) -> Vec<[f64; 3]> {
     rows.iter()
         .map(|row| places.map(|k| row.get(k).copied().unwrap_or(f64::NAN)))
         .filter(|v| v.iter().all(|x| x.is_finite()))

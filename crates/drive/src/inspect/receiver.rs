@@ -5,7 +5,7 @@ use super::{
     columns::{Columns, NAMES, all, is_flat},
     numbers::three_of,
 };
-use crate::columns::{FIX_STEP, ordinary_step};
+use crate::columns::{FIX_STEP, SEMICIRCLES, ordinary_step};
 use crate::drive::{DEGREES_MINUTES, UTM};
 use undrift_base::order_statistics::upper_median;
 use undrift_io::angle::{are_degrees_minutes, of_degrees_minutes};
@@ -58,6 +58,9 @@ impl Columns {
             None if self.are_degrees_minutes(place) => {
                 let known = Known::Numbers { several: true };
                 lines.push(Line::new("position_unit", DEGREES_MINUTES, known));
+            }
+            None if self.are_semicircles(place) => {
+                lines.push(Line::new("position_unit", SEMICIRCLES, NAMES));
             }
             None if self.are_integers(place) => {
                 lines.push(Line::new("position_unit", INTEGERS, Known::Integers));
@@ -116,6 +119,16 @@ impl Columns {
         }
     }
 
+    /// Whether latitudes and longitudes are semicircles, by the names that they have in Garmin's FIT.
+    fn are_semicircles(&self, place: [usize; 3]) -> bool {
+        let is_name = self
+            .table
+            .names
+            .get(place[0])
+            .is_some_and(|name| name == "position_lat");
+        is_name && self.stamps(place[0]).iter().any(|lat| lat.abs() > 360.0)
+    }
+
     /// Whether latitudes and longitudes are integers of 1e-7 degrees, and heights integers too.
     fn are_integers(&self, place: [usize; 3]) -> bool {
         let places = three_of(&self.table.rows, place);
@@ -126,7 +139,7 @@ impl Columns {
         let within = places
             .iter()
             .all(|[lat, lon, _]| lat.abs() <= 90e7 && lon.abs() <= 180e7);
-        whole && beyond && within
+        whole && beyond && within && !self.are_semicircles(place)
     }
 
     /// Whether latitudes and longitudes are degrees times 100 and minutes.
@@ -289,6 +302,9 @@ impl Columns {
         let scale = step? / ordinary_step(&self.stamps(time))?;
         let degrees = match self.unit(place[0]).as_deref() {
             None if self.are_integers(place) => unit_factor(INTEGERS, Quantity::Angle).ok()?,
+            None if self.are_semicircles(place) => {
+                unit_factor(SEMICIRCLES, Quantity::Angle).ok()?
+            }
             unit => unit_factor(unit.unwrap_or("deg"), Quantity::Angle).ok()?,
         };
         let packed = self.unit(place[0]).is_none() && self.are_degrees_minutes(place);

@@ -277,7 +277,10 @@ mod tests {
         // A time at the end of what the study looks at was not seen.
         found.fix_errors.velocity_correlated = lasting(longest);
         assert_eq!(accuracies(&found), both);
-        found.summary.implausible = vec![Implausible::Gravity(0.1)];
+        found.summary.implausible = vec![Implausible::Gravity {
+            ratio: 0.1,
+            exchanged: false,
+        }];
         assert!(accuracies(&found).is_empty());
         assert!(accuracies(&report([None, None])).is_empty());
     }

@@ -3,6 +3,7 @@
 use super::{RecordFormat, guess::Guess};
 use crate::{
     columns::{IMU_STEP, Meaning, is_of_unknown_ticks, meaning, meanings, time_unit_of},
+    inspect::{are_exchanged, three_of},
     temperature,
 };
 use undrift_io::table::{Column, Preview, Stamp, TableOptions};
@@ -49,7 +50,13 @@ pub(super) fn find(beginning: &Preview, format: &RecordFormat) -> Result<RecordC
     let header = &beginning.header;
     let mut guessed = Vec::new();
     let mut guess = None;
-    let mut axes = match find_axes(header, format) {
+    let named = find_axes(header, format).and_then(|axes| {
+        match format.columns.is_empty() && exchanged(&axes, beginning) {
+            true => Err("the columns named as gyros measure gravity".to_owned()),
+            false => Ok(axes),
+        }
+    });
+    let mut axes = match named {
         Err(problem) if format.columns.is_empty() => {
             guess = Guess::from_preview(beginning);
             let of_guess = guess.as_ref().ok_or(problem)?.columns().enumerate();
@@ -88,7 +95,15 @@ pub(super) fn find(beginning: &Preview, format: &RecordFormat) -> Result<RecordC
             },
         );
     let named = named.or_else(|| Some((guess?.time?, None)));
-    let time = named.filter(|(column, unit)| {
+    if let Some((column, None)) = &format.time
+        && is_of_unknown_ticks(name(header, column), &values(beginning, column), IMU_STEP)
+    {
+        return Err(format!(
+            "the unit of the times is unknown; state it, for instance --time \"{},LSB/32768 s\"",
+            bare(column)
+        ));
+    }
+    let time = format.time.clone().or(named).filter(|(column, unit)| {
         unit.is_some()
             || !is_of_unknown_ticks(name(header, column), &values(beginning, column), IMU_STEP)
     });
@@ -133,6 +148,19 @@ pub(super) fn find(beginning: &Preview, format: &RecordFormat) -> Result<RecordC
         wanted,
         guessed,
     })
+}
+
+/// Whether the columns of gyros and accelerometers are exchanged, by their first numbers.
+fn exchanged(axes: &[AxisColumn], beginning: &Preview) -> bool {
+    let place = |index| {
+        let axis = axes.iter().find(|axis| axis.index == index)?;
+        beginning.place(&axis.column)
+    };
+    let samples = |from: usize| match [from, from + 1, from + 2].map(place) {
+        [Some(x), Some(y), Some(z)] => three_of(&beginning.rows, [x, y, z]),
+        _ => Vec::new(),
+    };
+    are_exchanged(&samples(0), &samples(3))
 }
 
 /// The name of a column; empty of one without.

@@ -2,7 +2,10 @@
 //! names before the first column of each, one of quantities and one of units. Times are the frames over the rate.
 //!
 //! `RX`, `RY`, `RZ` are a rotation vector, along the axis and as long as the angle, and with `RW` a quaternion; both turn vectors of the
-//! segment into those of the room.
+//! segment into those of the room. Vicon calls the vector helical; Tracker 3.5 writes it unless its export is set to other angles, by the
+//! README of github.com/AG6GR/Vicon_CSV, which turns it into quaternions, as a client of the DataStream SDK gets it from
+//! `GetSegmentGlobalRotationHelical`. Angles about x, y, z have the same names and
+//! are not read: the turns of poses and gyros then do not fit, which `inspect` finds.
 
 use super::columns::{AttitudeColumns, PoseFormat};
 use super::motive::the_body;

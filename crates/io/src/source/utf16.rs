@@ -5,17 +5,41 @@ use std::io::{self, BufRead, BufReader, Read};
 
 use crate::source::{Failing, Source};
 
-/// A stream whose first bytes are the mark of UTF-16, decoded; any other as it is. What cannot be read fails again later.
+/// Of so many first characters, so many are those of ASCII in UTF-16 without its mark.
+const FIRST: usize = 16;
+const KNOWN: usize = 12;
+
+/// The order of the bytes of a text of ASCII in UTF-16 without a mark.
+fn unmarked(start: &[u8]) -> Option<fn([u8; 2]) -> u16> {
+    let orders: [fn([u8; 2]) -> u16; 2] = [u16::from_le_bytes, u16::from_be_bytes];
+    let is_text = |order: &fn([u8; 2]) -> u16| {
+        let characters = start.chunks_exact(2).map(|pair| order([pair[0], pair[1]]));
+        let known = characters
+            .take(FIRST)
+            .filter(|unit| matches!(unit, 9 | 10 | 13 | 0x20..=0x7e));
+        known.count() >= KNOWN
+    };
+    orders.into_iter().find(is_text)
+}
+
+/// A stream that is UTF-16, by its first bytes, decoded; any other as it is. What cannot be read fails again later.
 pub(crate) fn decoded(mut source: Source) -> Source {
     let order = match source.fill_buf() {
         // UTF-32 has two zeros behind the same mark.
         Ok([0xff, 0xfe, 0, 0, ..]) => return source,
         Ok([0xff, 0xfe, ..]) => u16::from_le_bytes,
         Ok([0xfe, 0xff, ..]) => u16::from_be_bytes,
-        Ok(_) => return source,
+        Ok(start) => match unmarked(start) {
+            Some(order) => return decoder(source, order),
+            None => return source,
+        },
         Err(error) => return Box::new(BufReader::new(Failing(Some(error))).chain(source)),
     };
     source.consume(2);
+    decoder(source, order)
+}
+
+fn decoder(source: Source, order: fn([u8; 2]) -> u16) -> Source {
     Box::new(BufReader::new(Text {
         source,
         order,
@@ -102,6 +126,7 @@ mod tests {
         };
         let mut odd = bytes(u16::to_le_bytes);
         odd.push(7);
+        let unmarked = [u16::to_le_bytes, u16::to_be_bytes].map(|order| bytes(order)[2..].to_vec());
         for bytes in [bytes(u16::to_le_bytes), bytes(u16::to_be_bytes), odd] {
             for size in [2, 3, 5, 64, 4096] {
                 let stream = BufReader::with_capacity(size, Cursor::new(bytes.clone()));
@@ -110,6 +135,12 @@ mod tests {
                 decoded.read_to_string(&mut read).unwrap();
                 assert_eq!(read, text, "{size}");
             }
+        }
+        for bytes in unmarked {
+            let mut read = String::new();
+            let mut text_of = decoded(Box::new(Cursor::new(bytes)));
+            text_of.read_to_string(&mut read).unwrap();
+            assert_eq!(read, text);
         }
         let mut read = Vec::new();
         let mut plain = decoded(Box::new(Cursor::new(b"\xff1,2".to_vec())));

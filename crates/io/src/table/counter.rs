@@ -11,9 +11,8 @@ const COUNTERS: [(f64, f64, f64); 4] = [
     (65_536.0, 65_536.0, 20.0),
     (32_768.0, 65_536.0, 20.0),
 ];
-/// Seconds of the day and of the GPS week; and within how many seconds of its ends a step back is the next.
-const CALENDARS: [f64; 2] = [DAY, WEEK];
-const MIDNIGHT: f64 = 600.0;
+/// Seconds of the hour, of the day and of the GPS week; and within how many seconds of its ends a step back is the next.
+const CALENDARS: [(f64, f64); 3] = [(3600.0, 10.0), (DAY, 600.0), (WEEK, 600.0)];
 /// What a program may have divided the counter by before it wrote it.
 const DIVISORS: [f64; 3] = [1.0, 1e3, 1e6];
 /// Day numbers of MATLAB are larger than this, and by so much larger than those of spreadsheets.
@@ -97,9 +96,9 @@ impl Counter {
         let all = DIVISORS.iter().flat_map(|divisor| {
             COUNTERS.map(|(top, length, steps)| (top / divisor, length / divisor, steps))
         });
-        let calendars = CALENDARS.map(|length| {
+        let calendars = CALENDARS.map(|(length, near)| {
             let length = length / self.scale;
-            (length, length, MIDNIGHT / self.scale)
+            (length, length, near / self.scale)
         });
         let (top, length, near) = all
             .map(|(top, length, steps)| (top, length, steps * self.step))

@@ -453,8 +453,8 @@ pub(super) fn preview(source: Source, rows: usize) -> Result<Preview, ReadError>
     };
     preview.times = texts.filter(is_time).map(|(place, _)| place).collect();
     // A comment that is no header has another number of words than there are columns.
-    let width = preview.rows.first().map_or(0, Vec::len);
-    if preview.names.len() != width && width > 0 {
+    let mut widths = preview.rows.iter().map(Vec::len);
+    if !preview.rows.is_empty() && !widths.any(|width| width == preview.names.len()) {
         preview.names.clear();
     }
     Ok(preview)

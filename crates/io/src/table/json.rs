@@ -61,7 +61,10 @@ impl JsonLines {
 
 /// The members of an object, each with its value as a cell.
 fn cells(line: &[u8]) -> Option<Vec<(String, String)>> {
-    let value: Value = serde_json::from_slice(line.trim_ascii()).ok()?;
+    let line = line.trim_ascii();
+    // As Python prints it, between apostrophes.
+    let quoted = || serde_json::from_str(&std::str::from_utf8(line).ok()?.replace('\'', "\"")).ok();
+    let value: Value = serde_json::from_slice(line).ok().or_else(quoted)?;
     let mut cells = Vec::new();
     if !value.is_object() {
         return None;
@@ -84,11 +87,17 @@ fn cells(line: &[u8]) -> Option<Vec<(String, String)>> {
     Some(cells)
 }
 
-fn put(value: &Value, name: &str, cells: &mut Vec<(String, String)>) {
-    let inner = |key: &str| match name.is_empty() {
+/// The name of a member behind that of its object.
+pub(super) fn inner(name: &str, key: &str) -> String {
+    match name.is_empty() {
         true => key.to_owned(),
         false => format!("{name}.{key}"),
-    };
+    }
+}
+
+/// The cells of a value, by the names around each.
+pub(super) fn put(value: &Value, name: &str, cells: &mut Vec<(String, String)>) {
+    let inner = |key: &str| inner(name, key);
     match value {
         Value::Object(members) => {
             for (key, value) in members {

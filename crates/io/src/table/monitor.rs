@@ -7,6 +7,7 @@
 use super::fields::{Delimiter, Fields};
 use crate::number;
 use crate::time::{self, WeekClock};
+use undrift_nav::units::{Quantity, unit_factor};
 
 /// Lines that are looked at.
 const LINES: usize = 200;
@@ -132,43 +133,141 @@ fn timed(line: &[u8]) -> Option<(&[u8], &[u8])> {
     is_time.then(|| (stamp, rest.get(1..).unwrap_or_default().trim_ascii()))
 }
 
-/// The labels of a line, each with the number behind it.
+/// The labels of a line, each with a number behind it: `ax: 459 ay: -3`, `Gyro: 1, 2, 3 | Accel: 4, 5, 6`, in which three numbers
+/// are those of x, y and z, and a unit behind a number goes to the label in brackets.
 fn labelled(line: &[u8]) -> Option<Vec<(String, &[u8])>> {
-    let mut rest = line.trim_ascii();
-    let mut found = Vec::new();
-    while !rest.is_empty() {
-        let end = rest.iter().position(|byte| matches!(byte, b':' | b'='))?;
-        let (label, behind) = rest.split_at(end);
-        let label = std::str::from_utf8(label).ok()?.trim();
-        let is_label = label.starts_with(|c: char| c.is_alphabetic()) && label.len() <= LONGEST;
-        let behind = behind.get(1..)?.trim_ascii_start();
-        let (_, length) = number::parse_prefix(behind).filter(|_| is_label)?;
-        let (value, behind) = behind.split_at_checked(length)?;
-        // A unit directly behind the number.
-        let ends = |byte: &u8| matches!(byte, b' ' | b'\t' | b',' | b';' | b'|');
-        let end = behind.iter().position(ends).unwrap_or(behind.len());
-        let (unit, behind) = behind.split_at(end);
-        let is_unit = |unit: &[u8]| {
-            unit.iter()
-                .all(|byte| !matches!(byte, b':' | b'=' | b'.' | b'-'))
-        };
-        if !is_unit(unit) {
-            return None;
+    let mut found: Vec<Group> = Vec::new();
+    let (mut rest, mut any) = (without_colours(line.trim_ascii()), false);
+    while let Some((between, value, behind)) = next_number(rest) {
+        let between = std::str::from_utf8(between).ok()?;
+        let (unit, label) = parted(between, found.is_empty());
+        if let (Some(last), Some(unit)) = (found.last_mut(), unit) {
+            last.unit.get_or_insert(unit);
         }
-        let label = label
-            .rsplit([',', ';', '|', '\t', '"'])
-            .next()
-            .unwrap_or(label)
-            .trim();
-        found.push((label.to_owned(), value));
-        let skip = |byte: &u8| ends(byte) || *byte == b'\r';
-        let from = behind
-            .iter()
-            .position(|byte| !skip(byte))
-            .unwrap_or(behind.len());
-        rest = behind.get(from..).unwrap_or_default();
+        let colon = between.contains([':', '=']);
+        any |= colon;
+        match label {
+            Some(label) if label.len() > LONGEST => return None,
+            Some(label) => found.push(Group::new(label, value)),
+            // Times and dates.
+            None if colon || between.is_empty() && !found.is_empty() => return None,
+            None => match found.last_mut() {
+                Some(last) => last.values.push(value),
+                None => found.push(Group::new(FIRST, value)),
+            },
+        }
+        rest = behind;
     }
-    (!found.is_empty()).then_some(found)
+    let unit = std::str::from_utf8(rest).ok()?.trim_matches(BETWEEN);
+    if let (Some(last), true) = (found.last_mut(), is_unit(unit)) {
+        last.unit.get_or_insert(unit);
+    }
+    let groups = found.iter().filter(|_| any);
+    let cells = Vec::from_iter(groups.flat_map(Group::cells));
+    (!cells.is_empty()).then_some(cells)
+}
+
+/// A line without the sequences that colour it in a terminal.
+fn without_colours(line: &[u8]) -> &[u8] {
+    let Some(coloured) = line.strip_prefix(b"\x1b[") else {
+        return line;
+    };
+    let from = coloured.iter().position(|byte| *byte == b'm');
+    let line = coloured
+        .get(from.map_or(0, |at| at + 1)..)
+        .unwrap_or_default();
+    let to = line.iter().position(|byte| *byte == 0x1b);
+    line.get(..to.unwrap_or(line.len())).unwrap_or_default()
+}
+
+/// What numbers before any label are called.
+const FIRST: &str = "first";
+/// Characters between labels and numbers, and around units.
+const BETWEEN: &[char] = &[
+    ' ', '\t', ',', ';', '|', '(', ')', '[', ']', '{', '}', '"', '\'', '>', '\r',
+];
+
+/// The numbers behind a label.
+struct Group<'a> {
+    label: &'a str,
+    unit: Option<&'a str>,
+    values: Vec<&'a [u8]>,
+}
+
+impl<'a> Group<'a> {
+    fn new(label: &'a str, value: &'a [u8]) -> Self {
+        Self {
+            label,
+            unit: None,
+            values: vec![value],
+        }
+    }
+
+    fn cells(&self) -> impl Iterator<Item = (String, &'a [u8])> {
+        let count = self.values.len();
+        self.values.iter().enumerate().map(move |(place, value)| {
+            let end = match count {
+                1 => String::new(),
+                3 => format!("_{}", ["x", "y", "z"][place]),
+                _ => format!("_{}", place + 1),
+            };
+            let unit = self.unit.map_or(String::new(), |unit| format!(" [{unit}]"));
+            (format!("{}{end}{unit}", self.label), *value)
+        })
+    }
+}
+
+/// What is before the next number of a line, the number, and what is behind it.
+fn next_number(line: &[u8]) -> Option<(&[u8], &[u8], &[u8])> {
+    let is_of_word =
+        |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'^') || byte >= 0x80;
+    let mut before = b' ';
+    for (at, byte) in line.iter().enumerate() {
+        let begins = !is_of_word(before) && matches!(byte, b'0'..=b'9' | b'-' | b'+' | b'.');
+        let parsed = begins
+            .then(|| number::parse_prefix(line.get(at..)?))
+            .flatten();
+        if let Some((_, length)) = parsed {
+            let (between, rest) = line.split_at(at);
+            let (value, behind) = rest.split_at_checked(length)?;
+            return Some((between, value, behind));
+        }
+        before = *byte;
+    }
+    None
+}
+
+/// The unit of the number before and the label of that behind, in what is between them.
+fn parted(between: &str, is_first: bool) -> (Option<&str>, Option<&str>) {
+    let colon = between.trim_end_matches(BETWEEN).ends_with([':', '=']);
+    let words = between.trim_matches(|c| BETWEEN.contains(&c) || matches!(c, ':' | '='));
+    let (first, rest) = words.split_once(BETWEEN).unwrap_or((words, ""));
+    // What is directly behind a number, or a unit before something else, is that of the number.
+    let of_number = between.starts_with(|c: char| !BETWEEN.contains(&c) && !matches!(c, ':' | '='));
+    let is_of_number = !is_first && (of_number || is_unit(first) && (!rest.is_empty() || !colon));
+    let (unit, label) = match is_of_number {
+        true => (Some(first).filter(|unit| !unit.is_empty()), rest),
+        false => (None, words),
+    };
+    let label = label
+        .rsplit([':', '=', ',', ';', '|', '\t', '"', ']', ')'])
+        .next()
+        .unwrap_or(label);
+    let label = label.trim_matches(BETWEEN);
+    (
+        unit,
+        Some(label).filter(|label| label.starts_with(char::is_alphabetic)),
+    )
+}
+
+/// Whether a word is a unit of something that is measured.
+fn is_unit(word: &str) -> bool {
+    use Quantity::{Acceleration, Angle, AngularRate, Length, Time, Velocity};
+    let all = [Acceleration, Angle, AngularRate, Length, Time, Velocity];
+    !word.is_empty()
+        && all
+            .into_iter()
+            .any(|quantity| unit_factor(word, quantity).is_ok())
 }
 
 #[cfg(test)]
@@ -208,7 +307,31 @@ mod tests {
         let text = "ax: 459 ay: -3 az: 1.5e3\nax: 1 ay: 2 az: 3\n";
         assert_eq!(rows(text).unwrap(), ["ax,ay,az", "459,-3,1.5e3", "1,2,3"]);
         let text = "aX = 0.98g, aY = 0.1g | gX = 2\naX = 1g, aY = 0.2g | gX = 3\n";
-        assert_eq!(rows(text).unwrap(), ["aX,aY,gX", "0.98,0.1,2", "1,0.2,3"]);
+        assert_eq!(
+            rows(text).unwrap(),
+            ["aX [g],aY [g],gX", "0.98,0.1,2", "1,0.2,3"]
+        );
+        // Several numbers to a label, units as words, numbers before the first label, words of a log around.
+        let group = "Time: 20 | Gyro: 1, 2, 3 | Accel: 4, 5, 6\nTime: 21 | Gyro: 1, 2, 3 | Accel: 4, 5, 6\n";
+        let expected = [
+            "Time,Gyro_x,Gyro_y,Gyro_z,Accel_x,Accel_y,Accel_z",
+            "20,1,2,3,4,5,6",
+            "21,1,2,3,4,5,6",
+        ];
+        assert_eq!(rows(group).unwrap(), expected);
+        let text = "Time: 20 ms, gx: -1 rad/s, Acc Y: 2 m/s^2\n".repeat(2);
+        let expected = ["Time [ms],gx [rad/s],Acc Y [m/s^2]", "20,-1,2", "20,-1,2"];
+        assert_eq!(rows(&text).unwrap(), expected);
+        let text = "20\tax: 1 ay: 2\n".repeat(2);
+        assert_eq!(rows(&text).unwrap(), ["first,ax,ay", "20,1,2", "20,1,2"]);
+        let text = "[INFO] [1700000000.5]: gyro 1 2 3 acc 4 5 6\n".repeat(2);
+        let expected = "INFO,gyro_x,gyro_y,gyro_z,acc_x,acc_y,acc_z";
+        assert_eq!(
+            rows(&text).unwrap()[..2],
+            [expected, "1700000000.5,1,2,3,4,5,6"]
+        );
+        let text = "\u{1b}[0;32mI (20) IMU: 1,2,3\u{1b}[0m\n".repeat(2);
+        assert!(rows(&text).unwrap()[0].ends_with("IMU_x,IMU_y,IMU_z"));
         // In lines of their own.
         let text = "ax:1,ay:2\ngx:3,gy:4\nax:5,ay:6\n";
         assert_eq!(

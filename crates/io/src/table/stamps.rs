@@ -30,6 +30,8 @@ pub(super) struct Stamps {
     week: Option<i64>,
     day: Option<i64>,
     of_day: Option<f64>,
+    /// Date and time of day are numbers of their digits.
+    in_digits: bool,
     /// The last time of day, and midnights since the first \[s\].
     last: f64,
     midnights: f64,
@@ -52,6 +54,7 @@ impl Stamps {
             week: None,
             day: None,
             of_day: None,
+            in_digits: false,
             last: 0.0,
             midnights: 0.0,
             angles: options.angles,
@@ -71,11 +74,16 @@ impl Stamps {
         self.weeks.epoch(self.clock?)
     }
 
-    /// Takes a number in this place of the row read: in the column of dates it is a GPS week.
+    /// Takes a number in this place of the row read: in the column of dates it is a GPS week, or the digits of a date.
     pub(super) fn number(&mut self, slot: usize, value: f64) {
-        let is_week = value.fract() == 0.0 && (1.0..10_000.0).contains(&value);
-        if self.date == Some(slot) && is_week {
+        if self.date != Some(slot) {
+            return;
+        }
+        if value.fract() == 0.0 && (1.0..10_000.0).contains(&value) {
             self.week = Some(value as i64);
+        } else {
+            self.day = time::day_of_digits(value);
+            self.in_digits = true;
         }
     }
 
@@ -134,7 +142,8 @@ impl Stamps {
         let Some(place) = out.get_mut(self.time).filter(|_| self.date.is_some()) else {
             return Ok(());
         };
-        let seconds = of_day.unwrap_or(*place * self.scale);
+        let of_digits = || time::time_of_digits(*place).filter(|_| self.in_digits);
+        let seconds = of_day.or_else(of_digits).unwrap_or(*place * self.scale);
         let (time, clock) = match (day, week.filter(|_| of_day.is_none())) {
             (Some(day), _) => (self.weeks.utc_day(day, seconds), ClockSource::NoZone),
             (None, Some(week)) => (self.weeks.gps(week * 7, seconds), ClockSource::Gnss),

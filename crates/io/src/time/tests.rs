@@ -118,6 +118,21 @@ fn dates_that_end_with_the_year() {
     assert_eq!(time_of_day(b"0:00:01 PM"), None);
     assert_eq!(time_of_day(b"19:34:18:250"), Some(70_458.25));
     assert_eq!(time_of_day(b"75:18.25"), Some(4518.25));
+    assert_eq!(time_of_digits(123_456.5), Some(45_296.5));
+    assert_eq!(time_of_digits(12_345_650.0), Some(45_296.5));
+    assert_eq!(time_of_digits(126_000.0), None);
+    assert_eq!(day_of_digits(141_123.0), date(b"2023/11/14", b'/'));
+    assert_eq!(day_of_digits(20_231_114.0), day_of_digits(141_123.0));
+    assert_eq!(
+        (day_of_digits(20_231_314.0), day_of_digits(141_323.0)),
+        (None, None)
+    );
+    let compact = WeekClock::default().date_time(b"20231114T221320.5Z");
+    assert_eq!(
+        compact,
+        WeekClock::default().date_time(b"2023-11-14T22:13:20.5Z")
+    );
+    assert!(compact.is_some());
     for wrong in ["19:34", "19:34:18:25", "19:34:18:250:1", "1:61.5"] {
         assert_eq!(time_of_day(wrong.as_bytes()), None, "{wrong}");
     }

@@ -219,6 +219,7 @@ def identify(
     columns: Iterable[str | int] = (),
     axis: str | None = None,
     units: str | tuple[str, str] | None = None,
+    time: str | int | tuple[str | int, str] | None = None,
     topic: str | None = None,
     n_max: int = 2,
     detrend: str = "temperature",
@@ -251,6 +252,8 @@ def identify(
         Axis of a recording of one, ``gyro_x`` … ``accel_z``.
     units : str or tuple of str, optional
         Units of gyros and accelerometers, ``"deg/s,g"``.
+    time : str, int or tuple, optional
+        Column of times by name or number from 1, or that with its unit, ``("ticks", "LSB/32768 s")``.
     topic : str, optional
         Topic of a bag.
     n_max : int
@@ -294,6 +297,7 @@ def identify(
     several = record if isinstance(record, (list, tuple)) and not of_numbers else [record]
     columns = [one if isinstance(one, str) else whole(one, "columns") for one in columns]
     rate = None if rate is None else positive(rate, "rate")
+    times = time if time is None or isinstance(time, tuple) else (time, None)
     if not several:
         raise _undrift.UndriftError("no record to identify")
     records: list[tuple[str | os.PathLike[str], list[tuple[str, Floats]] | None]] = []
@@ -312,7 +316,7 @@ def identify(
             units = units or (("rad/s", "m/s^2") if in_si else None)
     with reporter(progress, "identify") as report:
         found = _undrift.identify(
-            records, columns, axis, units, topic, rate, whole(n_max, "n_max"), detrend, force, report
+            records, columns, axis, units, times, topic, rate, whole(n_max, "n_max"), detrend, force, report
         )
     text, (verdict, line) = found.result()
     decoded = json.loads(text)

@@ -109,6 +109,7 @@ def identify(
     columns: list[str | int],
     axis: str | None,
     units: tuple[str, str] | None,
+    time: tuple[str | int, str | None] | None,
     topic: str | None,
     rate: float | None,
     n_max: int,

@@ -109,6 +109,9 @@ fn force(likely: Likely, gyro: &str) -> String {
         Likely::GravityRemoved => {
             "gravity was removed from the samples: record the accelerometers' own output".into()
         }
+        Likely::Exchanged => {
+            "the gyros measure gravity in their place: exchange them, --columns with the accelerometers' three columns first".into()
+        }
         Likely::Increments => "the columns are velocity increments: describe them in a drive file, with data = \"increments\" \
              in [imu], and use that instead"
             .into(),

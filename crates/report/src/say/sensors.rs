@@ -76,7 +76,10 @@ pub(super) fn temperature(
     text
 }
 
-pub(super) fn wrong_gravity(ratio: f64) -> String {
+pub(super) fn wrong_gravity(ratio: f64, exchanged: bool) -> String {
+    if exchanged {
+        return "the gyros measure gravity, and the accelerometers do not: exchange the columns of imu.gyro and imu.accel, and their units".into();
+    }
     format!(
         "the accelerometers measure {} times gravity on average: check {}",
         // A sensor without noise.
@@ -89,11 +92,8 @@ pub(super) fn wrong_gravity(ratio: f64) -> String {
             0.09..0.115 => "imu.accel_unit (the numbers look like g)",
             8.5..11.5 => "imu.accel_unit (the numbers look like m/s^2)",
             90.0..115.0 => "imu.accel_unit (the numbers look like mg or cm/s^2)",
-            0.02..0.09 => {
+            1e-6..0.09 => {
                 "imu.accel (gravity seems to be removed, as from a \"linear acceleration\": log the accelerometers with gravity)"
-            }
-            0.115..0.6 | ..0.02 => {
-                "imu.accel (if its columns are those of the gyros, exchange imu.gyro and imu.accel), imu.accel_unit and imu.data"
             }
             _ => "imu.accel, imu.accel_unit and imu.data",
         }

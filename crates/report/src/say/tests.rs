@@ -129,7 +129,7 @@ fn every_finding_has_its_sentence() {
             "accelerometer y stays at 2 (as logged) for 3.00 s from 12.5 s (300 samples), its largest or smallest value: the sensor is saturated or too coarse",
         ),
         (
-            Finding::WrongGravity { ratio: 0.102 },
+            Finding::WrongGravity { ratio: 0.102, exchanged: false },
             "the accelerometers measure 0.102 times gravity on average: check imu.accel_unit (the numbers look like g)",
         ),
         (
@@ -452,13 +452,18 @@ fn the_verdict_names_the_cause() {
 
 #[test]
 fn a_ratio_of_gravity_or_turns_hints_at_the_unit() {
-    let gravity = |ratio: f64| say(&Finding::WrongGravity { ratio });
+    let gravity = |ratio: f64| {
+        say(&Finding::WrongGravity {
+            ratio,
+            exchanged: false,
+        })
+    };
     for (ratio, number, hint) in [
         (0.09, "0.0900", "(the numbers look like g)"),
         (
             0.115,
             "0.115",
-            "check imu.accel (if its columns are those of the gyros, exchange imu.gyro and imu.accel), imu.accel_unit and imu.data",
+            "check imu.accel, imu.accel_unit and imu.data",
         ),
         (
             0.0899,
@@ -468,27 +473,28 @@ fn a_ratio_of_gravity_or_turns_hints_at_the_unit() {
         (
             0.0199,
             "0.0199",
-            "check imu.accel (if its columns are those of the gyros, exchange imu.gyro and imu.accel), imu.accel_unit and imu.data",
+            "(gravity seems to be removed, as from a \"linear acceleration\": log the accelerometers with gravity)",
         ),
         (8.5, "8.50", "(the numbers look like m/s^2)"),
         (11.4, "11.4", "(the numbers look like m/s^2)"),
         (100.0, "100", "(the numbers look like mg or cm/s^2)"),
         (115.0, "115", "check imu.accel, imu.accel_unit and imu.data"),
-        (
-            1e-7,
-            "0",
-            "check imu.accel (if its columns are those of the gyros, exchange imu.gyro and imu.accel), imu.accel_unit and imu.data",
-        ),
+        (1e-7, "0", "check imu.accel, imu.accel_unit and imu.data"),
         (
             2e-6,
             "2.00e-6",
-            "check imu.accel (if its columns are those of the gyros, exchange imu.gyro and imu.accel), imu.accel_unit and imu.data",
+            "(gravity seems to be removed, as from a \"linear acceleration\": log the accelerometers with gravity)",
         ),
     ] {
         let text = gravity(ratio);
         let start = format!("the accelerometers measure {number} times gravity on average: check ");
         assert!(text.starts_with(&start) && text.ends_with(hint), "{text}");
     }
+    let exchanged = say(&Finding::WrongGravity {
+        ratio: 0.01,
+        exchanged: true,
+    });
+    assert!(exchanged.contains("exchange the columns"), "{exchanged}");
     for (ratio, hint) in [
         (
             -1.7,
@@ -1074,8 +1080,13 @@ fn an_end_has_the_cause_that_is_not_the_end_itself() {
     let end = Finding::Diverged { time: 9.0 };
     assert_eq!(ended(9.0, &[]), say(&end));
     assert_eq!(ended(9.0, std::slice::from_ref(&end)), say(&end));
-    let found =
-        undrift_results::findings::ranked(vec![end.clone(), Finding::WrongGravity { ratio: 0.1 }]);
+    let found = undrift_results::findings::ranked(vec![
+        end.clone(),
+        Finding::WrongGravity {
+            ratio: 0.1,
+            exchanged: false,
+        },
+    ]);
     let text = ended(9.0, &found);
     assert!(
         text.starts_with("the solution diverged at 9 s and ends there: the accelerometers measure"),

@@ -6,7 +6,7 @@ use undrift_engine::Implausible;
 impl From<Implausible> for Finding {
     fn from(what: Implausible) -> Self {
         match what {
-            Implausible::Gravity(ratio) => Self::WrongGravity { ratio },
+            Implausible::Gravity { ratio, exchanged } => Self::WrongGravity { ratio, exchanged },
             Implausible::Down(down) => Self::NotDown { down },
             Implausible::TurnScale(ratio) => Self::WrongTurnRate { ratio },
             Implausible::TurnAxis(axis) => Self::WrongTurnAxis { axis },

@@ -57,7 +57,10 @@ impl Finding {
             // Most of what the sensors measured is missing.
             Self::SharedStamps { log: Log::Imu, .. } => Severity::Unusable,
             Self::Late { delay } if delay.abs() > TWO_CLOCKS => Severity::Unusable,
-            Self::WrongGravity { ratio } | Self::WrongTurnRate { ratio }
+            Self::WrongGravity {
+                exchanged: true, ..
+            } => Severity::Unusable,
+            Self::WrongGravity { ratio, .. } | Self::WrongTurnRate { ratio }
                 if !RIGHT_UNIT.contains(ratio) =>
             {
                 Severity::Unusable

@@ -83,7 +83,7 @@ fn degrees_times_ten_million() {
         &log.write("e7").refusal(),
         &[
             "latitude and longitude are in 1e-7 deg",
-            "divide them by 1e7",
+            "set gnss.position_unit = \"LSB/1e7 deg\"",
         ],
     );
 }

@@ -108,7 +108,7 @@ fn gyros_and_accelerometers_swapped() {
         &case.refusal(),
         &[
             "could not be aligned",
-            "the accelerometers measure 0.00146 times gravity on average: check imu.accel",
+            "the gyros measure gravity, and the accelerometers do not: exchange the columns of imu.gyro and imu.accel",
         ],
     );
 }

@@ -375,3 +375,121 @@ fn eastings_and_northings() {
     assert!(said.contains("UTM needs its zone and hemisphere"), "{said}");
     fs::remove_dir_all(&dir).unwrap();
 }
+
+/// JSON that has its values by columns, in groups.
+#[test]
+fn columns_of_json() {
+    let dir = folder("json-columns");
+    drive(&dir, NAMED, super::row);
+    let text = fs::read_to_string(dir.join("imu.csv")).unwrap();
+    let rows = Vec::from_iter(
+        text.lines()
+            .skip(1)
+            .map(|line| Vec::from_iter(line.split(','))),
+    );
+    let column = |k: usize| {
+        format!(
+            "[{}]",
+            Vec::from_iter(rows.iter().map(|row| row[k])).join(",")
+        )
+    };
+    let group = |from: usize| {
+        let [x, y, z] = [0, 1, 2].map(|axis| column(from + axis));
+        format!("{{\"x\":{x},\"y\":{y},\"z\":{z}}}")
+    };
+    let json = format!(
+        "{{\"fs\":100,\"time\":{},\"gyro\":{},\"accel\":{}}}",
+        column(0),
+        group(1),
+        group(4)
+    );
+    fs::write(dir.join("imu.json"), json).unwrap();
+    let (file, end) = navigated(&dir, &["imu.json", "gnss.csv"]);
+    assert!(
+        file.contains("gyro = [\"gyro.x\", \"gyro.y\", \"gyro.z\"]"),
+        "{file}"
+    );
+    ends_there(end);
+    fs::remove_dir_all(&dir).unwrap();
+}
+
+/// A label for three numbers, units as words behind them.
+#[test]
+fn labels_of_groups_with_units() {
+    let imu = |numbers: &[f64]| {
+        let [gyro, accel] = [1..4, 4..7].map(|of| joined(&numbers[of], ", "));
+        format!(
+            "T: {} ms | Gyro: {gyro} rad/s | Accel: {accel} m/s^2",
+            numbers[0] * 1e3
+        )
+    };
+    let (file, end) = solved("labels", [Some(("ready\n", &imu)), None]);
+    assert!(file.contains("gyro = [\"Gyro_x [rad/s]\""), "{file}");
+    ends_there(end);
+}
+
+/// Gyroscopes and accelerometers in files of their own, with times of their own.
+#[test]
+fn an_imu_in_two_files() {
+    let dir = folder("halves");
+    drive(&dir, NAMED, super::row);
+    for (file, columns, late) in [("gyro.csv", 1..4, 0.0), ("accel.csv", 4..7, 0.004)] {
+        fs::copy(dir.join("imu.csv"), dir.join(file)).unwrap();
+        let half = |numbers: &[f64]| {
+            format!(
+                "{:.3},{}",
+                numbers[0] + late,
+                joined(&numbers[columns.clone()], ",")
+            )
+        };
+        rewrite(&dir.join(file), "time,x,y,z\n", &half);
+    }
+    let (file, end) = navigated(&dir, &["accel.csv", "gnss.csv", "gyro.csv"]);
+    assert!(file.contains("file = \"accel.csv + gyro.csv\""), "{file}");
+    assert!(file.contains("blanks = \"interpolate\""), "{file}");
+    ends_there(end);
+    let identify = [
+        "identify",
+        "accel.csv + gyro.csv",
+        "--span",
+        "0,18",
+        "--allan",
+    ];
+    assert!(text(&undrift(&identify, &dir)).contains("6 axes"));
+    fs::remove_dir_all(&dir).unwrap();
+}
+
+/// Columns of gyroscopes that have the accelerometers' numbers, and an acceleration without gravity before that with it.
+#[test]
+fn sensors_under_each_others_names() {
+    let exchanged = |numbers: &[f64]| {
+        let (t, force) = (numbers[0], joined(&numbers[4..], ","));
+        let turns = [1, 2, 3].map(|k| numbers[k] + 0.02 * (t * k as f64).sin());
+        format!("{t},{force},{}", joined(&turns, ","))
+    };
+    let (file, end) = solved("exchanged", [Some((NAMED, &exchanged)), None]);
+    assert!(
+        file.contains("gyro = [\"acc_x\", \"acc_y\", \"acc_z\"]"),
+        "{file}"
+    );
+    assert!(
+        file.contains("the columns named as gyroscopes measure gravity"),
+        "{file}"
+    );
+    ends_there(end);
+    let header = "time,lin_acc_x,lin_acc_y,lin_acc_z,gyro_x,gyro_y,gyro_z,acc_x,acc_y,acc_z\n";
+    let linear = |numbers: &[f64]| {
+        format!(
+            "{},{},0.01,0.02,{}",
+            numbers[0],
+            numbers[4],
+            joined(&numbers[1..], ",")
+        )
+    };
+    let (file, end) = solved("linear", [Some((header, &linear)), None]);
+    assert!(
+        file.contains("accel = [\"acc_x\", \"acc_y\", \"acc_z\"]"),
+        "{file}"
+    );
+    ends_there(end);
+}

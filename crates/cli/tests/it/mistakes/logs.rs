@@ -24,10 +24,13 @@ pub fn logs() -> Vec<Mistake> {
                 row.put(1, &values);
             });
         }),
-        logs("Excel's line `sep=,` before the header", |case| {
+        logs("gyroscopes and accelerometers exchanged", |case| {
             states_velocities(case);
-            let text = case.read("imu.csv").unwrap();
-            case.put("imu.csv", format!("sep=,\n{text}").as_bytes());
+            imu(case, "t,gx,gy,gz,ax,ay,az", |row| {
+                let [x, y, z, force @ ..] = [1, 2, 3, 4, 5, 6].map(|column| row.number(column));
+                row.put(1, &force);
+                row.put(4, &[x, y, z]);
+            });
         }),
         logs("dates as times", |case| {
             states_velocities(case);
@@ -94,14 +97,18 @@ pub fn logs() -> Vec<Mistake> {
             }
         }),
         logs(
-            "lines of JSON; degrees, minutes, seconds in columns",
+            "columns of JSON; degrees, minutes, seconds in columns",
             |case| {
-                let rows = super::good().imu.into_iter().map(|row| {
-                let [gx, gy, gz, ax, ay, az] = [1, 2, 3, 4, 5, 6].map(|k| row.number(k));
-                let time = row.time;
-                format!("{{\"t\": {time}, \"gyro\": [{gx}, {gy}, {gz}], \"acc\": {{\"x\": {ax}, \"y\": {ay}, \"z\": {az}}}}}\n")
-            });
-                case.put("imu.csv", rows.collect::<String>().as_bytes());
+                let imu = super::good().imu;
+                let column = |k: usize| {
+                    let value = |row: &Row| if k == 0 { row.time } else { row.number(k) };
+                    format!("{:?}", Vec::from_iter(imu.iter().map(value)))
+                };
+                let [t, gx, gy, gz, ax, ay, az] = [0, 1, 2, 3, 4, 5, 6].map(column);
+                let accel = format!("{{\"x\": {ax}, \"y\": {ay}, \"z\": {az}}}");
+                let gyro = format!("\"gx\": {gx}, \"gy\": {gy}, \"gz\": {gz}");
+                let json = format!("{{\"t\": {t}, {gyro}, \"acc\": {accel}}}");
+                case.put("imu.csv", json.as_bytes());
                 case.put("gnss.csv", in_three_columns().as_bytes());
             },
         ),

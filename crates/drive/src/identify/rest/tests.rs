@@ -165,6 +165,16 @@ fn a_moving_record_names_its_longest_rest() {
 }
 
 #[test]
+fn sensors_that_are_exchanged_are_named() {
+    let mut exchanged = record(|_, _| 0.0);
+    exchanged.samples.rotate_left(3);
+    let Some(NotStatic::Force { likely, .. }) = not_static(&exchanged, RATE) else {
+        panic!();
+    };
+    assert_eq!(likely, Likely::Exchanged);
+}
+
+#[test]
 fn a_wrong_size_of_gravity_names_the_unit() {
     let g = STANDARD_GRAVITY;
     for (unit, factor, expected) in [

@@ -1,6 +1,7 @@
 //! What columns are by their numbers, and the keys that follow.
 
 use super::*;
+use crate::inspect::numbers::{means, steady};
 
 fn preview(names: &[&str], rows: Vec<Vec<f64>>) -> Preview {
     let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
@@ -514,4 +515,49 @@ fn places_without_a_height_have_that_of_the_ellipsoid_and_say_so() {
     let error = text("height = \"120 m\"\n", three).unwrap_err().to_string();
     assert!(error.contains("remove the third, or height"), "{error}");
     assert!(text("", "[\"latitude\", \"longitude\"]").is_err());
+}
+
+#[test]
+fn semicircles_are_known_by_the_names_of_fit() {
+    let row = |k: i32| {
+        vec![
+            f64::from(k),
+            363_156_700.0 + 900.0 * f64::from(k),
+            1_365_000_000.0,
+            20.5,
+        ]
+    };
+    let unit = |lat: &str, lon: &str| {
+        let (_, found) = lines(&["time", lat, lon, "altitude"], (0..30).map(row).collect());
+        value(&found, "position_unit")
+    };
+    assert_eq!(
+        unit("position_lat", "position_long").as_deref(),
+        Some("LSB/11930464.7111 deg")
+    );
+    assert_eq!(unit("lat", "lon"), None);
+    assert_eq!(unit("lat_e6", "lon_e6").as_deref(), Some("LSB/1e6 deg"));
+}
+
+#[test]
+fn increments_are_known_by_name_and_size() {
+    let row = |k: i32| {
+        let noise = f64::from(k * 7919 % 101 - 50) * 1e-6;
+        vec![
+            0.02 * f64::from(k),
+            noise,
+            -noise,
+            noise,
+            0.004,
+            noise,
+            -0.196,
+        ]
+    };
+    let names = [
+        "time", "dtheta_x", "dtheta_y", "dtheta_z", "dv_x", "dv_y", "dv_z",
+    ];
+    let (table, found) = lines(&names, (0..200).map(row).collect());
+    assert_eq!(table, "imu");
+    assert_eq!(value(&found, "data").as_deref(), Some("increments"));
+    assert_eq!(value(&found, "accel_unit").as_deref(), Some("m/s"));
 }

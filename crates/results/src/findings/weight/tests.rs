@@ -133,7 +133,10 @@ fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
         down: [0.0, 0.0, z],
     };
     let velocity = |mend| Finding::WrongVelocity { mend };
-    let gravity = |ratio| Finding::WrongGravity { ratio };
+    let gravity = |ratio| Finding::WrongGravity {
+        ratio,
+        exchanged: false,
+    };
     let turns = |ratio| Finding::WrongTurnRate { ratio };
     let noisy = |factor| Finding::NoisyFixes { factor };
     for (k, (finding, severity, rank)) in [
