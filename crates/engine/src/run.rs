@@ -24,6 +24,7 @@ use super::{
     constraints::{self, Vehicle},
     course::CourseWatch,
     events::{Part, Restart, RestartCause},
+    heading::Headings,
     inertial::Inertial,
     measurement::{Latency, Measured, Queue},
     observer::Observer,
@@ -72,6 +73,7 @@ pub(crate) struct Run {
     streak: Streak,
     plausible: Plausible,
     course: CourseWatch,
+    headings: Headings,
     vehicle: Vehicle,
     inertial: Inertial,
     vibration: Option<Vibration>,
@@ -147,6 +149,7 @@ impl Run {
             streak: Streak::default(),
             plausible: Plausible::new(&settings),
             course: CourseWatch::new(),
+            headings: Headings::new(),
             vehicle: Vehicle::new(&settings),
             inertial: Inertial::new(settings.rotation),
             vibration: Vibration::from_settings(&settings),
@@ -291,9 +294,10 @@ impl Run {
                     }
                     self.fix(&fix, part, &sample, observer)?;
                 }
+                other if other.needs_vehicle_axes() && !self.has_vehicle_axes() => {}
+                Measurement::Heading(heading) => self.heading(&heading, &sample),
                 other => {
-                    let placed = self.has_vehicle_axes() || !other.needs_vehicle_axes();
-                    if placed && let Some(solution) = &mut self.solution {
+                    if let Some(solution) = &mut self.solution {
                         constraints::scalar(solution, &other, &self.settings, &mut self.summary);
                     }
                 }

@@ -10,7 +10,9 @@ pub use undrift_engine::Log;
 pub use weight::{is_doubtful, is_jump, ranked, verdict};
 
 use serde::{Deserialize, Serialize};
-use undrift_engine::{Contradiction, FixMend, Lean, Part, RestartCause, WindowPart};
+use undrift_engine::{
+    Contradiction, FixMend, Lean, Part, RejectedHeadings, RestartCause, WindowPart,
+};
 
 /// One thing found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -382,6 +384,13 @@ pub enum Finding {
     VelocityBias {
         /// What it reads too much, north, east, down [m/s].
         bias: [f64; 3],
+    },
+    /// Headings by two antennas were rejected for a while.
+    RejectedHeadings {
+        /// The longest run of them.
+        longest: RejectedHeadings,
+        /// Further runs.
+        more: u64,
     },
     /// The course contradicts the heading.
     HeadingOff {

@@ -1,17 +1,20 @@
-//! A wheel's speed and a barometer's height on a trajectory, with their errors.
+//! A wheel's speed, a barometer's height and the heading of two antennas on a trajectory, with their errors.
 
 use super::SimulationError;
 use super::ideal_imu::{Stepper, epochs};
 use super::sensors::{GNSS_STREAM, stream_seed};
 use super::trajectory::Trajectory;
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use undrift_nav::{Vector3, sample::Scalar};
+use undrift_nav::{Vector3, earth::wrap_pi, sample::Scalar};
 
 /// Streams of one seed, behind the receiver's.
 const ODOMETER_STREAM: usize = GNSS_STREAM + 1;
 const BAROMETER_STREAM: usize = GNSS_STREAM + 2;
+const HEADING_STREAM: usize = GNSS_STREAM + 3;
+/// Least error of a heading by a wrong number of wavelengths [rad]: one in a metre.
+const WRONG: f64 = 0.17;
 
 /// A wheel that measures its speed along the body's forward axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +63,61 @@ impl Default for Barometer {
             bias: 25.0,
             bias_walk: 0.05,
         }
+    }
+}
+
+/// Two antennas of a receiver that measures the azimuth of the second as seen from the first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DualAntenna {
+    /// Measurements per second \[Hz\], the first after one interval.
+    pub rate_hz: f64,
+    /// Standard deviation of the white noise, drawn and reported \[rad\].
+    pub std: f64,
+    /// Direction of the second antenna in the body, from forward to right \[rad\].
+    pub baseline: f64,
+    /// Share of headings by a wrong number of wavelengths: off by anything from 10° to 180° [–].
+    pub wrong: f64,
+}
+
+impl Default for DualAntenna {
+    /// Once a second, 0.3° as of half a metre, one antenna in front of the other, never wrong.
+    fn default() -> Self {
+        Self {
+            rate_hz: 1.0,
+            std: 0.3_f64.to_radians(),
+            baseline: 0.0,
+            wrong: 0.0,
+        }
+    }
+}
+
+impl DualAntenna {
+    /// What it measures on a trajectory one by one, with its stream of `seed` ([`stream_seed`]).
+    ///
+    /// # Errors
+    /// For a rate that is not positive, a standard deviation that is negative or not finite, or a share that is none.
+    pub fn measure(
+        self,
+        trajectory: &Trajectory,
+        seed: u64,
+    ) -> Result<impl Iterator<Item = Scalar> + '_, SimulationError> {
+        let finite = self.baseline.is_finite() && (0.0..=1.0).contains(&self.wrong);
+        let times = times(trajectory, self.rate_hz, self.std, finite)?;
+        let mut noise = noise(seed, HEADING_STREAM);
+        let mut wrong = generator(seed, HEADING_STREAM + 1);
+        let (sin, cos) = self.baseline.sin_cos();
+        Ok(times.map(move |time| {
+            let b = trajectory.motion(time).q_nb * Vector3::new(cos, sin, 0.0);
+            let mut value = b.y.atan2(b.x) + self.std * noise();
+            if wrong.random_bool(self.wrong) {
+                value += wrong.random_range(WRONG..std::f64::consts::TAU - WRONG);
+            }
+            Scalar {
+                time,
+                value: wrap_pi(value),
+                std: self.std,
+            }
+        }))
     }
 }
 
@@ -136,8 +194,12 @@ fn times(
 
 /// Standard normal numbers of a stream.
 fn noise(seed: u64, stream: usize) -> impl FnMut() -> f64 {
-    let mut generator = Xoshiro256PlusPlus::seed_from_u64(stream_seed(seed, stream));
+    let mut generator = generator(seed, stream);
     move || StandardNormal.sample(&mut generator)
+}
+
+fn generator(seed: u64, stream: usize) -> Xoshiro256PlusPlus {
+    Xoshiro256PlusPlus::seed_from_u64(stream_seed(seed, stream))
 }
 
 #[cfg(test)]
