@@ -31,7 +31,7 @@ mod memory;
 mod named;
 pub(crate) mod poses;
 mod result;
-mod scalars;
+pub(crate) mod scalars;
 pub(crate) mod tables;
 #[cfg(test)]
 mod tests;

@@ -50,9 +50,9 @@ pub use result::{
 };
 
 use crate::{
+    consensus::Recent,
     derived::{Positions, antenna},
     estimator::{self, Aiding, Estimator},
-    heading::Recent,
     settings::Settings,
 };
 use alloc::boxed::Box;

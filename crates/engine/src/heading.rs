@@ -1,4 +1,4 @@
-//! Headings by two antennas: what they agree on, and which of them the filter is updated with.
+//! Headings by two antennas: which of them the filter is updated with.
 //!
 //! A receiver that finds a wrong number of carrier wavelengths has a heading that is wrong by tens of degrees and as certain as a
 //! right one, for one epoch or for minutes. So:
@@ -6,12 +6,13 @@
 //! * a heading is gated by the solution; where the solution hardly knows it, most of the last ten seconds have to agree with it;
 //! * headings that agree with each other and contradict the solution for a minute mean that the antennas lie otherwise than configured
 //!   ([`Parameter::HeadingOffset`] is renewed), or, of a solution that began with them and never moved, that it began with wrong
-//!   ones (its heading's σ grows to what is seen);
+//!   ones, if those were fewer (its heading's σ grows to what is seen);
 //! * the stated σ is scaled by what innovations show, never below what is stated; of several headings within a second, whose errors are
 //!   those of the same reflections, the information is that of one.
 
 use crate::{
     aid::{Aid, Aiding},
+    consensus::{AGREE, FLOOR, LASTS, Recent},
     estimator::Estimator,
     events::RejectedHeadings,
     gate::Scale,
@@ -32,17 +33,12 @@ const GATE: Gate = Gate {
     weaken: 9.0,
     reject: 100.0,
 };
-/// Least standard deviation of a heading \[rad\]: phase centres, cables.
-const FLOOR: f64 = 1e-3;
-/// Errors by reflections last so long \[s\].
-const LASTS: f64 = 1.0;
 /// Information of [`Scale`] at first: a standard deviation of 1.4 in the variance.
 const PRIOR: f64 = 10.0;
 /// Standard deviation of a predicted heading above which a wrong one cannot be seen by it \[rad\].
 const UNSURE: f64 = 0.05;
-/// Standard deviation of a direction that may be any \[rad\], and from which on one counts as unknown.
+/// Standard deviation of a direction that may be any \[rad\].
 const ANY: f64 = 1.8;
-pub(crate) const UNKNOWN: f64 = 0.5;
 /// Headings that contradict the solution agree within this \[rad\].
 const SAME: f64 = 0.2;
 /// Headings in a row that disagree with those before are others.
@@ -54,97 +50,6 @@ const MOVES: f64 = 3.0;
 /// Rejected headings in a row that are an event; single ones are counted.
 const EVENT: u64 = 3;
 
-/// Headings that are kept, at most one in [`APART`].
-const RECENT: usize = 24;
-const APART: f64 = 0.2;
-/// Headings older than this say nothing \[s\].
-const OLD: f64 = 10.0;
-/// Least number of headings, and least span of them \[s\], that can agree.
-const LEAST: usize = 4;
-const LEAST_SPAN: f64 = 2.0;
-/// Headings agree within this \[rad\] and three of their standard deviations.
-const AGREE: f64 = 0.02;
-
-#[derive(Clone, Copy, Default)]
-#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
-struct Seen {
-    time: f64,
-    measured: f64,
-    /// Measured against what it is compared with.
-    angle: f64,
-    std: f64,
-}
-
-/// The last headings against a frame that turns with the body or the solution.
-#[derive(Clone, Default)]
-#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Recent {
-    seen: [Seen; RECENT],
-    count: usize,
-}
-
-impl Recent {
-    fn kept(&mut self) -> &mut [Seen] {
-        &mut self.seen[..self.count.min(RECENT)]
-    }
-
-    /// Keeps a heading that is `angle` \[rad\] off.
-    pub(crate) fn add(&mut self, measured: &Scalar, angle: f64) {
-        let last = self.count.checked_sub(1).map(|k| self.seen[k % RECENT]);
-        if last.is_none_or(|last| measured.time - last.time >= APART) {
-            self.seen[self.count % RECENT] = Seen {
-                time: measured.time,
-                measured: measured.value,
-                angle,
-                std: measured.std.max(FLOOR),
-            };
-            self.count += 1;
-        }
-    }
-
-    /// What it is compared with turned by so much \[rad\].
-    fn turn(&mut self, by: f64) {
-        self.kept().iter_mut().for_each(|seen| seen.angle += by);
-    }
-
-    /// From `since` to `until` \[s\] the body did not turn: what it is compared with was `azimuth` \[rad\].
-    pub(crate) fn at_rest(&mut self, since: f64, until: f64, azimuth: f64) {
-        let rest = since..=until;
-        let held = self.kept().iter_mut();
-        let held = held.filter(|seen| rest.contains(&seen.time));
-        held.for_each(|seen| seen.angle = wrap_pi(seen.measured - azimuth));
-    }
-
-    /// The angle that more than half of them agree on at `time`, their mean with its standard deviation \[rad\].
-    pub(crate) fn agreed(&mut self, time: f64) -> Option<(f64, f64)> {
-        let recent = |seen: &&Seen| time - seen.time <= OLD;
-        let kept = &*self.kept();
-        let count = kept.iter().filter(recent).count();
-        let agree = |a: &Seen, b: &Seen| {
-            wrap_pi(a.angle - b.angle).abs() < AGREE + 3.0 * a.std.hypot(b.std)
-        };
-        let with = |a: &Seen| kept.iter().filter(recent).filter(|b| agree(a, b)).count();
-        let middle = kept.iter().filter(recent).max_by_key(|a| with(a))?;
-        let (mut n, mut off, mut variance) = (0.0_f64, 0.0, 0.0);
-        let (mut first, mut last) = (f64::INFINITY, f64::NEG_INFINITY);
-        for seen in kept.iter().filter(recent).filter(|b| agree(middle, b)) {
-            n += 1.0;
-            off += wrap_pi(seen.angle - middle.angle);
-            variance += seen.std * seen.std;
-            (first, last) = (seen.time.min(first), seen.time.max(last));
-        }
-        let enough = count >= LEAST && 2 * with(middle) > count && last - first >= LEAST_SPAN;
-        // Errors last: no more of them count than there are seconds.
-        let independent = n.min(1.0 + (last - first) / LASTS);
-        enough.then(|| {
-            (
-                wrap_pi(middle.angle + off / n),
-                (variance / n / independent).sqrt(),
-            )
-        })
-    }
-}
-
 /// The headings beside a solution.
 #[derive(Clone)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
@@ -152,7 +57,8 @@ pub(crate) struct Headings {
     scale: Scale,
     last: f64,
     recent: Recent,
-    /// Whether anything but headings shows the heading.
+    /// Time at which the solution began, and whether anything but headings shows its heading.
+    began: f64,
     moved: bool,
     /// Headings that are being rejected.
     open: Option<RejectedHeadings>,
@@ -166,17 +72,18 @@ impl Headings {
             scale: Scale::with_information(PRIOR),
             last: f64::NEG_INFINITY,
             recent: Recent::default(),
+            began: f64::NEG_INFINITY,
             moved: false,
             open: None,
             others: 0,
         }
     }
 
-    /// Another solution begins, `by_headings` alone.
-    pub(crate) fn restart(&mut self, by_headings: bool, summary: &mut Summary) {
+    /// Another solution begins at `time` \[s\], `by_headings` alone.
+    pub(crate) fn restart(&mut self, time: f64, by_headings: bool, summary: &mut Summary) {
         self.close(summary);
         self.recent = Recent::default();
-        self.moved = !by_headings;
+        (self.began, self.moved) = (time, !by_headings);
     }
 
     /// Updates the filter with the heading of antennas that lie at `baseline` \[rad\] in the body, or rejects it.
@@ -249,7 +156,12 @@ impl Headings {
         (open.end, open.angle) = (time, angle);
         open.headings += 1;
         let estimated = filter.parameters().prior(Parameter::HeadingOffset);
-        if time - open.start < PATIENCE || (self.moved && estimated.is_none()) {
+        // At rest the others are believed that went on for longer.
+        let patience = match self.moved {
+            true => PATIENCE,
+            false => PATIENCE.max(open.start - self.began),
+        };
+        if time - open.start < patience || (self.moved && estimated.is_none()) {
             return;
         }
         open.accepted_in_the_end = true;

@@ -55,6 +55,7 @@ mod bridge;
 mod checked;
 #[cfg(feature = "checkpoint")]
 mod checkpoint;
+mod consensus;
 mod constraints;
 mod course;
 pub mod derived;

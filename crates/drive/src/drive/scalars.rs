@@ -281,7 +281,7 @@ fn read_barometer(
 }
 
 /// `[heading]`, and the parameters with the one that it asks for; where the antennas are is read by [`read_baseline`].
-fn read_heading(
+pub(crate) fn read_heading(
     section: &Section,
     logs: &mut Logs,
     mut parameters: Parameters,

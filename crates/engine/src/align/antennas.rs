@@ -3,7 +3,6 @@
 use super::{Aligner, HeadingSource, prior_std};
 use crate::{
     estimator::{Aiding, Estimator},
-    heading::UNKNOWN,
     settings::Settings,
 };
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -15,6 +14,8 @@ use undrift_nav::{
     sample::{ImuSample, Scalar},
 };
 
+/// Standard deviation from which on a direction counts as unknown \[rad\].
+const UNKNOWN: f64 = 0.5;
 /// Standard deviations of the heading that a filter starts with before it takes the antennas' in: so much wider that it adds nothing.
 const WIDER: f64 = 10.0;
 

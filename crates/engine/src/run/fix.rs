@@ -76,7 +76,8 @@ impl Run {
         self.receiver.forget_solution(fix.time, &mut self.summary);
         self.course = CourseWatch::new();
         let by_headings = aligned.how.source.is_by_antennas();
-        self.headings.restart(by_headings, &mut self.summary);
+        self.headings
+            .restart(fix.time, by_headings, &mut self.summary);
         let solution = self.solution.insert(Solution::new(aligned.filter));
         if let Some(vibration) = &self.vibration {
             solution.filter.set_white_noise(&vibration.variances());
