@@ -95,7 +95,7 @@ impl DualAntenna {
     /// What it measures on a trajectory one by one, with its stream of `seed` ([`stream_seed`]).
     ///
     /// # Errors
-    /// For a rate that is not positive, a standard deviation that is negative or not finite, or a share that is none.
+    /// For a rate that is not positive, a standard deviation that is negative or not finite, or a share outside of 0 to 1.
     pub fn measure(
         self,
         trajectory: &Trajectory,
@@ -261,6 +261,37 @@ mod tests {
         // The walk over a thousand seconds is 1.6 m.
         assert!((errors[0] - 25.0).abs() < 1.5 && (errors[5000] - 25.0).abs() < 8.0);
         assert!((quiet.measure(&car, 9).unwrap().next().unwrap().value - 20.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_share_of_headings_is_wrong_by_ten_degrees_and_more() {
+        let car = Trajectory::car(2000.0, 4);
+        let antennas = DualAntenna {
+            baseline: 1.5,
+            wrong: 0.05,
+            ..DualAntenna::default()
+        };
+        let exact = DualAntenna {
+            std: 0.0,
+            wrong: 0.0,
+            ..antennas
+        };
+        let pairs = antennas.measure(&car, 2).unwrap();
+        let pairs = pairs.zip(exact.measure(&car, 2).unwrap());
+        let errors: Vec<f64> = pairs
+            .map(|(a, b)| wrap_pi(a.value - b.value).abs())
+            .collect();
+        let wrong = errors.iter().filter(|error| **error > 0.15).count();
+        assert!((70..130).contains(&wrong), "{wrong} of 2000");
+        let right = errors.iter().filter(|error| **error < 0.15);
+        let squares: f64 = right.map(|error| error * error).sum();
+        let std = (squares / (2000 - wrong) as f64).sqrt().to_degrees();
+        assert!((std - 0.3).abs() < 0.02, "{std}");
+        let odd = DualAntenna {
+            wrong: 1.5,
+            ..antennas
+        };
+        assert!(odd.measure(&car, 0).is_err());
     }
 
     #[test]

@@ -137,6 +137,24 @@ impl Drive {
 
     /// This drive with headings by two antennas in memory, from north to east \[rad\], in order of time; the second is seen from the first
     /// in the direction `baseline` in the body, from forward to right \[rad\], to 1°. Without it that is estimated in motion.
+    ///
+    /// ```
+    /// # use undrift_drive as undrift;
+    /// use undrift::{Drive, navigate::{Wanted, navigate}};
+    /// # use undrift_noise::{BiasModel, ImuModel};
+    /// # use undrift_simulate::{DualAntenna, GnssNoise, Trajectory, simulate};
+    /// # let model = ImuModel::preset("adis16465")?;
+    /// # let sensors = model.shaping(BiasModel::GaussMarkov, 0.02)?;
+    /// # let car = Trajectory::rest(20.0);
+    /// # let log = simulate(&car, 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+    /// # let headings: Vec<_> = DualAntenna { baseline: 1.57, ..DualAntenna::default() }.measure(&car, 1)?.collect();
+    /// // A car that is parked, the second antenna on the right.
+    /// let drive = Drive { model: Some(model), ..Drive::from_samples(&log.imu, &log.gnss) };
+    /// let drive = drive.with_heading(&headings, Some(90f64.to_radians()));
+    /// let summary = navigate(&drive, BiasModel::GaussMarkov, Wanted::default())?.summary;
+    /// assert!(summary.started.expect("aligned") <= 5.0 && summary.alignment.expect("so").heading_std < 0.03);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn with_heading(mut self, headings: &[Scalar], baseline: Option<f64>) -> Self {
         self = self.with_scalars(ScalarLog::Heading, headings);
         if let Some(baseline) = baseline {

@@ -290,7 +290,7 @@ impl Times {
         }
     }
 
-    /// Gives out what comes so many midnights after the date, or after the file's start where there is none.
+    /// Gives out what comes so many midnights after the date, or after the file's start without one.
     fn dated(&mut self, (at, midnights, time, what): (u64, i32, f64, What), ready: &mut Ready) {
         let seconds = time + DAY * f64::from(midnights);
         let time = match self.date.filter(|_| !self.undated) {
