@@ -10,9 +10,7 @@ pub use undrift_engine::Log;
 pub use weight::{is_doubtful, is_jump, ranked, verdict};
 
 use serde::{Deserialize, Serialize};
-use undrift_engine::{
-    Contradiction, FixMend, Lean, Part, RejectedHeadings, RestartCause, WindowPart,
-};
+use undrift_engine::{Contradiction, FixMend, Lean, Part, RestartCause, WindowPart};
 
 /// One thing found.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -388,7 +386,7 @@ pub enum Finding {
     /// Headings by two antennas were rejected for a while.
     RejectedHeadings {
         /// The longest run of them.
-        longest: RejectedHeadings,
+        longest: undrift_engine::RejectedHeadings,
         /// Further runs.
         more: u64,
     },

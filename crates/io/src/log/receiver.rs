@@ -229,6 +229,6 @@ pub(super) fn check_name(
 }
 
 #[cfg(test)]
-mod headings;
-#[cfg(test)]
 pub(super) mod testing;
+#[cfg(test)]
+mod tests;

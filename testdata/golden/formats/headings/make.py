@@ -1,4 +1,4 @@
-"""Golden logs of headings by two antennas for crates/io/src/log/receiver/headings.rs.
+"""Golden logs of headings by two antennas for crates/io/src/log/receiver/tests.rs.
 
 python3 -m venv venv && venv/bin/pip install pyubx2==1.4.0 pysbf2==1.0.7 pynmeagps==1.1.8 && venv/bin/python testdata/golden/formats/headings/make.py
 
