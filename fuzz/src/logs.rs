@@ -8,9 +8,10 @@ use undrift::io::gnss::{FixOptions, GnssLog, GnssReader};
 use undrift::io::imu::{ImuFormat, ImuReader};
 use undrift::io::log::StreamKind;
 use undrift::io::poses::{PoseLog, PoseReader};
+use undrift::io::scalar::{Reading, ScalarFormat, ScalarReader};
 use undrift::io::truth::{TruthLog, TruthReader};
 
-use crate::{check_counts, exhaust, fix, imu, local_pose, opened, truth_sample, with_file};
+use crate::{check_counts, exhaust, fix, imu, local_pose, opened, scalar, truth_sample, with_file};
 
 /// Streams that are read by their names: a file can list thousands.
 const STREAMS: usize = 4;
@@ -25,6 +26,7 @@ pub fn log(format: Format, data: &[u8]) {
         fixes(path, &with_stds(GnssLog::new(format)));
         truth(path, format, None);
         local(path, format, None);
+        headings(path, format, None);
         for stream in streams.into_iter().take(STREAMS) {
             let name = Some(stream.name);
             match stream.kind {
@@ -45,6 +47,7 @@ pub fn log(format: Format, data: &[u8]) {
                         ..GnssLog::new(format)
                     }),
                 ),
+                StreamKind::Headings => headings(path, format, name),
                 StreamKind::Other => {}
             }
         }
@@ -64,6 +67,18 @@ fn with_stds(log: GnssLog) -> GnssLog {
 
 fn fixes(path: &Path, log: &GnssLog) {
     gnss(GnssReader::open(path, &log.clone().into()));
+}
+
+fn headings(path: &Path, log: Format, name: Option<String>) {
+    let turn = std::f64::consts::TAU;
+    let options = ScalarFormat {
+        reading: Reading::Log(log, name),
+        ..ScalarFormat::headings(log, 0.01, (-turn, turn))
+    };
+    if let Ok(mut reader) = opened(ScalarReader::open(path, &options)) {
+        exhaust(&mut reader, |heading| heading.time, scalar);
+        check_counts(reader.skipped(), None);
+    }
 }
 
 /// All fixes of a log, if it can be opened.

@@ -267,7 +267,8 @@ fn replayed(kind: BiasModel, first: u8, events: &[Event]) {
                 };
                 aiding.push(match more {
                     6 => Measurement::Odometer(scalar),
-                    _ => Measurement::Barometer(scalar),
+                    _ if event.kind & 0x10 == 0 => Measurement::Barometer(scalar),
+                    _ => Measurement::Heading(scalar),
                 });
             }
         }

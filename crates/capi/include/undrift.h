@@ -40,7 +40,7 @@
 /**
  * Kinds of parameters.
  */
-#define UNDRIFT_PARAMETERS 13
+#define UNDRIFT_PARAMETERS 14
 
 /**
  * Bytes of a filter beside its covariance and estimates, at most; see UNDRIFT_FILTER_BYTES.
@@ -238,6 +238,10 @@ enum undrift_event_kind
      * A measurement came later than the horizon and is not used.
      */
     UNDRIFT_EVENT_KIND_TOO_LATE = 12,
+    /**
+     * Headings by two antennas were rejected; `value` is what the last of them was off by [rad].
+     */
+    UNDRIFT_EVENT_KIND_HEADINGS_REJECTED = 13,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -309,6 +313,10 @@ enum undrift_parameter
      * By how much the accelerometers are later than the gyros [s].
      */
     UNDRIFT_PARAMETER_ACCEL_DELAY = 12,
+    /**
+     * Direction of the second antenna in the body, from forward to right, beyond the one given [rad].
+     */
+    UNDRIFT_PARAMETER_HEADING_OFFSET = 13,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -334,6 +342,10 @@ enum undrift_scalar_kind
      * Height, up positive [m].
      */
     UNDRIFT_SCALAR_KIND_BAROMETER = 1,
+    /**
+     * Azimuth of a second antenna as seen from the first, from north to east [rad].
+     */
+    UNDRIFT_SCALAR_KIND_HEADING = 2,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -698,6 +710,11 @@ typedef struct {
      */
     int32_t learn_fix_errors;
     /**
+     * Direction of a second antenna as seen from the first in the body, from forward to right [rad]; how well it is known is the prior
+     * UNDRIFT_PARAMETER_HEADING_OFFSET.
+     */
+    double heading_baseline;
+    /**
      * Factors on the noise that vibration adds, gyro and accelerometer x, y, z; all 0: the noise is the model's throughout.
      */
     double vibration[UNDRIFT_AXES];
@@ -894,6 +911,18 @@ undrift_status undrift_update_height(undrift_filter *filter,
                                      double std,
                                      const undrift_gate *gate,
                                      undrift_update *done);
+
+/**
+ * Updates with the azimuth of a second antenna as seen from the first, from north to east [rad], with standard deviation `std` [rad].
+ * The second lies in the direction `baseline` in the body, from forward to right [rad], which may be off by
+ * UNDRIFT_PARAMETER_HEADING_OFFSET. UNDRIFT_STATUS_OUT_OF_RANGE where one is above the other.
+ */
+undrift_status undrift_update_heading(undrift_filter *filter,
+                                      double heading,
+                                      double std,
+                                      double baseline,
+                                      const undrift_gate *gate,
+                                      undrift_update *done);
 
 /**
  * Number of states in use; 0 for what is no filter.

@@ -11,7 +11,7 @@ use undrift_engine::{
     Event, Navigator as Inner, Part, PushError, Scalar, ScalarLog,
     align::{AlignSettings, Heading},
     settings::{Settings, fix_errors::FromFixes},
-    vehicle::Profile,
+    vehicle::{Constraints, Profile},
 };
 use undrift_nav::{
     Vector3,
@@ -52,6 +52,9 @@ pub struct NavigatorSettings {
     pub find_mounting: i32,
     /// Not 0: the errors of fixes beyond their covariance are learned from the fixes.
     pub learn_fix_errors: i32,
+    /// Direction of a second antenna as seen from the first in the body, from forward to right \[rad\]; how well it is known is the prior
+    /// UNDRIFT_PARAMETER_HEADING_OFFSET.
+    pub heading_baseline: f64,
     /// Factors on the noise that vibration adds, gyro and accelerometer x, y, z; all 0: the noise is the model's throughout.
     pub vibration: [f64; UNDRIFT_AXES],
 }
@@ -86,6 +89,8 @@ pub enum EventKind {
     Diverged = 11,
     /// A measurement came later than the horizon and is not used.
     TooLate = 12,
+    /// Headings by two antennas were rejected; `value` is what the last of them was off by \[rad\].
+    HeadingsRejected = 13,
 }
 
 /// An event of the navigation.
@@ -144,6 +149,7 @@ pub unsafe extern "C" fn undrift_navigator_defaults(settings: *mut NavigatorSett
         vehicle: Vehicle::None as i32,
         heading: 0.0,
         heading_std: 0.0,
+        heading_baseline: 0.0,
         find_mounting: 0,
         learn_fix_errors: 1,
         vibration: [1.0; UNDRIFT_AXES],
@@ -197,7 +203,8 @@ fn engine_settings(
     settings: &NavigatorSettings,
     sensors: [undrift_nav::shaping::ShapingFilter; UNDRIFT_AXES],
 ) -> Result<Settings, Status> {
-    finite(settings.lever_arm.iter().chain([&settings.heading]))?;
+    let angles = [&settings.heading, &settings.heading_baseline];
+    finite(settings.lever_arm.iter().chain(angles))?;
     not_negative(
         settings
             .vibration
@@ -214,7 +221,10 @@ fn engine_settings(
     let follows = settings.vibration.iter().any(|factor| *factor > 0.0);
     Ok(Settings {
         lever_arm: settings.lever_arm.into(),
-        constraints: profile.constraints(),
+        constraints: Constraints {
+            heading_baseline: settings.heading_baseline,
+            ..profile.constraints()
+        },
         align: AlignSettings {
             heading,
             ..AlignSettings::default()
@@ -397,6 +407,7 @@ fn plain(event: &Event) -> NavigatorEvent {
         },
         Event::Doubted(doubt) => (EventKind::AcceptedInTheEnd, doubt.position),
         Event::HeadingOff(off) => (EventKind::HeadingOff, off.angle),
+        Event::HeadingsRejected(headings) => (EventKind::HeadingsRejected, headings.angle),
         Event::Leant(_) => (EventKind::OneSided, 0.0),
         Event::AlignsAgain(..) => (EventKind::AlignsAgain, 0.0),
         Event::FixErrors(_, errors) => (EventKind::FixErrors, errors.position_factor),

@@ -5,7 +5,7 @@ pub const UNDRIFT_MAX_ORDER: usize = 6;
 /// Sensor axes: gyro x, y, z, then accelerometer x, y, z.
 pub const UNDRIFT_AXES: usize = 6;
 /// Kinds of parameters.
-pub const UNDRIFT_PARAMETERS: usize = 13;
+pub const UNDRIFT_PARAMETERS: usize = 14;
 
 /// The noise model of one sensor axis, a shaping filter that steps once a sample:
 /// x' = F x + G w, error = H x + D w. The functions undrift_sensor_... make the usual ones.
@@ -63,6 +63,8 @@ pub enum ScalarKind {
     Odometer = 0,
     /// Height, up positive \[m\].
     Barometer = 1,
+    /// Azimuth of a second antenna as seen from the first, from north to east \[rad\].
+    Heading = 2,
 }
 
 /// Constants that can be estimated beside the sensors' errors: places in the array given to
@@ -97,6 +99,8 @@ pub enum Parameter {
     ClockRate = 11,
     /// By how much the accelerometers are later than the gyros \[s\].
     AccelDelay = 12,
+    /// Direction of the second antenna in the body, from forward to right, beyond the one given \[rad\].
+    HeadingOffset = 13,
 }
 
 /// What is known of a parameter before: its correction is zero with this standard deviation.

@@ -230,3 +230,24 @@ pub unsafe extern "C" fn undrift_update_height(
     // SAFETY: passed on.
     unsafe { run(filter, gate, done, observe) }
 }
+
+/// Updates with the azimuth of a second antenna as seen from the first, from north to east \[rad\], with standard deviation `std` \[rad\].
+/// The second lies in the direction `baseline` in the body, from forward to right \[rad\], which may be off by
+/// UNDRIFT_PARAMETER_HEADING_OFFSET. UNDRIFT_STATUS_OUT_OF_RANGE where one is above the other.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn undrift_update_heading(
+    filter: *mut Filter,
+    heading: f64,
+    std: f64,
+    baseline: f64,
+    gate: *const Gate,
+    done: *mut Update,
+) -> Status {
+    let observe = |filter: &Inner| {
+        finite([&heading, &baseline])?;
+        let observed = filter.observe_heading(heading, baseline);
+        Ok((observed.ok_or(Status::OutOfRange)?, [[variance(std)?]]))
+    };
+    // SAFETY: passed on.
+    unsafe { run(filter, gate, done, observe) }
+}

@@ -16,9 +16,9 @@ pub use words::RECEIVED;
 
 use undrift_nav::units::{Quantity, unit_factor};
 use words::{
-    ACCELS, ACCURACIES, COURSES, DATES, DIRECTIONS, ECEF_VELOCITIES, ECEFS, GRID, GYROS, HEIGHTS,
-    LATITUDES, LONGITUDES, POSITION_STDS, SPEEDS, SUFFIXES, TIME_ENDINGS, TIME_UNITS, TIMES,
-    VELOCITIES, VELOCITY_STDS,
+    ACCELS, ACCURACIES, ANTENNAS, COURSES, DATES, DIRECTIONS, ECEF_VELOCITIES, ECEFS, GRID, GYROS,
+    HEIGHTS, LATITUDES, LONGITUDES, POSITION_STDS, SPEEDS, SUFFIXES, TIME_ENDINGS, TIME_UNITS,
+    TIMES, VELOCITIES, VELOCITY_STDS,
 };
 
 /// Meaning of a column.
@@ -64,6 +64,8 @@ pub enum Meaning {
     VelocityStd(usize),
     /// Roll, pitch, yaw (0, 1, 2).
     Attitude(usize),
+    /// Heading by two antennas.
+    AntennaHeading,
     /// Temperature of the sensor.
     Temperature,
 }
@@ -74,7 +76,11 @@ impl Meaning {
             Self::Time => Quantity::Time,
             Self::Gyro(_) => Quantity::AngularRate,
             Self::Accel(_) => Quantity::Acceleration,
-            Self::Latitude | Self::Longitude | Self::Attitude(_) | Self::Course => Quantity::Angle,
+            Self::Latitude
+            | Self::Longitude
+            | Self::Attitude(_)
+            | Self::AntennaHeading
+            | Self::Course => Quantity::Angle,
             Self::Height
             | Self::Grid(_)
             | Self::PositionStd(_)
@@ -284,6 +290,8 @@ fn of_letters(name: &str) -> Option<Meaning> {
         Some(Meaning::Accuracy(of))
     } else if SPEEDS.contains(&name) {
         Some(Meaning::Speed)
+    } else if ANTENNAS.contains(&name) {
+        Some(Meaning::AntennaHeading)
     } else if COURSES.contains(&name) {
         Some(Meaning::Course)
     } else if LATITUDES.contains(&name) {

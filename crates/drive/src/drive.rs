@@ -31,7 +31,7 @@ mod memory;
 mod named;
 pub(crate) mod poses;
 mod result;
-mod scalars;
+pub(crate) mod scalars;
 pub(crate) mod tables;
 #[cfg(test)]
 mod tests;
@@ -239,7 +239,7 @@ impl Drive {
             );
             return Err(gnss.error("lever_arm", message).into());
         }
-        let (constraints, parameters) = tables::read_vehicle(&top.section("vehicle")?)?;
+        let (mut constraints, parameters) = tables::read_vehicle(&top.section("vehicle")?)?;
         let of_imu = top.section("imu")?;
         let vibration_is_stated = of_imu.get("vibration").is_some();
         let (imu, options) = imu::read_imu(&of_imu, &mut logs)?;
@@ -256,6 +256,7 @@ impl Drive {
             }
         }
         let (scalars, parameters) = scalars::read(top, &mut logs, parameters)?;
+        constraints.heading_baseline = scalars::read_baseline(&top.section("heading")?)?;
         let quality = match posed {
             true => QualityStd::AsStated,
             false => gnss::read_quality(&gnss)?,

@@ -242,6 +242,7 @@ fn of_streams(streams: &[Stream], notes: &mut Vec<Note>) -> Vec<Part> {
         ("gnss", StreamKind::Fixes),
         ("truth", StreamKind::Poses),
         ("poses", StreamKind::LocalPoses),
+        ("heading", StreamKind::Headings),
     ] {
         let names = of(kind);
         if names.is_empty() {

@@ -4,11 +4,16 @@
 //! themselves are those of [`undrift_nav::filter::Filter`]. Fixes are judged by [`crate::receiver`], what is known of a
 //! vehicle's motion is used when [`crate::constraints`] says so. How to add one: `docs/lab/add-a-measurement.md`.
 
+mod by_aid;
+mod channel;
 mod gnss;
 mod pose;
 
+pub use by_aid::ByAid;
+pub use channel::Channel;
+
+use crate::vehicle::Constraints;
 use alloc::{string::String, vec::Vec};
-use core::ops::{Index, IndexMut};
 use undrift_nav::{
     Quaternion, Vector3,
     aiding::Observation,
@@ -34,19 +39,22 @@ pub enum Aid {
     Odometer,
     /// Barometric heights.
     Barometer,
+    /// Headings by two antennas.
+    Heading,
     /// Attitudes of a marker.
     Attitude,
 }
 
 impl Aid {
     /// Every kind, in the order in which they are reported.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Position,
         Self::Velocity,
         Self::NonHolonomic,
         Self::ZeroVelocity,
         Self::Odometer,
         Self::Barometer,
+        Self::Heading,
         Self::Attitude,
     ];
     /// Number of kinds.
@@ -61,6 +69,7 @@ impl Aid {
             Self::ZeroVelocity => "zero velocity",
             Self::Odometer => "odometer",
             Self::Barometer => "barometer",
+            Self::Heading => "heading",
             Self::Attitude => "attitude",
         }
     }
@@ -84,34 +93,9 @@ impl Aid {
             Self::ZeroVelocity => "Zero-velocity updates.",
             Self::Odometer => "Odometer updates.",
             Self::Barometer => "Barometer updates.",
+            Self::Heading => "Heading updates.",
             Self::Attitude => "Attitude updates.",
         }
-    }
-}
-
-/// A value for each [`Aid`], read and written as `table[aid]`.
-///
-/// ```
-/// use undrift_engine::{Aid, ByAid};
-/// let mut updates = ByAid::<u32>::default();
-/// updates[Aid::Odometer] += 1;
-/// assert_eq!(Aid::ALL.map(|aid| updates[aid]).iter().sum::<u32>(), 1);
-/// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
-pub struct ByAid<T>(pub [T; Aid::COUNT]);
-
-impl<T> Index<Aid> for ByAid<T> {
-    type Output = T;
-
-    fn index(&self, aid: Aid) -> &T {
-        &self.0[aid as usize]
-    }
-}
-
-impl<T> IndexMut<Aid> for ByAid<T> {
-    fn index_mut(&mut self, aid: Aid) -> &mut T {
-        &mut self.0[aid as usize]
     }
 }
 
@@ -131,6 +115,8 @@ pub enum Log {
     Odometer,
     /// Barometric heights.
     Barometer,
+    /// Headings by two antennas.
+    Heading,
     /// Static recording for identification.
     Recording,
 }
@@ -144,6 +130,7 @@ impl Log {
             Self::Truth => "truth",
             Self::Odometer => "odometer",
             Self::Barometer => "barometer",
+            Self::Heading => "heading",
             Self::Recording => "recording",
         }
     }
@@ -156,11 +143,13 @@ pub enum ScalarLog {
     Odometer,
     /// Heights above any reference, up positive \[m\].
     Barometer,
+    /// Azimuths of a second antenna as seen from the first, from north to east \[rad\].
+    Heading,
 }
 
 impl ScalarLog {
     /// Every kind, in the order in which they are read.
-    pub const ALL: [Self; 2] = [Self::Odometer, Self::Barometer];
+    pub const ALL: [Self; 3] = [Self::Odometer, Self::Barometer, Self::Heading];
 
     /// Its table in a drive file.
     pub fn name(self) -> &'static str {
@@ -172,6 +161,7 @@ impl ScalarLog {
         match self {
             Self::Odometer => "The log of wheel speeds.",
             Self::Barometer => "The log of heights.",
+            Self::Heading => "The log of headings.",
         }
     }
 
@@ -180,6 +170,7 @@ impl ScalarLog {
         match self {
             Self::Odometer => Log::Odometer,
             Self::Barometer => Log::Barometer,
+            Self::Heading => Log::Heading,
         }
     }
 
@@ -188,6 +179,7 @@ impl ScalarLog {
         match self {
             Self::Odometer => Aid::Odometer,
             Self::Barometer => Aid::Barometer,
+            Self::Heading => Aid::Heading,
         }
     }
 
@@ -203,6 +195,7 @@ impl ScalarLog {
         match self {
             Self::Odometer => Measurement::Odometer(scalar),
             Self::Barometer => Measurement::Barometer(scalar),
+            Self::Heading => Measurement::Heading(scalar),
         }
     }
 }
@@ -246,6 +239,8 @@ pub enum Measurement {
     Odometer(Scalar),
     /// Height by the barometer, up positive \[m\].
     Barometer(Scalar),
+    /// Azimuth of a second antenna as seen from the first, from north to east \[rad\].
+    Heading(Scalar),
 }
 
 impl Measurement {
@@ -258,7 +253,7 @@ impl Measurement {
     pub fn time(&self) -> f64 {
         match self {
             Self::Gnss(fix) => fix.time,
-            Self::Odometer(s) | Self::Barometer(s) => s.time,
+            Self::Odometer(s) | Self::Barometer(s) | Self::Heading(s) => s.time,
         }
     }
 
@@ -267,7 +262,7 @@ impl Measurement {
     pub fn at(mut self, time: f64) -> Self {
         match &mut self {
             Self::Gnss(fix) => fix.time = time,
-            Self::Odometer(s) | Self::Barometer(s) => s.time = time,
+            Self::Odometer(s) | Self::Barometer(s) | Self::Heading(s) => s.time = time,
         }
         self
     }
@@ -278,28 +273,35 @@ impl Measurement {
             Self::Gnss(fix) => ("fix", fix.is_finite()),
             Self::Odometer(speed) => ("wheel speed", speed.is_finite()),
             Self::Barometer(height) => ("height", height.is_finite()),
+            Self::Heading(heading) => ("heading", heading.is_finite()),
         };
         (!finite).then_some(what)
     }
 
     /// Whether it says nothing before the mounting is known.
     pub(crate) fn needs_vehicle_axes(&self) -> bool {
-        matches!(self, Self::Odometer(_))
+        matches!(self, Self::Odometer(_) | Self::Heading(_))
     }
 
-    /// A measurement of one number, what it is counted as and how the filter takes it; the odometer's wheel is at
-    /// `odometer_lever` [m, body axes]. Fixes are judged by their receiver.
-    pub(crate) fn scalar(&self, odometer_lever: &Vector3) -> Option<(Scalar, Aid, Aiding)> {
+    /// A measurement of one number, what it is counted as and how the filter takes it. Fixes are judged by their receiver.
+    pub(crate) fn scalar(&self, constraints: &Constraints) -> Option<(Scalar, Aid, Aiding)> {
         Some(match *self {
             Self::Gnss(_) => return None,
             Self::Odometer(speed) => {
                 let aiding = Aiding::Odometer {
                     speed: speed.value,
-                    lever_arm: *odometer_lever,
+                    lever_arm: constraints.odometer_lever,
                 };
                 (speed, Aid::Odometer, aiding)
             }
             Self::Barometer(height) => (height, Aid::Barometer, Aiding::Barometer(height.value)),
+            Self::Heading(heading) => {
+                let aiding = Aiding::Heading {
+                    heading: heading.value,
+                    baseline: constraints.heading_baseline,
+                };
+                (heading, Aid::Heading, aiding)
+            }
         })
     }
 
@@ -309,6 +311,7 @@ impl Measurement {
             Self::Gnss(_) => 0,
             Self::Odometer(_) => 1,
             Self::Barometer(_) => 2,
+            Self::Heading(_) => 3,
         }
     }
 }
@@ -383,6 +386,13 @@ pub enum Aiding {
     },
     /// Height by a barometer, up positive \[m\].
     Barometer(f64),
+    /// Heading by two antennas.
+    Heading {
+        /// Azimuth of the second antenna as seen from the first, from north to east \[rad\].
+        heading: f64,
+        /// Direction of the second antenna in the body, from forward to right, as configured \[rad\].
+        baseline: f64,
+    },
     /// Attitude of a marker.
     Attitude {
         /// Attitude against the frame of the poses, `q_rk`, as measured.
@@ -394,24 +404,9 @@ pub enum Aiding {
     },
 }
 
-/// Group of measurements that noise is fitted for by itself, from the updates that [`LogTo`](crate::estimator::LogTo) receives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Channel {
-    /// GNSS position.
-    Position,
-    /// GNSS velocity.
-    Velocity,
-    /// Non-holonomic constraint.
-    NonHolonomic,
-    /// Attitude of a marker.
-    Attitude,
-    /// Any other kind.
-    Other,
-}
-
 impl Aiding {
-    /// The measurement of one number by its name: `"course"` \[rad\], `"odometer"` [m/s] or `"barometer"` \[m\], the wheel at `lever_arm` [m, body
-    /// axes]. `None` for any other name.
+    /// The measurement of one number by its name: `"course"` \[rad\], `"odometer"` [m/s], `"barometer"` \[m\] or `"heading"` \[rad\], the wheel at
+    /// `lever_arm` [m, body axes], the second antenna ahead. `None` for any other name.
     pub fn scalar(name: &str, value: f64, lever_arm: Vector3) -> Option<Self> {
         Some(match name {
             "course" => Self::Course(value),
@@ -420,18 +415,12 @@ impl Aiding {
                 lever_arm,
             },
             "barometer" => Self::Barometer(value),
+            "heading" => Self::Heading {
+                heading: value,
+                baseline: 0.0,
+            },
             _ => return None,
         })
-    }
-
-    pub(crate) fn channel(&self) -> Channel {
-        match self {
-            Self::Position { .. } => Channel::Position,
-            Self::Velocity { .. } => Channel::Velocity,
-            Self::NonHolonomic(_) => Channel::NonHolonomic,
-            Self::Attitude { .. } => Channel::Attitude,
-            _ => Channel::Other,
-        }
     }
 }
 
@@ -470,6 +459,9 @@ pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Op
             Observed::One(filter.observe_odometer(*speed, lever_arm))
         }
         Aiding::Barometer(height) => Observed::One(filter.observe_barometer(*height)),
+        Aiding::Heading { heading, baseline } => {
+            Observed::One(filter.observe_heading(*heading, *baseline)?)
+        }
         Aiding::Attitude { q_rk, q_bk, due } => {
             Observed::Three(pose::observe_attitude(filter, q_rk, q_bk, *due))
         }

@@ -32,6 +32,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod antennas;
 mod basis;
 mod clocks;
 mod motion;
@@ -50,6 +51,7 @@ pub use result::{
 };
 
 use crate::{
+    consensus::Recent,
     derived::Positions,
     estimator::{self, Aiding, Estimator},
     settings::Settings,
@@ -120,6 +122,8 @@ pub(crate) struct Aligner {
     rest: Rest,
     /// Attitude against a frame of arbitrary azimuth, level once there was rest.
     level: Quaternion,
+    /// Headings by two antennas against that frame.
+    antennas: Recent,
     /// The last rest.
     rested: Option<Rested>,
     /// Whether GNSS ever agreed that the vehicle stood.
@@ -233,7 +237,7 @@ impl Aligner {
         }
         let bias_variance =
             noise_of_mean(&settings.sensors[..3], self.rest.bias_span()) + RATE_FLOOR * RATE_FLOOR;
-        if let (Some(rested), Some(heading)) = (self.rested, self.heading(&seen)) {
+        if let (Some(rested), Some(heading)) = (self.rested, self.heading(&seen, settings)) {
             let aligned = self.after_rest(&seen, rested, heading, bias_variance, settings);
             return aligned.map(Some);
         }
@@ -326,11 +330,11 @@ impl Aligner {
         }
     }
 
-    /// The heading with its standard deviation \[rad\], where it is given or the course says it.
+    /// The heading with its standard deviation \[rad\], where it is given or the course or two antennas say it.
     ///
     /// The variance of a course is that of the velocity across it over the speed squared, and that of a side
     /// slip of 2°.
-    fn heading(&self, seen: &Seen) -> Option<(f64, f64, HeadingSource)> {
+    fn heading(&mut self, seen: &Seen, settings: &Settings) -> Option<(f64, f64, HeadingSource)> {
         let (velocity, covariance) = &seen.velocity;
         let speed = self.speed;
         match self.settings.heading {
@@ -340,7 +344,7 @@ impl Aligner {
                 let std = (over_ground(covariance) / speed).hypot(COURSE_FLOOR);
                 (std < COURSE_WORST).then_some((course, std, HeadingSource::Course))
             }
-            _ => None,
+            _ => self.heading_by_antennas(seen.time, settings),
         }
     }
 
@@ -368,7 +372,12 @@ impl Aligner {
         let wide = InitialStd {
             position: Vector3::repeat(1.0),
             velocity: Vector3::repeat(1.0),
-            attitude: Vector3::new(TILT_BEFORE, TILT_BEFORE, std),
+            attitude: match from {
+                HeadingSource::Antennas => {
+                    Vector3::new(TILT_BEFORE, TILT_BEFORE, antennas::wide(std))
+                }
+                _ => Vector3::new(TILT_BEFORE, TILT_BEFORE, std),
+            },
         };
         let at_rest = NavState {
             q_nb: spin * level_at_rest,
@@ -394,6 +403,9 @@ impl Aligner {
             filter.update(&rate, &noise, &Gate::OPEN)?;
         }
         filter.set_nav(now);
+        if from == HeadingSource::Antennas {
+            antennas::take_in(&mut *filter, std, settings)?;
+        }
         let correlated = settings
             .fix_errors
             .correlated_std(&seen.position.1, &seen.velocity.1);

@@ -159,8 +159,7 @@ pub(super) fn scalar(
     settings: &Settings,
     summary: &mut Summary,
 ) {
-    let lever = &settings.constraints.odometer_lever;
-    let Some((measured, aid, aiding)) = measurement.scalar(lever) else {
+    let Some((measured, aid, aiding)) = measurement.scalar(&settings.constraints) else {
         return;
     };
     let unknown = solution.in_long_gap();

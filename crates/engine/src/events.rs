@@ -52,6 +52,8 @@ pub enum Event {
     Doubted(Doubt),
     /// The course over ground contradicts the heading.
     HeadingOff(HeadingOff),
+    /// Consecutive headings by two antennas were rejected; reported when the last of them has passed.
+    HeadingsRejected(RejectedHeadings),
     /// Innovations were biased to one side for a while.
     Leant(Lean),
     /// The solution ended at this time \[s\], for this reason, and is aligned again; [`Event::Resumed`] follows.
@@ -83,6 +85,7 @@ impl Event {
             Self::Rejected(fixes) => fixes.start,
             Self::Doubted(doubt) => doubt.end,
             Self::HeadingOff(off) => off.start,
+            Self::HeadingsRejected(headings) => headings.start,
             Self::Leant(lean) => lean.start,
         }
     }
@@ -287,4 +290,21 @@ pub struct HeadingOff {
     pub end: f64,
     /// Largest value of course less heading, beyond what is usual \[rad\].
     pub angle: f64,
+}
+
+/// Consecutive headings by two antennas that contradicted the solution and were rejected.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RejectedHeadings {
+    /// Time of the first \[s\].
+    pub start: f64,
+    /// Time of the last \[s\].
+    pub end: f64,
+    /// Number of headings.
+    pub headings: u64,
+    /// Measured less predicted heading of the last \[rad\].
+    pub angle: f64,
+    /// Whether they went on for so long that they were believed.
+    pub accepted_in_the_end: bool,
 }

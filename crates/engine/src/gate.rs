@@ -308,9 +308,14 @@ pub(super) struct Scale {
 
 impl Scale {
     pub(super) fn new() -> Self {
+        Self::with_information(PRIOR)
+    }
+
+    /// With so much information that the stated covariance is right.
+    pub(super) fn with_information(information: f64) -> Self {
         Self {
             log: 0.0,
-            information: PRIOR,
+            information,
             updates: 0,
             sum: 0.0,
             weight: 0.0,
@@ -325,6 +330,18 @@ impl Scale {
     /// Mean factor on the standard deviation, once it has settled.
     pub(super) fn mean(&self) -> Option<f64> {
         (self.updates > 2 * SETTLE).then(|| (0.5 * self.sum / self.weight).exp())
+    }
+
+    /// Learns as [`Scale::learn`], never to less than is stated.
+    pub(super) fn learn_no_less(&mut self, update: &Update) {
+        self.learn(update);
+        self.log = self.log.max(0.0);
+    }
+
+    /// Factor on the covariance that is at least necessary, within a standard deviation.
+    pub(super) fn least_factor(&self) -> f64 {
+        let std = self.information.sqrt().recip();
+        (self.log - std).max(0.0).exp()
     }
 
     /// Learns from an update with the covariance as scaled.

@@ -55,6 +55,7 @@ mod bridge;
 mod checked;
 #[cfg(feature = "checkpoint")]
 mod checkpoint;
+mod consensus;
 mod constraints;
 mod course;
 pub mod derived;
@@ -62,6 +63,7 @@ pub mod estimator;
 mod events;
 pub mod fixes;
 mod gate;
+mod heading;
 mod health;
 mod inertial;
 #[cfg(feature = "checkpoint")]
@@ -91,8 +93,8 @@ pub use aid::{Aid, ByAid, Log, Measurement, ScalarLog};
 #[cfg(feature = "checkpoint")]
 pub use checkpoint::RestoreError;
 pub use events::{
-    Contradiction, Event, FixMend, HeadingOff, Implausible, Lean, Part, Restart, RestartCause,
-    SampleFault,
+    Contradiction, Event, FixMend, HeadingOff, Implausible, Lean, Part, RejectedHeadings, Restart,
+    RestartCause, SampleFault,
 };
 pub use health::CovarianceHealth;
 pub use measurement::Scalar;

@@ -103,6 +103,8 @@ pub(super) struct Queue {
     positions: VecDeque<GnssFix>,
     /// Fixes whose velocity is still due.
     velocities: VecDeque<GnssFix>,
+    /// Headings by the receiver's antennas, as late as its positions.
+    headings: VecDeque<Scalar>,
     /// Wheel speeds and heights: due at their stamps.
     others: VecDeque<Measurement>,
     repeats: Repeats,
@@ -171,6 +173,7 @@ impl Queue {
             fixes: VecDeque::new(),
             positions: VecDeque::new(),
             velocities: VecDeque::new(),
+            headings: VecDeque::new(),
             others: VecDeque::new(),
             repeats: Repeats::default(),
         }
@@ -208,6 +211,7 @@ impl Queue {
             match next {
                 Measurement::Gnss(fix) if self.repeats.is(fix) => {}
                 Measurement::Gnss(fix) => self.fixes.push_back(*fix),
+                Measurement::Heading(heading) => self.headings.push_back(*heading),
                 other => self.others.push_back(*other),
             }
         }
@@ -222,7 +226,8 @@ impl Queue {
             }
         }
         let fixes = [&self.fixes, &self.positions, &self.velocities];
-        if self.others.is_empty() && fixes.iter().all(|fixes| fixes.is_empty()) {
+        let rest = self.others.is_empty() && self.headings.is_empty();
+        if rest && fixes.iter().all(|fixes| fixes.is_empty()) {
             return None;
         }
         let stamp = |fixes: &VecDeque<GnssFix>| fixes.front().map(|fix| fix.time);
@@ -230,6 +235,8 @@ impl Queue {
         // What is left of the parts when a solution ends goes on as before.
         let apart = latency.velocity.unwrap_or(latency.position);
         let due = [
+            // Before a fix of the same time, which may align with it.
+            later(self.headings.front().map(|h| h.time), latency.position),
             later(stamp(&self.fixes), latency.position),
             later(stamp(&self.positions), latency.position),
             later(stamp(&self.velocities), apart),
@@ -241,12 +248,16 @@ impl Queue {
         }
         let part = |fix, part| (Measurement::Gnss(fix), part);
         match first {
-            0 => self.fixes.pop_front().map(|fix| part(fix, None)),
-            1 => {
+            0 => {
+                let heading = self.headings.pop_front();
+                heading.map(|heading| (Measurement::Heading(heading), None))
+            }
+            1 => self.fixes.pop_front().map(|fix| part(fix, None)),
+            2 => {
                 let fix = self.positions.pop_front();
                 fix.map(|fix| part(fix, Some(Part::Position)))
             }
-            2 => {
+            3 => {
                 let fix = self.velocities.pop_front();
                 fix.map(|fix| part(fix, Some(Part::Velocity)))
             }

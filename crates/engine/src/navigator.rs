@@ -261,6 +261,16 @@ impl Navigator {
         self.measure(Measurement::Barometer(height))
     }
 
+    /// Pushes the azimuth of a second antenna as seen from the first, from north to east \[rad\], in the same way as [`Navigator::fix`].
+    /// Its direction in the body is [`Constraints::heading_baseline`](crate::vehicle::Constraints::heading_baseline), and
+    /// [`Parameter::HeadingOffset`] where it is not exact. At rest it gives the first heading.
+    ///
+    /// # Errors
+    /// As [`Navigator::fix`].
+    pub fn heading(&mut self, heading: Scalar) -> Result<bool, PushError> {
+        self.measure(Measurement::Heading(heading))
+    }
+
     /// Pushes a measurement of any kind, in the same way as [`Navigator::fix`].
     ///
     /// # Errors

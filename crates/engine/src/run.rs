@@ -32,6 +32,7 @@ use super::{
     constraints::{self, Vehicle},
     course::CourseWatch,
     events::{Part, Restart, RestartCause},
+    heading::Headings,
     inertial::Inertial,
     measurement::{Latency, Measured, Queue},
     observer::Observer,
@@ -88,6 +89,8 @@ pub(crate) struct Run {
     plausible: Plausible,
     /// Watch of the heading.
     course: CourseWatch,
+    /// Watch of the headings by two antennas.
+    headings: Headings,
     /// Rest and constraints.
     vehicle: Vehicle,
     /// Faults of the sensors; holds one sample back.
@@ -172,6 +175,7 @@ impl Run {
             streak: Streak::default(),
             plausible: Plausible::new(&settings),
             course: CourseWatch::new(),
+            headings: Headings::new(),
             vehicle: Vehicle::new(&settings),
             inertial: Inertial::new(settings.rotation),
             vibration: Vibration::from_settings(&settings),
@@ -316,9 +320,10 @@ impl Run {
                     }
                     self.fix(&fix, part, &sample, observer)?;
                 }
+                other if other.needs_vehicle_axes() && !self.has_vehicle_axes() => {}
+                Measurement::Heading(heading) => self.heading(&heading, &sample),
                 other => {
-                    let placed = self.has_vehicle_axes() || !other.needs_vehicle_axes();
-                    if placed && let Some(solution) = &mut self.solution {
+                    if let Some(solution) = &mut self.solution {
                         constraints::scalar(solution, &other, &self.settings, &mut self.summary);
                     }
                 }

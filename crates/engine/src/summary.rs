@@ -2,7 +2,9 @@
 
 use super::{
     CovarianceHealth,
-    events::{Contradiction, Event, HeadingOff, Implausible, Lean, Restart, SampleFault},
+    events::{
+        Contradiction, Event, HeadingOff, Implausible, Lean, RejectedHeadings, Restart, SampleFault,
+    },
 };
 #[cfg(feature = "checkpoint")]
 use crate::aid::Aid;
@@ -249,6 +251,8 @@ pub struct Summary {
     pub far: Vec<(Parameter, f64, f64)>,
     /// Spans in which the course contradicted the heading; the first [`MOST_EVENTS`].
     pub heading_off: Vec<HeadingOff>,
+    /// Headings by two antennas that were rejected, runs of three and more; the first [`MOST_EVENTS`].
+    pub rejected_headings: Vec<RejectedHeadings>,
     /// What all of the fixes show of their own errors; at the end of a run that learns them
     /// ([`Settings::from_fixes`](crate::settings::Settings::from_fixes)).
     pub study: Option<FixStudy>,
@@ -289,6 +293,12 @@ impl Summary {
             .chain(self.contradictions.iter().copied().map(Event::Rejected))
             .chain(self.doubts.iter().copied().map(Event::Doubted))
             .chain(self.heading_off.iter().copied().map(Event::HeadingOff))
+            .chain(
+                self.rejected_headings
+                    .iter()
+                    .copied()
+                    .map(Event::HeadingsRejected),
+            )
             .chain(self.leans.iter().copied().map(Event::Leant))
             .chain(
                 self.restarts
@@ -330,6 +340,7 @@ impl Summary {
         self.against_velocity = <[(f64, f64); 3]>::default();
         self.late_samples = LateSamples::default();
         self.heading_off.clear();
+        self.rejected_headings.clear();
         self.leans.clear();
         self.suspect = None;
     }

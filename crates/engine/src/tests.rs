@@ -1,6 +1,7 @@
 //! Drives of at most a minute with known truth, for the tests of what watches a solution.
 
 mod figures_of_eight;
+mod headings;
 mod poses;
 mod starts;
 
@@ -18,7 +19,7 @@ use undrift_nav::{
     filter::InitialStd,
     mechanisation::NavState,
     parameters::Parameters,
-    sample::{GnssFix, TruthSample},
+    sample::{GnssFix, Scalar, TruthSample},
     shaping::ShapingFilter,
 };
 use undrift_simulate::{GnssNoise, Simulation, Trajectory, simulate};
@@ -79,6 +80,7 @@ pub(super) fn driving_north(speed: f64) -> Box<dyn Estimator> {
 /// A simulated drive and how it is navigated. What is wrong with it is done to `log` and `settings`.
 pub(super) struct Scenario {
     pub(super) log: Simulation,
+    pub(super) headings: Vec<Scalar>,
     pub(super) settings: Settings,
 }
 
@@ -99,7 +101,11 @@ impl Scenario {
         let mut settings = Settings::new(sensors);
         let first = at(&log.truth, log.gnss[0].time).rpy.unwrap();
         settings.align.attitude = Some((first, Vector3::repeat(START)));
-        Self { log, settings }
+        Self {
+            log,
+            headings: Vec::new(),
+            settings,
+        }
     }
 
     /// The gyro about z reads too much by this rate \[rad/s\] from `start` \[s\] on.
@@ -136,10 +142,14 @@ impl Scenario {
         };
         let mut navigator = Navigator::new(self.settings.clone());
         let mut fixes = self.log.gnss.iter().copied().peekable();
+        let mut headings = self.headings.iter().copied().peekable();
         for sample in &self.log.imu {
             let until = sample.time + navigator.ahead() + STAMP_ROUNDING;
             while let Some(fix) = fixes.next_if(|fix| fix.time <= until) {
                 assert!(navigator.measure(Measurement::Gnss(fix)).unwrap());
+            }
+            while let Some(heading) = headings.next_if(|heading| heading.time <= until) {
+                assert!(navigator.heading(heading).unwrap());
             }
             navigator.imu_watched(*sample, &mut track).unwrap();
         }

@@ -56,6 +56,8 @@ pub struct Constraints {
     pub course: Option<(f64, f64)>,
     /// IMU → wheel that turns the odometer, body axes \[m\].
     pub odometer_lever: Vector3,
+    /// Direction of the second antenna as seen from the first in the body, from forward to right \[rad\].
+    pub heading_baseline: f64,
 }
 
 /// The non-holonomic constraint: the middle of the axle that does not steer moves along the vehicle's forward axis alone.

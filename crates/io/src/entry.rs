@@ -29,6 +29,8 @@ pub enum What {
     Pose(TruthSample),
     /// A pose in a local frame.
     LocalPose(LocalPose),
+    /// A heading by two antennas.
+    Heading(Heading),
     /// Something that cannot be used, and why: it is counted.
     Skipped(SkipKind, String),
 }
@@ -60,6 +62,7 @@ impl What {
                     && pose.rpy.is_none_or(|rpy| three(&rpy))
             }
             Self::LocalPose(pose) => pose.is_finite(),
+            Self::Heading(heading) => heading.time.is_finite() && heading.heading.is_finite(),
             Self::Skipped(..) => true,
         }
     }
@@ -88,6 +91,9 @@ impl What {
                 Vec::from_iter(parts).join("; ")
             }
             Self::LocalPose(pose) => pose.shown(),
+            Self::Heading(Heading { time, heading, .. }) => {
+                format!("{time} s; {} deg", heading.to_degrees())
+            }
             Self::Skipped(_, detail) => detail.clone(),
         }
     }
@@ -130,6 +136,18 @@ pub struct Fix {
     pub velocity: Option<(Vector3, Option<Matrix3>)>,
     /// What kind of solution the receiver calls it.
     pub quality: FixQuality,
+}
+
+/// A heading of a receiver with two antennas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Heading {
+    /// Time of validity \[s\].
+    pub time: f64,
+    /// Azimuth of the second antenna as seen from the first, or of what the receiver calls the vehicle's forward axis, from north to
+    /// east \[rad\].
+    pub heading: f64,
+    /// Standard deviation \[rad\], where the log states it.
+    pub std: Option<f64>,
 }
 
 /// A pose in the axes of the local frame of its log.
@@ -192,6 +210,8 @@ pub enum Wanted {
     Poses(Option<String>),
     /// Poses in a local frame, of a stream.
     LocalPoses(Option<String>),
+    /// Headings by two antennas, of a stream.
+    Headings(Option<String>),
 }
 
 impl Wanted {
@@ -205,6 +225,7 @@ impl Wanted {
             Self::Imu(name) => Ok((name, StreamKind::Imu, Key::Topic("imu"))),
             Self::Poses(name) => Ok((name, StreamKind::Poses, Key::Topic("truth"))),
             Self::LocalPoses(name) => Ok((name, StreamKind::LocalPoses, Key::Topic("poses"))),
+            Self::Headings(name) => Ok((name, StreamKind::Headings, Key::Topic("heading"))),
             Self::Fixes {
                 position, velocity, ..
             } => {
@@ -240,6 +261,8 @@ pub enum StreamKind {
     Poses,
     /// Poses in a local frame.
     LocalPoses,
+    /// Headings by two antennas.
+    Headings,
     /// Nothing that is read here.
     Other,
 }

@@ -31,7 +31,9 @@ mod ulog;
 
 use crate::ReadError;
 use crate::entry::Entries;
-pub use crate::entry::{Entry, Fix, ImuReading, LocalPose, Stream, StreamKind, Wanted, What};
+pub use crate::entry::{
+    Entry, Fix, Heading, ImuReading, LocalPose, Stream, StreamKind, Wanted, What,
+};
 use crate::epoch::Epoch;
 use crate::format::Format;
 use crate::skipped::{SkipKind, Skipped};
@@ -130,6 +132,12 @@ fn has_local_poses(format: Format) -> bool {
     matches!(format, Format::RosBag | Format::Mcap | Format::RosBag2)
 }
 
+/// Whether logs of the format can have headings by two antennas.
+fn has_headings(format: Format) -> bool {
+    use Format::{Nmea, Novatel, Sbf, Ubx};
+    matches!(format, Nmea | Novatel | Sbf | Ubx)
+}
+
 /// A log being read for one purpose.
 pub(crate) struct Log {
     entries: Entries,
@@ -156,10 +164,18 @@ impl Log {
         format: Format,
         wanted: &Wanted,
     ) -> Result<Self, ReadError> {
-        if matches!(wanted, Wanted::LocalPoses(_)) && !has_local_poses(format) {
-            let what = format.describe();
-            let error = ReadError::nameless(format!("{what} has no poses in a local frame"));
-            return Err(error.key("poses.file"));
+        let lacks = match wanted {
+            Wanted::LocalPoses(_) if !has_local_poses(format) => {
+                Some(("poses in a local frame", "poses.file"))
+            }
+            Wanted::Headings(_) if !has_headings(format) => {
+                Some(("headings by two antennas", "heading.file"))
+            }
+            _ => None,
+        };
+        if let Some((what, key)) = lacks {
+            let error = ReadError::nameless(format!("{} has no {what}", format.describe()));
+            return Err(error.key(key));
         }
         let (entries, skipped) = match known(format)?.2 {
             Messages(read) => (read(source, wanted)?, Skipped::of_messages()),

@@ -1,7 +1,8 @@
-//! Logs of one number: wheel speed or ticks, barometric height or pressure.
+//! Logs of one number: wheel speed or ticks, barometric height or pressure, heading by two antennas.
 //!
 //! A row is a time, a number and, where the file has one, its standard deviation. Read one by one;
-//! rows that cannot be used are skipped and counted, and gaps are noted, as for the other logs.
+//! rows that cannot be used are skipped and counted, and gaps are noted, as for the other logs. Headings may also be
+//! messages of a log that says itself what it holds.
 
 use std::sync::Arc;
 
@@ -9,7 +10,8 @@ use undrift_nav::earth::standard_height;
 use undrift_nav::sample::Scalar;
 
 use crate::ReadError;
-use crate::entry::Entry;
+use crate::entry::{Entry, Wanted, What};
+use crate::format::Format;
 use crate::gaps::{Gap, GapSummary, GapWatch};
 use crate::opened::Memory;
 use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
@@ -47,7 +49,7 @@ pub struct ScalarFormat {
 }
 
 /// How a number is made of its column.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Reading {
     /// The column times this factor.
     Scaled(f64),
@@ -60,6 +62,8 @@ pub enum Reading {
     Count(f64),
     /// Measurements in memory, as they are.
     Held,
+    /// Headings of a log of this format, of the stream with this name or of the only one.
+    Log(Format, Option<String>),
 }
 
 /// Standard deviation of a number, in SI.
@@ -69,6 +73,8 @@ pub enum ScalarStd {
     Constant(f64),
     /// A column times a factor.
     Column(Column, f64),
+    /// That of the log, or this one of a record without one.
+    Stated(f64),
 }
 
 /// Reads numbers.
@@ -90,6 +96,16 @@ impl Reader<Scalars> {
 }
 
 impl ScalarFormat {
+    /// Headings of a log of the format `log`, of its only stream of them, that may be in `range`; of those whose accuracy it does not
+    /// state the standard deviation is `std` \[rad\].
+    pub fn headings(log: Format, std: f64, range: (f64, f64)) -> Self {
+        Self {
+            reading: Reading::Log(log, None),
+            std: ("std", ScalarStd::Stated(std)),
+            ..Self::scalars("heading", range)
+        }
+    }
+
     /// Measurements in memory, [`Memory::Scalars`], that may be in `range`; `table` is what messages call them.
     pub fn scalars(table: &'static str, range: (f64, f64)) -> Self {
         Self {
@@ -119,9 +135,10 @@ impl Kind for Scalars {
         let key = |name: &str| format!("{}.{name}", format.table);
         let factor = match format.reading {
             Reading::Scaled(factor) | Reading::Pressure(factor) | Reading::Count(factor) => factor,
-            Reading::Held => 1.0,
+            Reading::Held | Reading::Log(..) => 1.0,
         };
-        let (ScalarStd::Constant(std) | ScalarStd::Column(_, std)) = &format.std.1;
+        let (ScalarStd::Constant(std) | ScalarStd::Column(_, std) | ScalarStd::Stated(std)) =
+            &format.std.1;
         for (name, number) in [
             ("time", format.time_scale),
             (format.value.0, factor),
@@ -145,8 +162,9 @@ impl Kind for Scalars {
                 gaps: GapWatch::default(),
                 count: None,
             },
-            source: match format.reading {
+            source: match &format.reading {
                 Reading::Held => Want::Records,
+                Reading::Log(log, stream) => Want::Log(*log, Wanted::Headings(stream.clone())),
                 _ => Want::Table(wanted),
             },
             span: format.span,
@@ -159,8 +177,12 @@ impl Kind for Scalars {
         Some((time, (read, std.first().copied().unwrap_or(f64::NAN))))
     }
 
-    fn of_entry(&mut self, _: Entry, _: &mut Skipped) -> Option<(f64, (f64, f64))> {
-        None
+    fn of_entry(&mut self, entry: Entry, _: &mut Skipped) -> Option<(f64, (f64, f64))> {
+        let What::Heading(read) = entry.what else {
+            return None;
+        };
+        let time = read.time + self.format.time_offset;
+        Some((time, (read.heading, read.std.unwrap_or(f64::NAN))))
     }
 
     fn held(memory: &Memory) -> Option<Arc<[Scalar]>> {
@@ -211,10 +233,12 @@ impl Scalars {
         let mut std = match &self.format.std.1 {
             ScalarStd::Constant(std) => *std,
             ScalarStd::Column(_, factor) => read_std * factor,
+            ScalarStd::Stated(otherwise) if read_std.is_nan() => *otherwise,
+            ScalarStd::Stated(_) => read_std,
         };
         let mut at = row.time;
         let value = match self.format.reading {
-            Reading::Held => read,
+            Reading::Held | Reading::Log(..) => read,
             Reading::Scaled(factor) => read * factor,
             Reading::Pressure(factor) => standard_height(read * factor),
             Reading::Count(factor) => {

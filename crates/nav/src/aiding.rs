@@ -8,6 +8,7 @@
 //! | GNSS position, velocity | [`Filter::observe_position`], [`Filter::observe_velocity`] |
 //! | wheel speed; no side slip, no lift | [`Filter::observe_odometer`], [`Filter::observe_non_holonomic`] |
 //! | course of a vehicle that drives where it points | [`Filter::observe_course`] |
+//! | heading by two antennas | [`Filter::observe_heading`] |
 //! | barometric height | [`Filter::observe_barometer`] |
 //! | attitude of a marker, by motion capture or a camera | [`Filter::observe_attitude`] |
 //! | rest: no velocity, gravity up, the Earth's rate | [`Filter::observe_zero_velocity`], [`Filter::observe_level`], [`Filter::observe_earth_rate`] |
@@ -46,6 +47,7 @@
 mod barometer;
 mod course;
 mod earth_rate;
+mod heading;
 mod level;
 mod non_holonomic;
 mod odometer;
@@ -56,12 +58,38 @@ mod zero_velocity;
 
 use crate::{
     Matrix3, Vector3, attitude,
+    earth::wrap_pi,
     filter::Filter,
     parameters::{Coupling, Parameter},
 };
 use nalgebra::{SMatrix, SVector};
 
 pub use crate::observation::Observation;
+
+/// Observation of the azimuth of the direction `f` in `n` [rad, from north to east], by its innovation wrapped to (−π, π] and its
+/// row on ψ; and the change of the azimuth with `f`. `None` where `f` points within 10° of up or down.
+fn azimuth<const N: usize>(
+    f: &Vector3,
+    measured: f64,
+) -> Option<(Observation<1, N>, impl Fn(&Vector3) -> f64)> {
+    let f = *f;
+    let level = f.x * f.x + f.y * f.y;
+    if level < 0.03 {
+        return None;
+    }
+    // d azimuth = (f_N df_E − f_E df_N) / (f_N² + f_E²).
+    let change = move |df: &Vector3| (f.x * df.y - f.y * df.x) / level;
+    let mut h = SMatrix::<f64, 1, N>::zeros();
+    for i in 0..3 {
+        h[(0, 6 + i)] = change(&f.cross(&Vector3::ith(i, 1.0)));
+    }
+    let observed = Observation {
+        innovation: SVector::<f64, 1>::new(wrap_pi(libm::atan2(f.y, f.x) - measured)),
+        h,
+        extra: SMatrix::zeros(),
+    };
+    Some((observed, change))
+}
 
 impl<const N: usize> Filter<N> {
     /// Lever arm IMU → antenna, body axes \[m\]: `nominal` as configured, plus the estimated correction where

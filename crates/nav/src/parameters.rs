@@ -45,6 +45,8 @@ pub enum Parameter {
     ClockRate,
     /// Time by which the accelerometers are later than the gyros \[s\]: two chips, two topics, or a filter on one of them.
     AccelDelay,
+    /// Direction of the second of two antennas in the body, from forward to right \[rad\], beyond the configured.
+    HeadingOffset,
     /// Turn of a marker's axes against the configured ones, about the marker's axes \[rad\]: true less configured.
     MarkerRotation,
     /// Tilt of the frame of poses against the horizon, about north and east \[rad\]: the rotation that takes north, east, down to its axes.
@@ -59,7 +61,7 @@ pub enum Parameter {
 
 impl Parameter {
     /// Every kind, in the order of their states in the filter.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::GyroScale,
         Self::AccelScale,
         Self::GyroMisalignment,
@@ -73,6 +75,7 @@ impl Parameter {
         Self::VelocityTimeOffset,
         Self::ClockRate,
         Self::AccelDelay,
+        Self::HeadingOffset,
         Self::MarkerRotation,
         Self::FrameTilt,
         Self::PositionError,
@@ -95,6 +98,7 @@ impl Parameter {
             Self::VelocityTimeOffset => "velocity_time_offset",
             Self::ClockRate => "clock_rate",
             Self::AccelDelay => "accel_delay",
+            Self::HeadingOffset => "heading_offset",
             Self::PositionError => "position_error",
             Self::VelocityError => "velocity_error",
             Self::MarkerRotation => "marker_rotation",
@@ -119,7 +123,8 @@ impl Parameter {
             | Self::BarometerBias
             | Self::VelocityTimeOffset
             | Self::ClockRate
-            | Self::AccelDelay => 1,
+            | Self::AccelDelay
+            | Self::HeadingOffset => 1,
         }
     }
 }

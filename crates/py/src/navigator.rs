@@ -236,6 +236,7 @@ fn kind(event: &Event) -> &'static str {
         Event::Rejected(_) => "rejected",
         Event::Doubted(_) => "accepted_in_the_end",
         Event::HeadingOff(_) => "heading_off",
+        Event::HeadingsRejected(_) => "headings_rejected",
         Event::Leant(_) => "one_sided",
         Event::AlignsAgain(..) => "aligns_again",
         Event::FixErrors(..) => "fix_errors",

@@ -32,7 +32,7 @@ def without_names(of_terminal: Any) -> Any:
     of_terminal["drive"] = {
         key: value
         for key, value in of_terminal["drive"].items()
-        if key not in ("file", "imu", "gnss", "truth", "odometer", "barometer")
+        if key not in ("file", "imu", "gnss", "truth", "odometer", "barometer", "heading")
     }
     return of_terminal
 

@@ -57,6 +57,12 @@ pub(crate) fn constant(kind: &str) -> Constant<'_> {
         "Axle" => ("forward shift of the fixed axle", "", "m", 1.0),
         "OdometerScale" => ("odometer scale factor", "", "%", 100.0),
         "BarometerBias" => ("barometric height error", "", "m", 1.0),
+        "HeadingOffset" => (
+            "direction of the second antenna",
+            "(beyond the configured)",
+            "°",
+            DEGREES,
+        ),
         "MarkerRotation" => ("turn of the marker's axes", "x, y, z", "°", DEGREES),
         "FrameTilt" => ("tilt of the poses' frame", "north, east", "°", DEGREES),
         "PositionError" => ("correlated position error", "north, east, down", "σ", 1.0),

@@ -68,6 +68,7 @@ pub fn comment(of: Comment) -> String {
             "Whether the motion is that of wheels does not show: it is too short, too straight or too slow, or\n\
              the start is too uncertain. For a wheeled vehicle these lines greatly reduce the drift without GNSS."
         }
+        Comment::Baseline => "direction of the second antenna, which a start at rest needs",
         Comment::LeverArm => {
             "from the IMU to the antenna: forward, right, down; measured beats estimated"
         }
@@ -202,6 +203,8 @@ fn known(known: &Known) -> String {
                 "estimated from forces, speeds and turns of this drive, yaw to ±{std_deg:.1} deg; \"auto\" is more accurate on a longer drive"
             );
         }
+        Known::VehicleHeading => "assumed: the message is the heading of the vehicle; \"90 deg\" where it is that from the left antenna to the right one",
+        Known::Antennas { std_deg } => return format!("from the motion, to {} deg", short(*std_deg)),
         Known::HandEye {
             correlation,
             std_deg,
@@ -267,6 +270,7 @@ fn note(note: &Note) -> String {
                 "imu" => "inertial samples",
                 "gnss" => "fixes",
                 "poses" => "poses",
+                "heading" => "headings",
                 _ => "reference solutions",
             };
             let verb = if streams.len() == 1 { "was" } else { "were" };

@@ -112,6 +112,7 @@ pub fn say(finding: &Finding) -> String {
         F::GuessedRate { rate } => sensors::guessed_rate(*rate),
         F::SlowSamples { rate, factor } => sensors::slow_samples(*rate, *factor),
         F::LateSamples { delay, most } => sensors::late_samples(*delay, *most),
+        F::RejectedHeadings { longest, more } => sensors::rejected_headings(longest, *more),
         F::HeadingOff {
             start,
             end,

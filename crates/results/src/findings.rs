@@ -388,6 +388,13 @@ pub enum Finding {
         /// What it reads too much, north, east, down [m/s].
         bias: [f64; 3],
     },
+    /// Headings by two antennas were rejected for a while.
+    RejectedHeadings {
+        /// The longest run of them.
+        longest: undrift_engine::RejectedHeadings,
+        /// Further runs.
+        more: u64,
+    },
     /// The course contradicts the heading.
     HeadingOff {
         /// When it was seen first \[s\].

@@ -1,17 +1,20 @@
-//! A wheel's speed and a barometer's height on a trajectory, with their errors.
+//! A wheel's speed, a barometer's height and the heading of two antennas on a trajectory, with their errors.
 
 use super::SimulationError;
 use super::ideal_imu::{Stepper, epochs};
 use super::sensors::{GNSS_STREAM, stream_seed};
 use super::trajectory::Trajectory;
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
-use undrift_nav::{Vector3, sample::Scalar};
+use undrift_nav::{Vector3, earth::wrap_pi, sample::Scalar};
 
 /// Streams of one seed, behind the receiver's.
 const ODOMETER_STREAM: usize = GNSS_STREAM + 1;
 const BAROMETER_STREAM: usize = GNSS_STREAM + 2;
+const HEADING_STREAM: usize = GNSS_STREAM + 3;
+/// Least error of a heading by a wrong number of wavelengths [rad]: one in a metre.
+const WRONG: f64 = 0.17;
 
 /// A wheel that measures its speed along the body's forward axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,6 +63,61 @@ impl Default for Barometer {
             bias: 25.0,
             bias_walk: 0.05,
         }
+    }
+}
+
+/// Two antennas of a receiver that measures the azimuth of the second as seen from the first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DualAntenna {
+    /// Measurements per second \[Hz\], the first after one interval.
+    pub rate_hz: f64,
+    /// Standard deviation of the white noise, drawn and reported \[rad\].
+    pub std: f64,
+    /// Direction of the second antenna in the body, from forward to right \[rad\].
+    pub baseline: f64,
+    /// Share of headings by a wrong number of wavelengths: off by anything from 10° to 180° [–].
+    pub wrong: f64,
+}
+
+impl Default for DualAntenna {
+    /// Once a second, 0.3° as of half a metre, one antenna in front of the other, never wrong.
+    fn default() -> Self {
+        Self {
+            rate_hz: 1.0,
+            std: 0.3_f64.to_radians(),
+            baseline: 0.0,
+            wrong: 0.0,
+        }
+    }
+}
+
+impl DualAntenna {
+    /// What it measures on a trajectory one by one, with its stream of `seed` ([`stream_seed`]).
+    ///
+    /// # Errors
+    /// For a rate that is not positive, a standard deviation that is negative or not finite, or a share outside of 0 to 1.
+    pub fn measure(
+        self,
+        trajectory: &Trajectory,
+        seed: u64,
+    ) -> Result<impl Iterator<Item = Scalar> + '_, SimulationError> {
+        let finite = self.baseline.is_finite() && (0.0..=1.0).contains(&self.wrong);
+        let times = times(trajectory, self.rate_hz, self.std, finite)?;
+        let mut noise = noise(seed, HEADING_STREAM);
+        let mut wrong = generator(seed, HEADING_STREAM + 1);
+        let (sin, cos) = self.baseline.sin_cos();
+        Ok(times.map(move |time| {
+            let b = trajectory.motion(time).q_nb * Vector3::new(cos, sin, 0.0);
+            let mut value = b.y.atan2(b.x) + self.std * noise();
+            if wrong.random_bool(self.wrong) {
+                value += wrong.random_range(WRONG..std::f64::consts::TAU - WRONG);
+            }
+            Scalar {
+                time,
+                value: wrap_pi(value),
+                std: self.std,
+            }
+        }))
     }
 }
 
@@ -136,8 +194,12 @@ fn times(
 
 /// Standard normal numbers of a stream.
 fn noise(seed: u64, stream: usize) -> impl FnMut() -> f64 {
-    let mut generator = Xoshiro256PlusPlus::seed_from_u64(stream_seed(seed, stream));
+    let mut generator = generator(seed, stream);
     move || StandardNormal.sample(&mut generator)
+}
+
+fn generator(seed: u64, stream: usize) -> Xoshiro256PlusPlus {
+    Xoshiro256PlusPlus::seed_from_u64(stream_seed(seed, stream))
 }
 
 #[cfg(test)]
@@ -199,6 +261,37 @@ mod tests {
         // The walk over a thousand seconds is 1.6 m.
         assert!((errors[0] - 25.0).abs() < 1.5 && (errors[5000] - 25.0).abs() < 8.0);
         assert!((quiet.measure(&car, 9).unwrap().next().unwrap().value - 20.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_share_of_headings_is_wrong_by_ten_degrees_and_more() {
+        let car = Trajectory::car(2000.0, 4);
+        let antennas = DualAntenna {
+            baseline: 1.5,
+            wrong: 0.05,
+            ..DualAntenna::default()
+        };
+        let exact = DualAntenna {
+            std: 0.0,
+            wrong: 0.0,
+            ..antennas
+        };
+        let pairs = antennas.measure(&car, 2).unwrap();
+        let pairs = pairs.zip(exact.measure(&car, 2).unwrap());
+        let errors: Vec<f64> = pairs
+            .map(|(a, b)| wrap_pi(a.value - b.value).abs())
+            .collect();
+        let wrong = errors.iter().filter(|error| **error > 0.15).count();
+        assert!((70..130).contains(&wrong), "{wrong} of 2000");
+        let right = errors.iter().filter(|error| **error < 0.15);
+        let squares: f64 = right.map(|error| error * error).sum();
+        let std = (squares / (2000 - wrong) as f64).sqrt().to_degrees();
+        assert!((std - 0.3).abs() < 0.02, "{std}");
+        let odd = DualAntenna {
+            wrong: 1.5,
+            ..antennas
+        };
+        assert!(odd.measure(&car, 0).is_err());
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod dates;
 pub mod drives;
 mod files;
 mod fixes;
+mod headings;
 mod hidden;
 mod killed;
 pub mod log;

@@ -315,6 +315,18 @@ pub(super) const COURSES: [&str; 7] = [
     "track",
     "bearing",
 ];
+/// Heading by two antennas; a plain heading may be a course.
+pub(super) const ANTENNAS: [&str; 9] = [
+    "dualheading",
+    "headingdual",
+    "dualantennaheading",
+    "antennaheading",
+    "headingant",
+    "yawant",
+    "relposheading",
+    "baselineheading",
+    "hdt",
+];
 /// Accuracies of the horizontal position, the height, the speed.
 pub(super) const ACCURACIES: [&[&str]; 3] = [
     &["hacc", "horizontalaccuracy", "accuracy"],

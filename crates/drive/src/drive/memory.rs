@@ -85,7 +85,9 @@ impl Drive {
     /// # Ok::<(), undrift_simulate::SimulationError>(())
     /// ```
     pub fn with_vehicle(mut self, profile: Profile) -> Self {
+        let heading_baseline = self.constraints.heading_baseline;
         (self.constraints, self.parameters) = tables::vehicle_by_default(profile, self.parameters);
+        self.constraints.heading_baseline = heading_baseline;
         self
     }
 

@@ -8,6 +8,7 @@ use super::{
     tables::{read_delimiter, read_std},
 };
 use std::{
+    f64::consts::TAU,
     ops::{Index, IndexMut},
     path::PathBuf,
 };
@@ -36,6 +37,13 @@ const BIAS_STD: f64 = 100.0;
 const BIAS_WALK: f64 = 0.1;
 /// Heights of the standard atmosphere's lowest layer \[m\].
 const HEIGHTS: (f64, f64) = (-1000.0, 11_000.0);
+/// Standard deviation of a heading by two antennas whose receiver states none \[rad\]: 0.5°, as of half a metre.
+const HEADING_STD: f64 = 0.0087;
+/// How well a stated direction of the antennas is known \[rad\]: 1°, as by eye; and one that is not stated, which may be any.
+const BASELINE_STD: f64 = 0.0175;
+const ANY: f64 = 1.8;
+/// Headings, of whatever turn \[rad\].
+const HEADINGS: (f64, f64) = (-TAU, TAU);
 
 /// A log of one number: its file, and the columns or stream and units of it.
 pub type Source = (PathBuf, ScalarFormat);
@@ -64,6 +72,11 @@ pub(super) fn about(log: ScalarLog) -> About {
             range: HEIGHTS,
             read: read_barometer,
             by_default: |parameters| of_barometer(parameters, BIAS_STD, BIAS_WALK),
+        },
+        ScalarLog::Heading => About {
+            range: HEADINGS,
+            read: read_heading,
+            by_default: |parameters| of_heading(parameters, ANY),
         },
     }
 }
@@ -120,6 +133,35 @@ impl Drive {
     /// ```
     pub fn with_barometer(self, heights: &[Scalar]) -> Self {
         self.with_scalars(ScalarLog::Barometer, heights)
+    }
+
+    /// This drive with headings by two antennas in memory, from north to east \[rad\], in order of time; the second is seen from the first
+    /// in the direction `baseline` in the body, from forward to right \[rad\], to 1°. Without it that is estimated in motion.
+    ///
+    /// ```
+    /// # use undrift_drive as undrift;
+    /// use undrift::{Drive, navigate::{Wanted, navigate}};
+    /// # use undrift_noise::{BiasModel, ImuModel};
+    /// # use undrift_simulate::{DualAntenna, GnssNoise, Trajectory, simulate};
+    /// # let model = ImuModel::preset("adis16465")?;
+    /// # let sensors = model.shaping(BiasModel::GaussMarkov, 0.02)?;
+    /// # let car = Trajectory::rest(20.0);
+    /// # let log = simulate(&car, 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+    /// # let headings: Vec<_> = DualAntenna { baseline: 1.57, ..DualAntenna::default() }.measure(&car, 1)?.collect();
+    /// // A car that is parked, the second antenna on the right.
+    /// let drive = Drive { model: Some(model), ..Drive::from_samples(&log.imu, &log.gnss) };
+    /// let drive = drive.with_heading(&headings, Some(90f64.to_radians()));
+    /// let summary = navigate(&drive, BiasModel::GaussMarkov, Wanted::default())?.summary;
+    /// assert!(summary.started.expect("aligned") <= 5.0 && summary.alignment.expect("so").heading_std < 0.03);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_heading(mut self, headings: &[Scalar], baseline: Option<f64>) -> Self {
+        self = self.with_scalars(ScalarLog::Heading, headings);
+        if let Some(baseline) = baseline {
+            self.constraints.heading_baseline = baseline;
+            self.parameters = of_heading(self.parameters, BASELINE_STD);
+        }
+        self
     }
 }
 
@@ -256,6 +298,71 @@ fn read_barometer(
     Ok(((path, format), parameters))
 }
 
+/// `[heading]`, and the parameters with the one that it asks for; where the antennas are is read by [`read_baseline`].
+pub(crate) fn read_heading(
+    section: &Section,
+    logs: &mut Logs,
+    mut parameters: Parameters,
+) -> Result<(Source, Parameters), DriveError> {
+    let path = logs.named(section)?;
+    let (format, _) = logs.format(section, &path, "time")?;
+    let keys = ("std", "std_column");
+    let source = if format.is_log() {
+        let stated = section.quantity("std", Quantity::Angle)?;
+        if stated.is_some_and(|std| std <= 0.0) {
+            return Err(section
+                .error("std", "must be a positive standard deviation")
+                .into());
+        }
+        let mut source = ScalarFormat::headings(format, HEADING_STD, HEADINGS);
+        let stream = section.text("topic")?.map(str::to_owned);
+        source.reading = Reading::Log(format, stream);
+        if let Some(std) = stated {
+            source.std = ("std", ScalarStd::Constant(std));
+        }
+        source.time_offset = time_offset(section)?;
+        source.span = logs.span;
+        source
+    } else {
+        let column = keys::column(section, "heading")?;
+        let column =
+            column.ok_or_else(|| section.missing("heading", "the column of the heading"))?;
+        let unit = section.unit("heading_unit", Quantity::Angle, 1f64.to_radians())?;
+        let std = read_scalar_std(section, keys, Quantity::Angle, HEADING_STD, unit)?;
+        let value = ("heading", column);
+        let reading = Reading::Scaled(unit);
+        read_format(section, "heading", value, reading, std, HEADINGS, logs.span)?
+    };
+    let otherwise = match section.get("baseline") {
+        Some(_) => BASELINE_STD,
+        None => ANY,
+    };
+    let std = read_std(section, "baseline_std", Quantity::Angle, Some(otherwise))?;
+    match std {
+        Some(std) => parameters = of_heading(parameters, std),
+        None if section.get("baseline").is_none() => {
+            return Err(section
+                .error("baseline_std", "\"off\" needs the direction: set baseline")
+                .into());
+        }
+        None => {}
+    }
+    read_baseline(section)?;
+    section.only_known()?;
+    Ok(((path, source), parameters))
+}
+
+/// `baseline = "90 deg"`: direction of the second antenna as seen from the first in the body, from forward to right \[rad\].
+pub(super) fn read_baseline(section: &Section) -> Result<f64, ConfigError> {
+    Ok(section
+        .quantity("baseline", Quantity::Angle)?
+        .unwrap_or(0.0))
+}
+
+fn of_heading(parameters: Parameters, std: f64) -> Parameters {
+    parameters.with(Parameter::HeadingOffset, Prior::constant(std))
+}
+
 fn of_odometer(parameters: Parameters, scale_std: f64) -> Parameters {
     parameters.with(Parameter::OdometerScale, Prior::constant(scale_std))
 }
@@ -291,6 +398,11 @@ fn read_scalar_std<'a>(
     }
 }
 
+fn time_offset(section: &Section) -> Result<f64, ConfigError> {
+    let offset = section.quantity("time_offset", Quantity::Time)?;
+    Ok(offset.unwrap_or(0.0))
+}
+
 fn read_format(
     section: &Section,
     table: &'static str,
@@ -306,9 +418,7 @@ fn read_format(
             .ok_or_else(|| section.missing("time", "the time column"))?,
         date: keys::column(section, "date")?,
         time_scale: section.unit("time_unit", Quantity::Time, 1.0)?,
-        time_offset: section
-            .quantity("time_offset", Quantity::Time)?
-            .unwrap_or(0.0),
+        time_offset: time_offset(section)?,
         value,
         reading,
         std,

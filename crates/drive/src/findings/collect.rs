@@ -204,6 +204,13 @@ pub fn of_disagreement(summary: &Summary) -> Vec<Finding> {
             more: summary.heading_off.len() as u64 - 1,
         });
     }
+    let headings = &summary.rejected_headings;
+    found.extend(
+        (headings.iter().max_by_key(|run| run.headings)).map(|longest| Finding::RejectedHeadings {
+            longest: *longest,
+            more: headings.len() as u64 - 1,
+        }),
+    );
     found.extend(
         summary
             .far

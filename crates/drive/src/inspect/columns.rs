@@ -72,6 +72,9 @@ pub(super) fn parts_of(mut table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
             _ => Part::new("gnss", columns.gnss(place)),
         });
     }
+    if let Some(antennas) = columns.found.antennas {
+        parts.push(Part::new("heading", columns.heading(antennas)));
+    }
     let names = &columns.table.names;
 
     if parts.is_empty() {
@@ -143,6 +146,7 @@ fn by_names(table: &Preview) -> Found {
             Some((Meaning::PositionStd(ned), _)) => &mut found.position_std[ned],
             Some((Meaning::VelocityStd(ned), _)) => &mut found.velocity_std[ned],
             Some((Meaning::Attitude(angle), _)) => &mut found.attitude[angle],
+            Some((Meaning::AntennaHeading, _)) => &mut found.antennas,
             Some((Meaning::Temperature, _)) | None => continue,
         };
         // The first of its kind.
@@ -301,6 +305,16 @@ impl Columns {
         }
         let step = ordinary_step(&stamps).map(|step| step * factor);
         (lines, step)
+    }
+
+    /// The lines of a heading by two antennas.
+    fn heading(&self, antennas: usize) -> Vec<Line> {
+        let by_name = || Known::Name { several: false };
+        let (mut lines, _) = self.time(FIX_STEP);
+        lines.push(Line::new("heading", self.name(antennas), by_name()));
+        let unit = self.unit(antennas).filter(|unit| unit != "deg");
+        lines.extend(unit.map(|unit| Line::new("heading_unit", unit, by_name())));
+        lines
     }
 
     /// The lines of an IMU: columns, units by their names, or by gravity where that contradicts.

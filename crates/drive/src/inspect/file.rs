@@ -24,7 +24,12 @@ pub fn drive_file(
     let mut text = above(Comment::Top) + "\n" + &above(Comment::Model);
     text += &format!("model = {model} # {}\n", say(Comment::Known(&model.known)));
     let fixes = fixes_table(inspections);
-    for (table, needed) in [("imu", true), (fixes, true), ("truth", false)] {
+    for (table, needed) in [
+        ("imu", true),
+        (fixes, true),
+        ("heading", false),
+        ("truth", false),
+    ] {
         match first(inspections, table) {
             Some((file, part)) => write_part(&mut text, file, part, home, say),
             None if needed => {
@@ -67,6 +72,11 @@ fn write_part(text: &mut String, inspection: &Inspection, part: &Part, home: &Pa
         let entry = format!("{} = {} # {}", line.key, line.value, visible(&why));
         *text += entry.trim_end_matches(" # ");
         text.push('\n');
+    }
+    let is_open = |key| part.lines.iter().all(|line| line.key != key);
+    if part.table == "heading" && is_open("baseline") {
+        let why = say(Comment::Baseline);
+        *text += &format!("# baseline = \"90 deg\" # {why}\n");
     }
     if part.table == "gnss" {
         let why = say(Comment::LeverArm);

@@ -29,6 +29,8 @@ pub(super) struct Found {
     /// Accuracies of the horizontal position, the height, the speed.
     pub(super) accuracy: [Option<usize>; 3],
     pub(super) attitude: [Option<usize>; 3],
+    /// Heading by two antennas.
+    pub(super) antennas: Option<usize>,
     /// How they were found.
     pub(super) known: Known,
 }

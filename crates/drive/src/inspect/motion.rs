@@ -1,5 +1,6 @@
 //! How the IMU sits in its vehicle, by how it moves against the fixes.
 
+mod antennas;
 mod axes;
 mod wheels;
 
@@ -41,6 +42,7 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
             (!problem).then_some((at, part))
         })
     };
+    let antennas = readable("heading");
     let (Some(imu), Some(gnss)) = (readable("imu"), readable("gnss")) else {
         if let Some((imu, poses)) = readable("imu").zip(readable("poses")) {
             super::poses::motion(inspections, imu, poses);
@@ -52,12 +54,14 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         rate_of_rows(&mut inspections[imu.0].parts[imu.1], &fixes);
     }
     let logs = logs(inspections, Path::new(""));
-    let read = |inspections: &[Inspection]| {
-        let of = |(file, part): (usize, usize)| {
-            (&*inspections[file].file, &inspections[file].parts[part])
+    let read_parts = |inspections: &[Inspection], parts: &[(usize, usize)]| {
+        let of = |(file, part): &(usize, usize)| {
+            (&*inspections[*file].file, &inspections[*file].parts[*part])
         };
-        drive_of([of(imu), of(gnss)], logs.clone())
+        let parts: Vec<_> = parts.iter().map(of).collect();
+        drive_of(&parts, logs.clone())
     };
+    let read = |inspections: &[Inspection]| read_parts(inspections, &[imu, gnss]);
     if let Some(ratio) = removed_gravity(&inspections[imu.0].parts[imu.1]) {
         inspections[imu.0].found.push(Note::NoGravity { ratio });
         return Motion::default();
@@ -151,15 +155,21 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
             (from_rpy(&rpy).to_rotation_matrix().into_inner(), false)
         }
     };
-    let mounted = read(inspections).map(|mut drive| {
+    let placed = |mut drive: Drive| {
         drive.estimate_mounting = false;
         drive.imu.1.rotation = rotation;
         if heading {
             drive.align.heading = Heading::Auto;
         }
-        drive
-    });
-    let mounted = mounted.ok().and_then(|drive| beginning(drive, LONGEST));
+        beginning(drive, LONGEST)
+    };
+    if let Some(at) = antennas {
+        let with_headings = read_parts(inspections, &[imu, gnss, at]);
+        if let Some(drive) = with_headings.ok().and_then(placed) {
+            antennas::write(&mut inspections[at.0].parts[at.1], drive);
+        }
+    }
+    let mounted = read(inspections).ok().and_then(placed);
     let held = || mounted.as_ref().is_some_and(is_held);
     let wheels = match mounted.as_ref().and_then(side_slip) {
         None => Wheels::Likely,
@@ -228,18 +238,17 @@ fn sits(imu: &mut Part, mounting: &str, known: Known) {
     imu.lines.push(Line::new(MOUNTING, mounting, known));
 }
 
-/// The drive of an IMU and fixes, whose mounting is estimated.
-fn drive_of(parts: [(&Path, &Part); 2], logs: Logs) -> Result<Drive, DriveError> {
-    let [mut imu, gnss] = parts.map(|(file, part)| table(file, part));
-    imu.retain(|key, _| !SITS.contains(&key));
-    imu.insert(MOUNTING.into(), "auto".into());
-    let tables = [
-        ("model", GUESS.into()),
-        ("imu", imu.into()),
-        ("gnss", gnss.into()),
-    ];
-    let tables = tables.map(|(key, value): (&str, toml::Value)| (key.to_owned(), value));
-    let tables = toml::Table::from_iter(tables);
+/// The drive of an IMU and fixes, and of what else is given, whose mounting is estimated.
+fn drive_of(parts: &[(&Path, &Part)], logs: Logs) -> Result<Drive, DriveError> {
+    let mut tables = toml::Table::from_iter([("model".to_owned(), GUESS.into())]);
+    for (file, part) in parts {
+        let mut keys = table(file, part);
+        if part.table == "imu" {
+            keys.retain(|key, _| !SITS.contains(&key));
+            keys.insert(MOUNTING.into(), "auto".into());
+        }
+        tables.insert(part.table.to_owned(), keys.into());
+    }
     Drive::from_tables(
         &Section::values(Table::Values(&tables), ""),
         Path::new(""),

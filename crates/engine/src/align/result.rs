@@ -46,6 +46,14 @@ pub enum AttitudeSource {
     },
 }
 
+impl AttitudeSource {
+    /// Whether the heading is that of two antennas.
+    pub(crate) fn is_by_antennas(&self) -> bool {
+        let antennas = HeadingSource::Antennas;
+        matches!(self, Self::Rest { heading, .. } if *heading == antennas)
+    }
+}
+
 /// Source of the heading after a rest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
@@ -54,6 +62,8 @@ pub enum HeadingSource {
     Given,
     /// The GNSS course once the vehicle moved.
     Course,
+    /// Headings by two antennas.
+    Antennas,
 }
 
 /// Why there was no alignment, and what to set or to change; its text is for the user.

@@ -135,7 +135,7 @@ fn a_course_is_a_heading_of_a_vehicle_that_moves() {
         let seen = seen(v, std);
         aligner.note_speed(&seen);
         aligner
-            .heading(&seen)
+            .heading(&seen, &settings)
             .map(|(heading, std, _)| (heading, std))
     };
     // South-west at 5 m/s, down whatever.

@@ -79,6 +79,10 @@ impl Run {
                 let std = turned.mounting.std.yz().max().max(prior.std);
                 filter.renew(Parameter::Mounting, std);
             }
+            // What was found of the antennas was in other axes than those in which they are stated.
+            if let Some(prior) = filter.parameters().prior(Parameter::HeadingOffset) {
+                filter.renew(Parameter::HeadingOffset, prior.std);
+            }
             if turned.first {
                 from_antenna(filter, &self.settings);
             }

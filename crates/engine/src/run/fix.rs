@@ -34,7 +34,7 @@ use crate::{
 use alloc::sync::Arc;
 use undrift_nav::{
     filter::{FilterError, Outcome, Update},
-    sample::{GnssFix, ImuSample},
+    sample::{GnssFix, ImuSample, Scalar},
 };
 
 impl Run {
@@ -91,6 +91,9 @@ impl Run {
         self.streak = Streak::default();
         self.receiver.forget_solution(fix.time, &mut self.summary);
         self.course = CourseWatch::new();
+        let by_headings = aligned.how.source.is_by_antennas();
+        self.headings
+            .restart(fix.time, by_headings, &mut self.summary);
         let solution = self.solution.insert(Solution::new(aligned.filter));
         if let Some(vibration) = &self.vibration {
             solution.filter.set_white_noise(&vibration.variances());
@@ -105,6 +108,30 @@ impl Run {
             self.begin(&part(sample, rest));
         }
         Ok(true)
+    }
+
+    /// A heading by two antennas within the present sample: an outage withholds it as it does a fix.
+    pub(super) fn heading(&mut self, measured: &Scalar, sample: &ImuSample) {
+        let outages = &self.settings.outages;
+        if outages.iter().any(|o| o.contains(measured.time)) {
+            return;
+        }
+        // It holds as late as a position.
+        let time = measured.time + self.latency().position;
+        let measured = &Scalar { time, ..*measured };
+        if self.solution.is_none() || self.alignment.again {
+            let aligner = &mut self.alignment.aligner;
+            aligner.antennas(measured, sample, &self.settings);
+        }
+        if let Some(solution) = &mut self.solution
+            && !solution.in_long_gap()
+        {
+            solution.advance_to(time);
+            let baseline = self.settings.constraints.heading_baseline;
+            let filter = &mut *solution.filter;
+            self.headings
+                .update(filter, measured, baseline, &mut self.summary);
+        }
     }
 
     /// What the fixes show of themselves, where it is time to look: the filter follows it from now on.

@@ -101,7 +101,10 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
     let gyros = SENSORS.map(|[gyro, _]| gyro);
     check(wanted, "a GnssLogger log", [&gyros, &PROVIDERS, &[]])?;
     let asked = match wanted {
-        Wanted::Imu(name) | Wanted::Poses(name) | Wanted::LocalPoses(name) => name,
+        Wanted::Imu(name)
+        | Wanted::Poses(name)
+        | Wanted::LocalPoses(name)
+        | Wanted::Headings(name) => name,
         Wanted::Fixes { position, .. } => position,
     };
     let reader = Reader {

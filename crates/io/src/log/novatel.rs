@@ -1,4 +1,4 @@
-//! NovAtel OEM: fixes of BESTPOS and BESTVEL and their like, raw inertial samples, and the inertial system's
+//! NovAtel OEM: fixes of BESTPOS and BESTVEL and their like, headings of HEADING2 and its like, raw inertial samples, and the inertial system's
 //! own solutions as reference, from ASCII or binary messages, mixed or not.
 //!
 //! By NovAtel's documentation of the OEM7 and OEM6. Messages with the same time make one fix; what is
@@ -13,8 +13,8 @@ mod imu;
 mod messages;
 
 use super::frames::any;
-use super::receiver::{Ready, by_messages, check};
-use crate::entry::{Entries, ImuReading, Stream, Wanted, What};
+use super::receiver::{Ready, by_messages, check, check_name};
+use crate::entry::{Entries, Heading, ImuReading, Stream, Wanted, What};
 use crate::epoch::ClockSource;
 use crate::skipped::SkipKind;
 use crate::source::Source;
@@ -46,6 +46,10 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
     let mut velocities = messages::names(&[Content::Velocity]);
     velocities.extend(&solutions);
     check(&wanted, "a NovAtel log", [&raw, &positions, &velocities])?;
+    if let Wanted::Headings(name) = &wanted {
+        let known = messages::names(&[Content::Heading]);
+        check_name(name, "a NovAtel log", &known, "stream of headings")?;
+    }
     let reader = Reader {
         weeks: WeekClock::default(),
         purpose: purpose(&wanted, of_type),
@@ -102,6 +106,12 @@ fn purpose(wanted: &Wanted, of_type: Option<&'static Type>) -> Purpose {
             given: false,
             rates: Rates::default(),
         })),
+        Wanted::Headings(name) => Purpose::Headings(Only {
+            what: "streams of headings",
+            table: "heading",
+            asked: name.clone(),
+            found: None,
+        }),
         Wanted::Poses(name) if name.is_none() || is_solution(name) => Purpose::Poses(
             Only {
                 what: "solutions",
@@ -145,6 +155,7 @@ enum Purpose {
     /// Solutions, and the first message of positions that could serve in their place.
     Poses(Only, Option<&'static str>),
     Fixes(Box<Receiver>),
+    Headings(Only),
 }
 
 /// The only stream of its kind, or the one that is asked for.
@@ -232,7 +243,7 @@ impl Reader {
                     .key(Key::Topic("truth"))
                     .mend(mend));
             }
-            Purpose::Poses(..) => {}
+            Purpose::Poses(..) | Purpose::Headings(_) => {}
             Purpose::Fixes(receiver) => receiver.fixes.end(ready),
         }
         Ok(())
@@ -259,6 +270,17 @@ impl Reader {
         let read = match &mut self.purpose {
             Purpose::Imu(imu) => imu.message(at, known, fields, &mut time, ready)?,
             Purpose::Fixes(receiver) => receiver.message(at, known, fields, &mut time, ready),
+            Purpose::Headings(only) => {
+                if known.content != Content::Heading || !only.is(known.name)? {
+                    return Ok(());
+                }
+                messages::heading(fields).map(|heading| {
+                    let heading = heading.and_then(|heading| Some((time(None)?, heading)));
+                    heading.map(|(time, heading)| {
+                        ready.push(at, What::Heading(Heading { time, ..heading }));
+                    })
+                })
+            }
             Purpose::Poses(only, positions) => {
                 if known.content == Content::Position {
                     positions.get_or_insert(known.name);

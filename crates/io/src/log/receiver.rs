@@ -185,18 +185,7 @@ pub(super) fn check(
     format: &str,
     [imu, position, velocity]: [&[&str]; 3],
 ) -> Result<(), ReadError> {
-    let one = |asked: &Option<String>, known: &[&str], what: &str| match asked {
-        Some(name) if !known.contains(&name.as_str()) => {
-            let problem = format!("no {what} \"{name}\" in {format}");
-            let offer = if known.is_empty() {
-                format!("it has no {what}")
-            } else {
-                format!("available: {}", known.join(", "))
-            };
-            Err(ReadError::nameless(problem).mend(offer))
-        }
-        _ => Ok(()),
-    };
+    let one = |asked: &_, known: &[&str], what: &str| check_name(asked, format, known, what);
     match wanted {
         Wanted::Imu(None) if imu.is_empty() => Err(ReadError::nameless(format!(
             "{format} has no inertial samples"
@@ -213,8 +202,33 @@ pub(super) fn check(
         Wanted::Poses(name) | Wanted::LocalPoses(name) => {
             one(name, position, "stream of positions")
         }
+        // By the formats that have some.
+        Wanted::Headings(_) => Ok(()),
+    }
+}
+
+/// Refuses a name of a stream that a format does not have; `known` are those that it has.
+pub(super) fn check_name(
+    asked: &Option<String>,
+    format: &str,
+    known: &[&str],
+    what: &str,
+) -> Result<(), ReadError> {
+    match asked {
+        Some(name) if !known.contains(&name.as_str()) => {
+            let problem = format!("no {what} \"{name}\" in {format}");
+            let offer = if known.is_empty() {
+                format!("it has no {what}")
+            } else {
+                format!("available: {}", known.join(", "))
+            };
+            Err(ReadError::nameless(problem).mend(offer))
+        }
+        _ => Ok(()),
     }
 }
 
 #[cfg(test)]
 pub(super) mod testing;
+#[cfg(test)]
+mod tests;

@@ -111,6 +111,12 @@ pub(super) fn entries(
             accel: None,
             frame: None,
         },
+        Wanted::Headings(_) => {
+            return Err(
+                ReadError::nameless("recordings of ROS have no headings by two antennas")
+                    .key("heading.file"),
+            );
+        }
         Wanted::Poses(_) => {
             return Err(
                 ReadError::nameless("recordings of ROS have no reference solution")

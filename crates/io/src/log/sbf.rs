@@ -1,5 +1,5 @@
 //! Septentrio Binary Format: fixes of PVTGeodetic with PosCovGeodetic and VelCovGeodetic or, in a file without these, of
-//! PVTCartesian with PosCovCartesian and VelCovCartesian; inertial samples of ExtSensorMeas, and the receiver's own inertial solution, INSNavGeod, as reference.
+//! PVTCartesian with PosCovCartesian and VelCovCartesian; headings of AttEuler with AttCovEuler; inertial samples of ExtSensorMeas, and the receiver's own inertial solution, INSNavGeod, as reference.
 //!
 //! By the reference guides of the AsteRx and mosaic receivers. Blocks with the same time make one fix; what
 //! is between the blocks, NMEA or anything else, is passed over. Times are GPS seconds of the week in
@@ -12,8 +12,8 @@ use undrift_nav::Matrix3;
 use undrift_nav::sample::Position;
 
 use super::frames::any;
-use super::receiver::{Ready, by_messages, check};
-use crate::entry::{Entries, Fix, ImuReading, Stream, StreamKind, Wanted, What};
+use super::receiver::{Ready, by_messages, check, check_name};
+use crate::entry::{Entries, Fix, Heading, ImuReading, Stream, StreamKind, Wanted, What};
 use crate::epoch::ClockSource;
 use crate::fix::on_earth;
 use crate::skipped::SkipKind;
@@ -27,9 +27,10 @@ const PVT: &str = "PVTGeodetic";
 const CARTESIAN: &str = "PVTCartesian";
 const INS: &str = "INSNavGeod";
 const SENSORS: &str = "ExtSensorMeas";
+const ATTITUDE: &str = "AttEuler";
 
 /// Blocks that logs often have.
-const NAMES: [(u16, &str); 16] = [
+const NAMES: [(u16, &str); 17] = [
     (blocks::PVT, PVT),
     (blocks::POSITION_COVARIANCE, "PosCovGeodetic"),
     (blocks::VELOCITY_COVARIANCE, "VelCovGeodetic"),
@@ -45,7 +46,8 @@ const NAMES: [(u16, &str); 16] = [
     (4225, "INSNavCart"),
     (5904, "PVTGeodetic of version 1"),
     (5914, "ReceiverTime"),
-    (5938, "AttEuler"),
+    (blocks::ATTITUDE, ATTITUDE),
+    (blocks::ATTITUDE_COVARIANCE, "AttCovEuler"),
 ];
 
 /// Whether the first bytes of a file hold a block that is read here; a log of NMEA may have others in
@@ -61,7 +63,11 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         "SBF",
         [&[SENSORS], &[PVT, CARTESIAN, INS], &[PVT, CARTESIAN, INS]],
     )?;
+    if let Wanted::Headings(name) = wanted {
+        check_name(name, "SBF", &[ATTITUDE], "stream of headings")?;
+    }
     let purpose = match wanted {
+        Wanted::Headings(_) => Purpose::Headings(None),
         Wanted::Imu(_) => Purpose::Imu { source: None },
         Wanted::Poses(None) => Purpose::Ins {
             found: false,
@@ -114,6 +120,10 @@ fn described(number: u16) -> (StreamKind, &'static str) {
     match number {
         blocks::PVT => (StreamKind::Fixes, "position and velocity"),
         blocks::CARTESIAN => (StreamKind::Fixes, "Earth-fixed position and velocity"),
+        blocks::ATTITUDE => (
+            StreamKind::Headings,
+            "heading of the vehicle by its antennas",
+        ),
         blocks::POSITION_COVARIANCE | blocks::CARTESIAN_POSITION_COVARIANCE => {
             (StreamKind::Other, "covariances of the position")
         }
@@ -151,6 +161,8 @@ enum Purpose {
     },
     /// The blocks of the last time.
     Fixes(Box<Option<Epoch>>),
+    /// The last heading, which waits for its accuracy, and its block.
+    Headings(Option<(u64, Heading)>),
 }
 
 /// The blocks of one time.
@@ -179,6 +191,7 @@ impl Reader {
                 fixes: 1..,
                 ..
             } => return Err(without_ins()),
+            Purpose::Headings(last) => give(last, ready),
             Purpose::Ins { .. } | Purpose::Imu { .. } => {}
         }
         Ok(())
@@ -201,6 +214,8 @@ impl Reader {
             blocks::END_OF_PVT,
             blocks::SENSORS,
             blocks::INS,
+            blocks::ATTITUDE,
+            blocks::ATTITUDE_COVARIANCE,
         ];
         if !known.contains(&number) {
             return Ok(());
@@ -245,7 +260,31 @@ impl Reader {
                 *fixes += 1;
                 Some(Some(()))
             }
-            (Purpose::Fixes(epoch), _) if number != blocks::SENSORS && number != blocks::INS => {
+            (Purpose::Headings(last), blocks::ATTITUDE) => {
+                give(last, ready);
+                blocks::heading(body).map(|heading| {
+                    heading.map(|heading| {
+                        let (time, std) = (time(), None);
+                        *last = Some((at, Heading { time, heading, std }));
+                    })
+                })
+            }
+            (Purpose::Headings(last), blocks::ATTITUDE_COVARIANCE) => {
+                let time = time();
+                let same = last.as_mut().filter(|(_, heading)| heading.time == time);
+                let std = blocks::heading_std(body);
+                if let (Some((_, heading)), Some(std)) = (same, std) {
+                    heading.std = std;
+                    give(last, ready);
+                }
+                std.map(|_| Some(()))
+            }
+            (Purpose::Fixes(epoch), _)
+                if !matches!(
+                    number,
+                    blocks::SENSORS | blocks::INS | blocks::ATTITUDE | blocks::ATTITUDE_COVARIANCE
+                ) =>
+            {
                 let time = time();
                 if number == blocks::END_OF_PVT
                     || epoch.as_ref().as_ref().is_some_and(|e| e.time != time)
@@ -273,6 +312,13 @@ fn without_ins() -> ReadError {
     ReadError::nameless("no INSNavGeod, the receiver's inertial solution, in this log")
         .key(Key::Topic("truth"))
         .mend("topic = \"PVTGeodetic\" takes the receiver's positions and velocities, without attitude")
+}
+
+/// Gives out a heading that waits.
+fn give(last: &mut Option<(u64, Heading)>, ready: &mut Ready) {
+    if let Some((at, heading)) = last.take() {
+        ready.push(at, What::Heading(heading));
+    }
 }
 
 /// A fix of the inertial solution.

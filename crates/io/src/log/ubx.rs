@@ -1,4 +1,4 @@
-//! u-blox UBX: fixes of the navigation messages, inertial samples of a receiver with sensors.
+//! u-blox UBX: fixes of the navigation messages, headings of a moving base, inertial samples of a receiver with sensors.
 //!
 //! By the interface descriptions of the receivers (u-blox M8: UBX-13003221; F9: UBX-22008968 and
 //! its like). The messages with the same time of week make one fix ([`epoch`]); what is between the
@@ -12,13 +12,13 @@ mod frames;
 mod imu;
 
 use super::frames::any;
-use super::receiver::{Ready, by_messages, check};
+use super::receiver::{Ready, by_messages, check, check_name};
 use crate::ReadError;
-use crate::entry::{Entries, ImuReading, Stream, StreamKind, Wanted, What};
+use crate::entry::{Entries, Heading, ImuReading, Stream, StreamKind, Wanted, What};
 use crate::skipped::SkipKind;
 use crate::source::Source;
 use clock::SensorClock;
-use epoch::{Epoch, POSITIONS, VELOCITIES, Weeks};
+use epoch::{Epoch, HEADINGS, POSITIONS, VELOCITIES, Weeks};
 use frames::LAYOUT;
 use imu::{Sample, Sensors};
 
@@ -44,7 +44,7 @@ const NAMES: [([u8; 2], &str); 22] = [
     (epoch::TIMEGPS, "NAV-TIMEGPS"),
     ([0x01, 0x21], "NAV-TIMEUTC"),
     ([0x01, 0x35], "NAV-SAT"),
-    ([0x01, 0x3c], "NAV-RELPOSNED"),
+    (epoch::RELPOSNED, "NAV-RELPOSNED"),
     ([0x01, 0x43], "NAV-SIG"),
     ([0x02, 0x13], "RXM-SFRBX"),
     ([0x02, 0x15], "RXM-RAWX"),
@@ -70,6 +70,9 @@ pub(super) fn has_data(start: &[u8]) -> bool {
 
 pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
     check(wanted, "UBX", [&INERTIAL, &POSITIONS, &VELOCITIES])?;
+    if let Wanted::Headings(name) = wanted {
+        check_name(name, "UBX", &HEADINGS, "stream of headings")?;
+    }
     let purpose = match wanted.clone() {
         Wanted::Imu(name) => Purpose::Imu(Box::new(Imu {
             stream: INERTIAL
@@ -83,6 +86,7 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
             position, velocity, ..
         } => Purpose::Fixes([position, velocity]),
         Wanted::Poses(name) | Wanted::LocalPoses(name) => Purpose::Fixes([name, None]),
+        Wanted::Headings(_) => Purpose::Headings,
     };
     let reader = Reader {
         weeks: Weeks::default(),
@@ -120,6 +124,10 @@ fn described(name: &str) -> (StreamKind, &'static str) {
         "NAV-PVT" => (StreamKind::Fixes, "position and velocity"),
         "NAV-HPPOSLLH" | "NAV-POSLLH" => (StreamKind::Fixes, "position"),
         "NAV-VELNED" => (StreamKind::Velocity, "velocity"),
+        "NAV-RELPOSNED" => (
+            StreamKind::Headings,
+            "second antenna as seen from the first",
+        ),
         "NAV-COV" => (StreamKind::Other, "covariances of position and velocity"),
         _ => (StreamKind::Other, ""),
     }
@@ -145,6 +153,7 @@ enum Purpose {
     Imu(Box<Imu>),
     /// Fixes by the messages with these names of positions and velocities.
     Fixes([Option<String>; 2]),
+    Headings,
 }
 
 struct Imu {
@@ -172,13 +181,15 @@ impl Reader {
         ready: &mut Ready,
     ) -> Result<(), ReadError> {
         let tow = epoch::time_of_week(kind, payload);
+        let tow =
+            tow.filter(|_| kind != epoch::RELPOSNED || matches!(self.purpose, Purpose::Headings));
         let current = self.epoch.as_ref().map(|epoch| epoch.time_of_week);
         if kind == NAV_EOE || (tow.is_some() && tow != current) {
             self.end_epoch(ready)?;
         }
         let imu = match &mut self.purpose {
             Purpose::Imu(imu) => Some(imu),
-            Purpose::Fixes(_) => None,
+            Purpose::Fixes(_) | Purpose::Headings => None,
         };
         if let (Some(stream), Some(imu)) = (imu_stream(kind), imu) {
             return imu.message(at, stream, kind, payload, ready);
@@ -194,11 +205,11 @@ impl Reader {
                     .and_then(|startup| imu.sensors.at_startup(startup))
                     .or(epoch.exact);
             }
-            Purpose::Fixes(_) if !whole => {
+            Purpose::Fixes(_) | Purpose::Headings if !whole => {
                 let detail = format!("{} of {} bytes", name(kind), payload.len());
                 ready.skip(at, SkipKind::MissingField, detail);
             }
-            Purpose::Fixes(_) => {}
+            Purpose::Fixes(_) | Purpose::Headings => {}
         }
         Ok(())
     }
@@ -208,7 +219,8 @@ impl Reader {
         let Some(epoch) = self.epoch.take() else {
             return Ok(());
         };
-        let time = epoch.has_fix().then(|| self.weeks.seconds(&epoch));
+        let dated = epoch.has_fix() || epoch.heading.is_some();
+        let time = dated.then(|| self.weeks.seconds(&epoch));
         match (&mut self.purpose, time) {
             (Purpose::Imu(imu), Some(time)) => imu.tie(&epoch, time, ready)?,
             (Purpose::Fixes(names), Some(time)) => {
@@ -216,6 +228,14 @@ impl Reader {
                     ready.fix(epoch.at, fix);
                 }
             }
+            (Purpose::Headings, Some(time)) => match epoch.heading {
+                Some(Some(heading)) => {
+                    ready.push(epoch.at, What::Heading(Heading { time, ..heading }))
+                }
+                Some(None) => ready.skip(epoch.at, SkipKind::NoFix, HEADINGS[0]),
+                None => {}
+            },
+            (Purpose::Headings, None) => {}
             (Purpose::Fixes(_), None) => epoch.skip(ready),
             (Purpose::Imu(_), None) => {}
         }

@@ -1,9 +1,7 @@
 //! GNSS course of a vehicle that moves where it points.
 
-use super::Observation;
+use super::{Observation, azimuth};
 use crate::{Vector3, filter::Filter, parameters::Parameter};
-use core::f64::consts::{PI, TAU};
-use nalgebra::{SMatrix, SVector};
 
 impl<const N: usize> Filter<N> {
     /// Observation of the vehicle's heading by a `course` over ground [rad, from north to east], as if there were no side slip: the
@@ -29,28 +27,13 @@ impl<const N: usize> Filter<N> {
     pub fn observe_course(&self, course: f64) -> Option<Observation<1, N>> {
         let c_vn = self.c_nb() * self.c_bv().transpose();
         let f: Vector3 = c_vn.column(0).into();
-        let level = f.x * f.x + f.y * f.y;
-        if level < 0.03 {
-            return None;
-        }
-        // d yaw = (f_N df_E − f_E df_N) / (f_N² + f_E²).
-        let yaw = |df: &Vector3| (f.x * df.y - f.y * df.x) / level;
-        let mut h = SMatrix::<f64, 1, N>::zeros();
-        for i in 0..3 {
-            h[(0, 6 + i)] = yaw(&f.cross(&Vector3::ith(i, 1.0)));
-        }
+        let (mut observed, change) = azimuth(&f, course)?;
         if let Some(at) = self.parameter_start(Parameter::Mounting) {
             for i in 0..2 {
                 let turned = Vector3::ith(1 + i, 1.0).cross(&Vector3::x());
-                h[(0, at + i)] = -yaw(&(c_vn * turned));
+                observed.h[(0, at + i)] = -change(&(c_vn * turned));
             }
         }
-        let mut miss = libm::atan2(f.y, f.x) - course;
-        miss -= TAU * libm::floor((miss + PI) / TAU);
-        Some(Observation {
-            innovation: SVector::<f64, 1>::new(miss),
-            h,
-            extra: SMatrix::zeros(),
-        })
+        Some(observed)
     }
 }

@@ -17,7 +17,7 @@ use undrift_nav::{
 };
 
 /// Nine, one state an axis, and all parameters.
-const N: usize = 9 + 6 + 41;
+const N: usize = 9 + 6 + 42;
 
 fn vector(scale: f64) -> impl Strategy<Value = Vector3> {
     prop::array::uniform3(-scale..scale).prop_map(Vector3::from)
@@ -211,6 +211,17 @@ proptest! {
     #[test]
     fn barometer(f in filter(), height in -100.0..3000.0f64) {
         check(&f, &nothing(), |f| f.observe_barometer(height))?;
+    }
+
+    #[test]
+    fn heading_by_two_antennas(f in filter(), heading in -3.0..3.0f64, baseline in -3.0..3.0f64) {
+        // As of the course.
+        if let Some(o) = f.observe_heading(heading, baseline)
+            && o.innovation[0].abs() < 3.0
+            && o.h.norm() < 3.0
+        {
+            check(&f, &nothing(), |f| f.observe_heading(heading, baseline).unwrap())?;
+        }
     }
 
     #[test]

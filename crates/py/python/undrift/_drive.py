@@ -51,6 +51,7 @@ UNITS: dict[str, dict[str, str]] = {
         "bias_std": "m",
         "bias_walk": "m/sqrt(s)",
     },
+    "heading": {"time_offset": "s", "baseline": "rad", "baseline_std": "rad", "std": "rad"},
     "truth": {"time_offset": "s"},
     "vehicle": {
         "non_holonomic": "m/s",
@@ -143,7 +144,7 @@ class Drive:
       ``accel_unit``, ``axes``, ``mounting``, ``gyro_offset``, ``accel_offset`` of the IMU;
       ``lever_arm``, ``use``, ``gate``, ``adapt``, ``position_std``, ``velocity_std`` and their
       factors of GNSS;
-    * ``odometer``, ``barometer``, ``truth`` are logs like these; ``vehicle`` is a profile or a dict,
+    * ``odometer``, ``barometer``, ``heading``, ``truth`` are logs like these; ``vehicle`` is a profile or a dict,
       ``states``, ``initial``, ``local`` and ``span`` are dicts, ``span`` also (start, end);
     * ``poses`` of a camera, tracker or scanner in the place of ``gnss`` are a log with ``position`` (n × 3) and
       ``attitude`` (n × 4, its ``attitude_order`` "x,y,z,w" or "w,x,y,z"); ``lever_arm``, ``gate``, ``adapt``,
@@ -176,6 +177,7 @@ class Drive:
         truth: Log = None,
         odometer: Log = None,
         barometer: Log = None,
+        heading: Log = None,
         vehicle: str | Mapping[str, Any] | None = None,
         states: Mapping[str, Any] | None = None,
         initial: Mapping[str, Any] | None = None,
@@ -193,6 +195,7 @@ class Drive:
             "truth": truth,
             "odometer": odometer,
             "barometer": barometer,
+            "heading": heading,
         }
         logs.update({table: log for table, log in optional.items() if log is not None})
         short: dict[str, dict[str, Any]] = {"imu": {}, "gnss": {}, "poses": {}}

@@ -43,7 +43,7 @@ class Fix:
 
 @dataclass(frozen=True)
 class Scalar:
-    """One number at ``time`` [s]: ``kind`` is ``odometer`` [m/s] or ``barometer`` [m]."""
+    """One number at ``time`` [s]: ``kind`` is ``odometer`` [m/s], ``barometer`` [m] or ``heading`` [rad]."""
 
     kind: str
     time: float
@@ -194,6 +194,10 @@ class Navigator:
     def barometer(self, time: float, height: float, std: float = 1.0) -> bool:
         """Pushes a barometric height [m]: whether it came within the horizon."""
         return self.push(Scalar("barometer", time, height, std))
+
+    def heading(self, time: float, heading: float, std: float) -> bool:
+        """Pushes the azimuth of a second antenna as seen from the first [rad]: whether it came within the horizon."""
+        return self.push(Scalar("heading", time, heading, std))
 
     def push(self, item: Pushed) -> bool:
         """Pushes a :class:`Sample`, :class:`Fix` or :class:`Scalar`: what :meth:`imu`, :meth:`fix` and the others return."""

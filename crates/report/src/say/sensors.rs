@@ -5,6 +5,7 @@ use crate::{
     constants::{Constant, constant},
     numbers::short,
 };
+use undrift_engine::RejectedHeadings;
 use undrift_results::findings::Finding;
 
 /// Values that the IMU repeats.
@@ -217,6 +218,25 @@ pub(super) fn heading_off([start, end]: [f64; 2], angle: f64, more: u64) -> Stri
         at(start),
         at(end)
     )
+}
+
+/// Headings by two antennas that were rejected, and in how many more spans.
+pub(super) fn rejected_headings(longest: &RejectedHeadings, more: u64) -> String {
+    let (start, end) = (at(longest.start), at(longest.end));
+    let angle = longest.angle.to_degrees();
+    let headings = longest.headings;
+    let more = match more {
+        0 => String::new(),
+        n => format!(", and others in {}", many(n, "more span")),
+    };
+    match longest.accepted_in_the_end {
+        false => format!(
+            "rejected {headings} antenna headings, {start}-{end} s (off by {angle:.0} deg{more}): a wrong number of carrier wavelengths, or reflections"
+        ),
+        true => format!(
+            "{headings} antenna headings in a row, {start}-{end} s, were off by {angle:.0} deg{more}, then accepted: correct heading.baseline, or the receiver was wrong for a minute"
+        ),
+    }
 }
 
 pub(super) fn optimistic_model(factor: f64, tuned: bool) -> String {

@@ -18,6 +18,7 @@ pub fn alignment(alignment: &Alignment) -> String {
             let heading = match heading {
                 HeadingSource::Given => "heading as specified",
                 HeadingSource::Course => "heading from the GNSS course",
+                HeadingSource::Antennas => "heading from two antennas",
             };
             format!("levelled during {duration:.1} s of rest, {heading}")
         }

@@ -103,6 +103,7 @@ impl Finding {
             | Self::Disagreement { .. }
             | Self::VelocityBias { .. }
             | Self::HeadingOff { .. }
+            | Self::RejectedHeadings { .. }
             | Self::OptimisticModel { .. }
             | Self::CorrelatedInnovations { .. }
             | Self::OptimisticDrift { .. }
@@ -171,6 +172,7 @@ impl Finding {
             Self::Restart { .. } | Self::HeadingOff { .. } => 5,
             Self::LargeInnovations { .. } | Self::Disagreement { .. } => 5,
             Self::OneSided(_) | Self::Rejected(_) | Self::MoreRejected { .. } => 6,
+            Self::RejectedHeadings { .. } => 6,
             // Stated too large: it costs little.
             Self::WrongAccuracy { factor, .. } if *factor < 1.0 => 8,
             Self::WrongAccuracy { .. } => 4,

@@ -143,6 +143,13 @@ pub enum Known {
     Scatter,
     /// Poses are thinned, since those that follow at once err alike.
     Thinned,
+    /// Assumed, as the message is defined so: the heading is the vehicle's.
+    VehicleHeading,
+    /// Estimated in motion: the direction of the second antenna.
+    Antennas {
+        /// Its standard deviation \[deg\].
+        std_deg: f64,
+    },
     /// Estimated from forces, speeds and turns.
     Forces {
         /// Standard deviation of the yaw \[deg\].

@@ -164,6 +164,8 @@ pub enum Comment<'a> {
     Wheels(Wheels),
     /// The lever arm.
     LeverArm,
+    /// The direction of the second antenna, where nothing shows it.
+    Baseline,
 }
 
 /// What the motion says of wheels.

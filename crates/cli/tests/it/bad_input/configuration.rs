@@ -90,7 +90,7 @@ fn mistakes_in_the_drive_file() {
             "model =",
             "modell =",
             &[
-                "drive.toml line 1, modell: unknown key; did you mean model? known here: barometer, epoch, gnss, imu, initial, local, model, odometer, poses, span, states, truth, vehicle",
+                "drive.toml line 1, modell: unknown key; did you mean model? known here: barometer, epoch, gnss, heading, imu, initial, local, model, odometer, poses, span, states, truth, vehicle",
             ],
         ),
         (
@@ -414,6 +414,7 @@ fn every_key_of_the_drive_file_is_in_its_page() {
         ("states", "[gnss]\n"),
         ("odometer", "[gnss]\n"),
         ("barometer", "[gnss]\n"),
+        ("heading", "[gnss]\n"),
     ] {
         let mut log = Log::good();
         let to = if from == format!("[{table}]\n") {
@@ -423,6 +424,7 @@ fn every_key_of_the_drive_file_is_in_its_page() {
             let needed = match table {
                 "odometer" => "file = \"w\"\ntime = 1\nspeed = 2\nspeed_unit = \"m/s\"\n",
                 "barometer" => "file = \"w\"\ntime = 1\nheight = 2\n",
+                "heading" => "file = \"w\"\ntime = 1\nheading = 2\n",
                 _ => "",
             };
             format!("[{table}]\n{needed}bogus = 1\n{from}")

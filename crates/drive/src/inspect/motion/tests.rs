@@ -112,7 +112,7 @@ fn a_drive_fits_whose_velocities_differ_by_no_more_than_is_stated() {
     let of = |off: f64| {
         let files = files(|_, _| (), off);
         let parts = files.each_ref().map(|of| (&*of.file, &of.parts[0]));
-        let drive = drive_of(parts, logs(&files, Path::new(""))).unwrap();
+        let drive = drive_of(&parts, logs(&files, Path::new(""))).unwrap();
         let resolved = resolve_mounting(&drive).unwrap();
         // Neither implausible nor with fixes that are rejected.
         assert!(fit(resolved.clone()).is_some(), "{off}");

@@ -5,7 +5,7 @@ use undrift_nav::sample::{FixQuality, Position};
 use undrift_nav::{Matrix3, Vector3};
 
 use super::sentence::{Sentence, date};
-use crate::entry::Fix;
+use crate::entry::{Fix, Heading, Wanted, What};
 use crate::epoch::ClockSource;
 use crate::fix::on_earth;
 use crate::log::receiver::Ready;
@@ -45,6 +45,8 @@ pub(super) struct Epoch {
     date: Option<Date>,
     /// Whether a sentence says that there is no fix by satellites.
     no_fix: bool,
+    /// Heading, and its standard deviation where it is stated \[rad\].
+    heading: Option<(f64, Option<f64>)>,
 }
 
 impl Epoch {
@@ -56,8 +58,12 @@ impl Epoch {
         }
     }
 
-    /// Takes in a sentence, or says why it cannot be used.
-    pub(super) fn add(&mut self, sentence: &Sentence) -> Result<(), SkipKind> {
+    /// Takes in a sentence, `for_heading` or for the fix, or says why it cannot be used.
+    pub(super) fn add(&mut self, sentence: &Sentence, for_heading: bool) -> Result<(), SkipKind> {
+        if for_heading {
+            self.heading = Some(sentence.heading()?);
+            return Ok(());
+        }
         match sentence.kind() {
             b"GGA" => self.gga(sentence),
             b"GST" => {
@@ -123,6 +129,17 @@ impl Epoch {
     /// Makes the fix of what has come and gives it to those that know its time.
     pub(super) fn end(self, heights: &mut Heights, times: &mut Times, ready: &mut Ready) {
         times.next(self.time_of_day, self.date, ready);
+        if times.headings {
+            if let Some((heading, std)) = self.heading {
+                let time = 0.0;
+                times.give(
+                    self.at,
+                    What::Heading(Heading { time, heading, std }),
+                    ready,
+                );
+            }
+            return;
+        }
         if self.no_fix {
             let detail = format!("UTC {:.2} s of the day", self.time_of_day);
             ready.skip(self.at, SkipKind::NoFix, detail);
@@ -145,7 +162,7 @@ impl Epoch {
             velocity: self.velocity.filter(|_| !times.poses).map(|v| (v, None)),
             quality: place.quality,
         };
-        times.give(self.at, fix, ready);
+        times.give(self.at, What::Fix(fix), ready);
     }
 }
 
@@ -211,6 +228,8 @@ impl Heights {
 pub(super) struct Times {
     /// Whether reference solutions are wanted, not fixes.
     poses: bool,
+    /// Whether headings are.
+    headings: bool,
     weeks: WeekClock,
     /// The last time of day \[s\].
     last: Option<f64>,
@@ -218,16 +237,17 @@ pub(super) struct Times {
     date: Option<Date>,
     /// Midnights since the last date, or since the file's start.
     midnights: i32,
-    /// Fixes that wait for a date: line, midnights before it, the fix at its time of day.
-    held: Vec<(u64, i32, Fix)>,
+    /// Fixes or headings that wait for a date: line, midnights before it, time of day, the thing itself.
+    held: Vec<(u64, i32, f64, What)>,
     /// The file counts seconds of its first day, for good.
     undated: bool,
 }
 
 impl Times {
-    pub(super) fn new(poses: bool) -> Self {
+    pub(super) fn new(wanted: &Wanted) -> Self {
         Self {
-            poses,
+            poses: matches!(wanted, Wanted::Poses(_)),
+            headings: matches!(wanted, Wanted::Headings(_)),
             ..Self::default()
         }
     }
@@ -252,43 +272,45 @@ impl Times {
         };
         self.date = Some(date);
         let since_start = std::mem::take(&mut self.midnights);
-        for (at, midnights, fix) in std::mem::take(&mut self.held) {
-            self.dated(at, midnights - since_start, fix, ready);
+        for (at, midnights, time, what) in std::mem::take(&mut self.held) {
+            self.dated((at, midnights - since_start, time, what), ready);
         }
     }
 
-    /// Gives out a fix of the epoch that this has gone on to, or keeps it until its date is known.
-    fn give(&mut self, at: u64, fix: Fix, ready: &mut Ready) {
-        let time = self.last.unwrap_or_default();
-        let fix = Fix { time, ..fix };
+    /// Gives out a fix or heading of the epoch that this has gone on to, or keeps it until its date is known.
+    fn give(&mut self, at: u64, what: What, ready: &mut Ready) {
+        let held = (at, self.midnights, self.last.unwrap_or_default(), what);
         if self.undated || self.date.is_some() {
-            self.dated(at, self.midnights, fix, ready);
+            self.dated(held, ready);
         } else {
-            self.held.push((at, self.midnights, fix));
+            self.held.push(held);
             if self.held.len() >= MAX_HELD {
                 self.end(ready);
             }
         }
     }
 
-    /// Gives out a fix whose time of day comes so many midnights after the date, or after the file's start
-    /// where there is none.
-    fn dated(&mut self, at: u64, midnights: i32, fix: Fix, ready: &mut Ready) {
-        let seconds = fix.time + DAY * f64::from(midnights);
+    /// Gives out what comes so many midnights after the date, or after the file's start without one.
+    fn dated(&mut self, (at, midnights, time, what): (u64, i32, f64, What), ready: &mut Ready) {
+        let seconds = time + DAY * f64::from(midnights);
         let time = match self.date.filter(|_| !self.undated) {
             Some((year, month, day)) => self.weeks.utc(year, month, day, seconds),
             None => Some(seconds),
         };
-        if let Some(time) = time {
-            ready.fix(at, Fix { time, ..fix });
+        match (time, what) {
+            (Some(time), What::Fix(fix)) => ready.fix(at, Fix { time, ..fix }),
+            (Some(time), What::Heading(heading)) => {
+                ready.push(at, What::Heading(Heading { time, ..heading }));
+            }
+            _ => {}
         }
     }
 
     /// Gives out what still waits for a date, without one.
     pub(super) fn end(&mut self, ready: &mut Ready) {
         self.undated = self.date.is_none();
-        for (at, midnights, fix) in std::mem::take(&mut self.held) {
-            self.dated(at, midnights, fix, ready);
+        for held in std::mem::take(&mut self.held) {
+            self.dated(held, ready);
         }
     }
 }

@@ -3,11 +3,14 @@
 
 use crate::angle::of_degrees_minutes;
 use crate::number;
-use crate::skipped::shown;
+use crate::skipped::{SkipKind, shown};
 use crate::time::{self, whole};
 
 /// Longest sentence that is believed \[bytes\]: the standard has 82, receivers go beyond it.
 const LONGEST: usize = 256;
+
+/// Sentences with a heading.
+pub(super) const HEADINGS: [&str; 4] = ["HDT", "THS", "PASHR", "AVR"];
 
 /// A sentence whose checksum is right: the text between `$` and `*`.
 pub(super) struct Sentence<'a>(&'a [u8]);
@@ -46,6 +49,41 @@ impl Sentence<'_> {
         let name = self.field(0);
         let own = name.len() != 5 || name.starts_with(b"P");
         name.get(2..).filter(|_| !own).unwrap_or_default()
+    }
+
+    /// The name of a sentence with a heading, and which field is its time.
+    pub(super) fn with_heading(&self) -> Option<(&'static str, Option<usize>)> {
+        let [hdt, ths, ashr, avr] = HEADINGS;
+        match (self.field(0), self.kind()) {
+            (_, b"HDT") => Some((hdt, None)),
+            (_, b"THS") => Some((ths, None)),
+            // Others of that maker have a name in the place of the time.
+            (b"PASHR", _) if self.field(3) == b"T" => Some((ashr, Some(1))),
+            (b"PTNL", _) if self.field(1) == b"AVR" => Some((avr, Some(2))),
+            _ => None,
+        }
+    }
+
+    /// The heading of one with a heading \[rad\], and its standard deviation where it is stated.
+    ///
+    /// # Errors
+    /// What is not a number, or what the receiver does not vouch for.
+    pub(super) fn heading(&self) -> Result<(f64, Option<f64>), SkipKind> {
+        let name = self.with_heading().map(|(name, _)| name);
+        let (field, vouched) = match name.unwrap_or_default() {
+            // Of THS: not by dead reckoning, by hand, simulated, invalid.
+            "THS" => (1, self.field(2) == b"A"),
+            "PASHR" => (2, matches!(self.field(10), b"1" | b"2")),
+            // By whole wavelengths.
+            "AVR" => (3, self.field(10) == b"3"),
+            _ => (1, true),
+        };
+        if !vouched || self.field(field).is_empty() {
+            return Err(SkipKind::NoFix);
+        }
+        let heading = self.number(field).ok_or(SkipKind::Text)?.to_radians();
+        let std = (name == Some("PASHR")).then(|| self.number(9)).flatten();
+        Ok((heading, std.filter(|std| *std > 0.0).map(f64::to_radians)))
     }
 
     /// A field, the name being number 0; empty where there is none.

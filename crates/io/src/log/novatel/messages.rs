@@ -6,7 +6,7 @@ use undrift_nav::{Matrix3, Vector3};
 
 use super::fields::Fields;
 use super::frames::MessageKind;
-use crate::entry::StreamKind;
+use crate::entry::{Heading, StreamKind};
 use crate::fix::independent;
 use crate::log::bytes::Number::{F32, F64, U32};
 
@@ -23,6 +23,8 @@ pub(super) enum Content {
     RawExtended,
     /// Of the receiver's inertial system: the type of the IMU.
     Setup,
+    /// HEADING2 and its like.
+    Heading,
     Other,
 }
 
@@ -41,7 +43,7 @@ const fn known(number: u16, name: &'static str, content: Content) -> Known {
 }
 
 /// Messages by number and name; of positions and of velocities the best first.
-const KNOWN: [Known; 30] = [
+const KNOWN: [Known; 32] = [
     known(1429, "BESTGNSSPOS", Content::Position),
     known(42, "BESTPOS", Content::Position),
     known(47, "PSRPOS", Content::Position),
@@ -69,7 +71,9 @@ const KNOWN: [Known; 30] = [
     known(264, "INSCOV", Content::Other),
     known(320, "INSCOVS", Content::Other),
     known(2051, "INSSTDEV", Content::Other),
-    known(1335, "HEADING2", Content::Other),
+    known(1335, "HEADING2", Content::Heading),
+    known(2042, "DUALANTENNAHEADING", Content::Heading),
+    known(971, "HEADING", Content::Heading),
     known(93, "RXSTATUS", Content::Other),
     known(37, "VERSION", Content::Other),
 ];
@@ -115,6 +119,10 @@ pub(super) fn described(kind: &MessageKind) -> (StreamKind, &'static str) {
             Content::Raw => (StreamKind::Imu, "counts of the IMU, without its type"),
             Content::RawExtended => (StreamKind::Imu, "counts of the IMU"),
             Content::Setup => (StreamKind::Other, "type of the IMU"),
+            Content::Heading => (
+                StreamKind::Headings,
+                "second antenna as seen from the first",
+            ),
             Content::Other if known.name.contains("CORRIMU") => (StreamKind::Other, corrected),
             Content::Other => (StreamKind::Other, ""),
         },
@@ -276,4 +284,19 @@ fn pose(position: Geodetic, v_n: Vector3, rpy: Vector3) -> TruthSample {
         v_n: Some(v_n),
         rpy: Some(rpy),
     }
+}
+
+/// Of HEADING2 and its like, without a time: `None` if it is too short, `None` inside without a solution of whole wavelengths.
+pub(super) fn heading(mut fields: Fields) -> Option<Option<Heading>> {
+    let status = fields.code(&[COMPUTED])?;
+    let quality = quality(fields.code(&TYPES)?);
+    let [_length, heading, _pitch] = fields.three(F32)?;
+    fields.skip(4)?;
+    let std = fields.number(F32)?;
+    let vouched = status == Some(COMPUTED.0) && quality == Some(FixQuality::Fixed);
+    Some(vouched.then(|| Heading {
+        time: 0.0,
+        heading: heading.to_radians(),
+        std: Some(std.to_radians()).filter(|std| *std > 0.0),
+    }))
 }

@@ -8,7 +8,7 @@ use undrift_nav::Vector3;
 use undrift_nav::sample::TruthSample;
 
 use crate::ReadError;
-use crate::entry::{Entries, Entry, Fix, ImuReading, Wanted, What};
+use crate::entry::{Entries, Entry, Fix, Heading, ImuReading, Wanted, What};
 use crate::number;
 use crate::skipped::Skipped;
 use crate::source::{self, Source};
@@ -151,6 +151,20 @@ pub(in crate::log) fn poses(open: Open, bytes: &[u8], name: Option<&str>) -> Vec
     entries.into_iter().map(pose).collect()
 }
 
+/// The headings of a stream.
+pub(in crate::log) fn headings(
+    open: Open,
+    bytes: &[u8],
+    name: Option<&str>,
+) -> (Vec<Heading>, Skipped) {
+    let (entries, skipped) = all(open, bytes, &Wanted::Headings(name.map(str::to_owned)));
+    let heading = |entry: Entry| match entry.what {
+        What::Heading(heading) => heading,
+        other => panic!("{other:?}"),
+    };
+    (entries.into_iter().map(heading).collect(), skipped)
+}
+
 /// The error that ends the entries.
 pub(in crate::log) fn refused(open: Open, bytes: &[u8], wanted: &Wanted) -> String {
     let (_, _, error) = try_all(open, source_of(bytes), wanted);
@@ -264,7 +278,12 @@ fn random_mixtures() {
                 bytes[at] = below(256) as u8;
             }
         }
-        for wanted in [FIXES, Wanted::Imu(None), Wanted::Poses(None)] {
+        for wanted in [
+            FIXES,
+            Wanted::Imu(None),
+            Wanted::Poses(None),
+            Wanted::Headings(None),
+        ] {
             for open in readers {
                 for entry in try_all(open, source_of(&bytes), &wanted).0 {
                     let finite = match entry.what {
@@ -272,6 +291,7 @@ fn random_mixtures() {
                         What::Fix(fix) => fix.time + fix.velocity.map_or(0.0, |(v_n, _)| v_n.sum()),
                         What::Pose(pose) => pose.time + pose.position.to_ecef().sum(),
                         What::LocalPose(pose) => pose.time,
+                        What::Heading(heading) => heading.time + heading.heading,
                         What::Skipped(..) => 0.0,
                     };
                     assert!(finite.is_finite());

@@ -17,6 +17,8 @@ pub(super) const CARTESIAN_POSITION_COVARIANCE: u16 = 5905;
 pub(super) const CARTESIAN_VELOCITY_COVARIANCE: u16 = 5907;
 pub(super) const SENSORS: u16 = 4050;
 pub(super) const INS: u16 = 4226;
+pub(super) const ATTITUDE: u16 = 5938;
+pub(super) const ATTITUDE_COVARIANCE: u16 = 5939;
 
 /// What a block has in place of a number that it does not know.
 const UNKNOWN: f64 = -2e10;
@@ -236,4 +238,29 @@ pub(super) fn ins(body: &[u8]) -> Option<Option<Ins>> {
             present(velocity_std).and_then(|[e, n, u]| diagonal(Vector3::new(n, e, u))),
         ],
     }))
+}
+
+/// Heading \[rad\] of AttEuler: `None` if it is too short, `None` inside unless the antennas' vectors are ones of whole wavelengths.
+pub(super) fn heading(body: &[u8]) -> Option<Option<f64>> {
+    let mut fields = behind(body)?;
+    let (_satellites, error, mode) = (fields.u8()?, fields.u8()?, fields.u16()?);
+    fields.take(2)?;
+    let [heading] = floats(&mut fields)?;
+    // The error of the vector to the first auxiliary antenna, and whether attitude was asked for.
+    let vouched = error & 0b1000_0011 == 0 && matches!(mode, 2 | 4);
+    Some(
+        known([heading])
+            .filter(|_| vouched)
+            .map(|[heading]| heading.to_radians()),
+    )
+}
+
+/// Standard deviation \[rad\] of the heading by AttCovEuler: `None` if it is too short, `None` inside where it is not known.
+pub(super) fn heading_std(body: &[u8]) -> Option<Option<f64>> {
+    let mut fields = behind(body)?;
+    let (_, error) = (fields.u8()?, fields.u8()?);
+    let [variance] = floats(&mut fields)?;
+    let variance =
+        known([variance]).filter(|[variance]| error & 0b1000_0011 == 0 && *variance > 0.0);
+    Some(variance.map(|[variance]| variance.sqrt().to_radians()))
 }

@@ -13,7 +13,7 @@ use undrift_nav::sample::{FixQuality, Position};
 use undrift_nav::{Matrix3, Vector3};
 
 use super::bytes::{i1, i4, r4, u1, u2, u4};
-use crate::entry::Fix;
+use crate::entry::{Fix, Heading};
 use crate::epoch::ClockSource;
 use crate::fix::{independent, is_covariance, on_earth};
 use crate::log::receiver::Ready;
@@ -28,11 +28,17 @@ pub(super) const COV: [u8; 2] = [0x01, 0x36];
 pub(super) const STATUS: [u8; 2] = [0x01, 0x03];
 pub(super) const SOL: [u8; 2] = [0x01, 0x06];
 pub(super) const TIMEGPS: [u8; 2] = [0x01, 0x20];
+pub(super) const RELPOSNED: [u8; 2] = [0x01, 0x3c];
 
 /// Messages with a position, the best first.
 pub(super) const POSITIONS: [&str; 3] = ["NAV-HPPOSLLH", "NAV-PVT", "NAV-POSLLH"];
 /// Messages with a velocity, the best first.
 pub(super) const VELOCITIES: [&str; 2] = ["NAV-PVT", "NAV-VELNED"];
+
+/// Messages with a heading.
+pub(super) const HEADINGS: [&str; 1] = ["NAV-RELPOSNED"];
+/// Two antennas on one vehicle are closer than this \[m\].
+const LONGEST: f64 = 100.0;
 
 /// The time of week of a message is rounded to 1 ms; what NAV-PVT adds may not be more \[s\].
 const ROUNDED: f64 = 1e-3;
@@ -40,7 +46,7 @@ const ROUNDED: f64 = 1e-3;
 /// Time of week \[ms\] of a navigation message, by which an epoch's messages are found.
 pub(super) fn time_of_week(kind: [u8; 2], payload: &[u8]) -> Option<u32> {
     match kind {
-        HPPOSLLH => u4(payload, 4),
+        HPPOSLLH | RELPOSNED => u4(payload, 4),
         PVT | POSLLH | VELNED | COV | STATUS | SOL | TIMEGPS => u4(payload, 0),
         _ => None,
     }
@@ -128,6 +134,8 @@ pub(super) struct Epoch {
     /// By NAV-PVT, NAV-VELNED: north, east, down [m/s], and the standard deviation of each [m/s].
     velocities: [Option<(Vector3, f64)>; 2],
     covariances: [Option<Matrix3>; 2],
+    /// Of NAV-RELPOSNED, without a time; `None` inside where the receiver does not vouch for it.
+    pub(super) heading: Option<Option<Heading>>,
 }
 
 impl Epoch {
@@ -167,6 +175,7 @@ impl Epoch {
             VELNED => {
                 self.velocities[1] = Some((vector(payload, 4, 1e-2)?, std(payload, 28, 1e-2)?));
             }
+            RELPOSNED => self.heading = Some(heading(payload)?),
             COV => {
                 for (k, (valid, from)) in [(5, 16), (6, 40)].into_iter().enumerate() {
                     let full = covariance(payload, from)?;
@@ -333,4 +342,42 @@ fn covariance(payload: &[u8], from: usize) -> Option<Matrix3> {
     }
     let [nn, ne, nd, ee, ed, dd] = numbers;
     Some(Matrix3::new(nn, ne, nd, ne, ee, ed, nd, ed, dd))
+}
+
+/// The heading of NAV-RELPOSNED of version 0, by north and east, or 1: `None` if it is too short, `None` inside unless base and rover move
+/// together and their vector is one of whole wavelengths.
+fn heading(payload: &[u8]) -> Option<Option<Heading>> {
+    let first = u1(payload, 0)? == 0;
+    let metres = |at: usize, fine: usize| {
+        let (whole, fine) = (i4(payload, at)?, i1(payload, fine)?);
+        Some(f64::from(whole) * 1e-2 + f64::from(fine) * 1e-4)
+    };
+    let (flags, needed, length, heading, std) = if first {
+        let (north, east) = (metres(8, 20)?, metres(12, 21)?);
+        let (of_north, of_east) = (std(payload, 24, 1e-4)?, std(payload, 28, 1e-4)?);
+        let length = north.hypot(east);
+        let across = (east * of_north).hypot(north * of_east) / length;
+        let heading = east.atan2(north);
+        (
+            u4(payload, 36)?,
+            0b11_0101,
+            length,
+            heading,
+            across / length,
+        )
+    } else {
+        let degrees = 1e-5_f64.to_radians();
+        let heading = f64::from(i4(payload, 24)?) * degrees;
+        let of_heading = std(payload, 52, degrees)?;
+        let length = metres(20, 35)?;
+        (u4(payload, 60)?, 0b1_0011_0101, length, heading, of_heading)
+    };
+    // Fix, vector valid, whole wavelengths (2 of 0 to 2), moving base, heading valid.
+    let vouched = flags & (needed | 0b1000) == needed;
+    let usable = vouched && (0.0..LONGEST).contains(&length) && std.is_finite();
+    Some(usable.then_some(Heading {
+        time: 0.0,
+        heading,
+        std: (std > 0.0).then_some(std),
+    }))
 }

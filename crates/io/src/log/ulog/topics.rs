@@ -79,9 +79,10 @@ impl TopicReader {
             StreamKind::Imu => Self::Imu(imu(topic, layout)?),
             StreamKind::Fixes => Self::Gps(Box::new(gps(layout)?)),
             StreamKind::Poses => Self::Pose(pose(layout)?),
-            StreamKind::Velocity | StreamKind::LocalPoses | StreamKind::Other => {
-                Self::Velocity(Box::new(local_velocity(layout)?))
-            }
+            StreamKind::Velocity
+            | StreamKind::LocalPoses
+            | StreamKind::Headings
+            | StreamKind::Other => Self::Velocity(Box::new(local_velocity(layout)?)),
         })
     }
 }
