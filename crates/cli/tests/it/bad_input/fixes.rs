@@ -88,6 +88,16 @@ fn degrees_times_ten_million() {
     );
 }
 
+/// Within 9 deg of the equator and 18 of Greenwich they may be of 1e-7, too.
+#[test]
+fn degrees_times_a_million() {
+    let log = changed(|row| row.put(1, &[row.number(1) * 1e6, row.number(2) * 1e6]));
+    says(
+        &log.write("e6").refusal(),
+        &["latitude and longitude are in 1e-6 or 1e-7 deg"],
+    );
+}
+
 #[test]
 fn radians_called_degrees() {
     changed(|row| row.put(1, &[row.number(1).to_radians(), row.number(2).to_radians()]))
