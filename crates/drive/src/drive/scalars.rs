@@ -143,7 +143,7 @@ impl Drive {
     /// use undrift::{Drive, navigate::{Wanted, navigate}};
     /// # use undrift_noise::{BiasModel, ImuModel};
     /// # use undrift_simulate::{DualAntenna, GnssNoise, Trajectory, simulate};
-    /// # let model = ImuModel::preset("adis16465")?;
+    /// # let model = ImuModel::preset("adis16465").expect("a preset");
     /// # let sensors = model.shaping(BiasModel::GaussMarkov, 0.02)?;
     /// # let car = Trajectory::rest(20.0);
     /// # let log = simulate(&car, 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
