@@ -24,7 +24,7 @@ pub(crate) fn may_be(start: &[u8]) -> bool {
     inner.starts_with(b"[")
 }
 
-/// The table as text; the text itself where it is none.
+/// The table as text; the text itself where it has no columns.
 pub(crate) fn table(source: Source, _: &[u8]) -> Source {
     let mut text = Vec::new();
     let mut source = source.take(LONGEST);

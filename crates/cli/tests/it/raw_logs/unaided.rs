@@ -84,7 +84,9 @@ fn navigated(name: &str, logs: &[PathBuf]) -> bool {
         error.is_none_or(|error| error.len() > "error: ".len() + 10),
         "{said}"
     );
-    assert!(!(stdout + &stderr).contains("NaN"), "{said}");
+    // But as the kind of rows that were skipped.
+    let text = (stdout + &stderr).replace("rows with NaN or infinity", "");
+    assert!(!text.contains("NaN"), "{said}");
     code == 0
 }
 
