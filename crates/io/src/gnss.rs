@@ -264,7 +264,7 @@ fn cause(out: &SkipEntry) -> Option<ReadError> {
     } else if are_degrees_minutes(a, b) {
         let problem = format!("latitude and longitude are degrees and minutes, ddmm.mmmm {at}");
         (problem, "set gnss.position_unit = \"ddmm.mmmm\"")
-    } else if a.abs() <= 90e6 && b.abs() <= 180e6 && a.abs().max(b.abs()) > 1e6 {
+    } else if a.abs() <= 90e6 && b.abs() <= 180e6 && a.abs().max(b.abs()) > 1e7 {
         let problem = format!("latitude and longitude are in 1e-6 or 1e-7 deg {at}");
         let mend = "set gnss.position_unit = \"LSB/1e6 deg\" or \"LSB/1e7 deg\"";
         (problem, mend)

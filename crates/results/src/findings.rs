@@ -1,6 +1,5 @@
-//! What a run finds out about its logs and its solution, as values: numbers in SI units, times in the
-//! log's own time base. The engine's watches and `undrift-drive` make them, `undrift_report::sentence` words them.
-//! The names of kinds and fields are those of the stored JSON.
+//! What a run finds out about its logs and its solution, as values in SI units and the log's own time base, by the names that the
+//! stored JSON has. The engine's watches and `undrift-drive` make them, `undrift_report::sentence` words them.
 
 mod implausible;
 mod kinds;
@@ -10,11 +9,10 @@ pub use kinds::{NoError, Severity, WhyLeftOut};
 pub use undrift_engine::Log;
 pub use weight::{is_doubtful, is_jump, ranked, verdict};
 
-use serde::{Deserialize, Serialize};
 use undrift_engine::{Contradiction, FixMend, Lean, Part, RestartCause, WindowPart};
 
 /// One thing found.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "finding", rename_all = "snake_case")]
 pub enum Finding {
@@ -166,16 +164,14 @@ pub enum Finding {
         /// Times the predicted size, of innovations that are too large.
         factor: Option<f64>,
     },
-    /// The stamps of the samples are later than the motion they measure (in a slow log, they may be earlier), and the vehicle is fast
-    /// enough for that to matter.
+    /// The stamps are later than the motion measured (of a slow log perhaps earlier), and the vehicle is fast enough to show it.
     LateSamples {
         /// By how much they are late against the fixes, negative if early, and its standard deviation \[s\].
         delay: [f64; 2],
         /// How far the solution on the IMU's clock is behind the receiver's, at most \[m\].
         most: f64,
     },
-    /// The IMU's axes are not forward, right, down of the vehicle: 1 forward, −1 backward, 2 right,
-    /// −2 left, as far as it shows.
+    /// The IMU's axes are not forward, right, down of the vehicle: 1 forward, −1 backward, 2 right, −2 left, as far as it shows.
     WrongAxes {
         /// Body axis along which the vehicle accelerates.
         forward: Option<i8>,

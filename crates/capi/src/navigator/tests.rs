@@ -226,13 +226,18 @@ fn what_is_wrong_has_a_status() {
         let status = undrift_navigator_fix(navigator, 1.0, &fix, null());
         assert_eq!(status, Status::BadMeasurement);
         let scalar = |kind: i32, std| undrift_navigator_scalar(navigator, kind, 1.0, 3.0, std);
-        let kinds = [ScalarKind::Odometer, ScalarKind::Barometer].map(|kind| kind as i32);
+        let kinds = [
+            ScalarKind::Odometer,
+            ScalarKind::Barometer,
+            ScalarKind::Heading,
+        ];
+        let kinds = kinds.map(|kind| kind as i32);
         assert_eq!(scalar(kinds[0], 0.0), Status::OutOfRange);
-        assert_eq!(scalar(kinds[1] + 1, 1.0), Status::OutOfRange);
-        assert_eq!(kinds.map(|kind| scalar(kind, 1.0)), [Status::Ok; 2]);
+        assert_eq!(scalar(kinds[2] + 1, 1.0), Status::OutOfRange);
+        assert_eq!(kinds.map(|kind| scalar(kind, 1.0)), [Status::Ok; 3]);
         // The numbers are those of the engine.
         let names = kinds.map(|kind| ScalarLog::ALL[kind as usize].name());
-        assert_eq!(names, ["odometer", "barometer"]);
+        assert_eq!(names, ["odometer", "barometer", "heading"]);
         let mut other = navigator;
         let sensors = self::sensors().map(Sensor::from);
         let wrong = NavigatorSettings {

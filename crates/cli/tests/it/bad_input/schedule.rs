@@ -125,7 +125,10 @@ fn outages_that_cannot_be_are_refused() {
 fn arguments_that_are_none_are_refused() {
     let case = Log::good().write("arguments");
     for (arguments, parts) in [
-        (&["--count", "x"][..], &["--count", "invalid digit"][..]),
+        (
+            &["--count", "x"][..],
+            &["--count", "expected a whole number"][..],
+        ),
         (&["--at", "1,two"], &["--at", "two", "invalid float"]),
         (
             &["--at", "50", "--every", "10"],
