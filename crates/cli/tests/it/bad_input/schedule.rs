@@ -129,7 +129,7 @@ fn arguments_that_are_none_are_refused() {
             &["--count", "x"][..],
             &["--count", "expected a whole number"][..],
         ),
-        (&["--at", "1,two"], &["--at", "two", "invalid float"]),
+        (&["--at", "1,two"], &["--at", "two", "expected a number"]),
         (
             &["--at", "50", "--every", "10"],
             &["--at", "cannot be used with"],
