@@ -65,7 +65,7 @@ pub(crate) struct Positions {
 impl Positions {
     /// The slope of a straight line through the last positions; its covariance is that of what they scatter about it, so
     /// that a bend and white noise count and an error that lasts does not. A few positions may lie on a line by chance: their
-    /// scatter is at least that of the last sixty, and what they state before so many are known. `None` of a fix with a
+    /// scatter is at least that of the last sixty, and what they state before that is known. `None` of a fix with a
     /// velocity and before there are enough.
     pub(crate) fn add(&mut self, fix: &GnssFix) -> Option<DerivedVelocity> {
         if fix.velocity.is_some() {
@@ -154,8 +154,8 @@ pub(crate) fn white_variance(track: &[(f64, Vector3)]) -> Option<Vector3> {
     let last = (SHARE * squares[0].len() as f64) as usize;
     enough.then(|| {
         Vector3::from_fn(|i, _| {
-            squares[i].sort_unstable_by(f64::total_cmp);
-            squares[i][last] / (20.0 * QUANTILE)
+            let (_, square, _) = squares[i].select_nth_unstable_by(last, f64::total_cmp);
+            *square / (20.0 * QUANTILE)
         })
     })
 }

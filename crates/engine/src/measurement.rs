@@ -90,18 +90,14 @@ pub(super) type Due = (Measurement, Option<Part>);
 #[derive(Clone)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Queue {
-    /// How many measurements were taken in, and the latest stamp for which any were looked for \[s\].
-    ///
-    /// Number of the next measurement to take in.
+    /// How many measurements were taken in, the number of the next one; and the latest stamp for which any were looked for \[s\].
     taken: u64,
     asked: f64,
     /// Whole fixes that are not due yet.
     fixes: VecDeque<GnssFix>,
-    /// Fixes of which the other part was given out.
-    ///
-    /// Fixes whose position is still due.
+    /// Fixes whose velocity was given out and whose position is still due.
     positions: VecDeque<GnssFix>,
-    /// Fixes whose velocity is still due.
+    /// Fixes whose position was given out and whose velocity is still due.
     velocities: VecDeque<GnssFix>,
     /// Headings by the receiver's antennas, as late as its positions.
     headings: VecDeque<Scalar>,
@@ -193,7 +189,7 @@ impl Queue {
     ///
     /// With the part that it is of, where the fix was cut in two. Repeated fixes are counted and passed over.
     ///
-    /// Measurements due at the same time come in the order whole fixes, positions, velocities,
+    /// Measurements due at the same time come in the order headings, whole fixes, positions, velocities,
     /// others. Called until it gives `None` for a `time`.
     pub(super) fn next_until(
         &mut self,

@@ -282,9 +282,14 @@ pub(crate) fn day_of_digits(number: f64) -> Option<i64> {
     let digits = Some(number as i64).filter(|whole| *whole as f64 == number)?;
     let (high, middle, low) = (digits / 10_000, digits / 100 % 100, digits % 100);
     match digits {
-        10_000..1_000_000 => day_of(2000 + low, middle, high),
+        10_000..1_000_000 => day_of(full_year(low), middle, high),
         _ => day_of(high, middle, low),
     }
+}
+
+/// The year of its last two digits; GPS began in 1980.
+pub(crate) fn full_year(two: i64) -> i64 {
+    if two < 80 { 2000 + two } else { 1900 + two }
 }
 
 /// Seconds of day of a time whose digits are a number, `hhmmss.sss`, or with hundredths or thousandths behind the seconds.

@@ -1,6 +1,7 @@
 //! UTF-16 text, as spreadsheets and editors on Windows save it, read as UTF-8.
 
 use std::char::{REPLACEMENT_CHARACTER, decode_utf16};
+use std::collections::VecDeque;
 use std::io::{self, BufRead, BufReader, Read};
 
 use crate::source::{Failing, Source};
@@ -44,8 +45,7 @@ fn decoder(source: Source, order: fn([u8; 2]) -> u16) -> Source {
         source,
         order,
         units: Vec::new(),
-        text: Vec::new(),
-        given: 0,
+        text: VecDeque::new(),
     }))
 }
 
@@ -54,9 +54,8 @@ struct Text {
     order: fn([u8; 2]) -> u16,
     /// The first half of a character, whose second half has not been read.
     units: Vec<u16>,
-    /// Decoded, and how much of it was given out.
-    text: Vec<u8>,
-    given: usize,
+    /// Decoded, and not given out yet.
+    text: VecDeque<u8>,
 }
 
 impl Text {
@@ -85,8 +84,6 @@ impl Text {
             Some(last) if is_first_half(last) && any => self.units.pop(),
             _ => None,
         };
-        self.given = 0;
-        self.text.clear();
         let mut bytes = [0; 4];
         for character in decode_utf16(self.units.drain(..)) {
             let character = character.unwrap_or(REPLACEMENT_CHARACTER);
@@ -100,15 +97,12 @@ impl Text {
 
 impl Read for Text {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        while self.given == self.text.len() {
+        while self.text.is_empty() {
             if !self.decode()? {
                 return Ok(0);
             }
         }
-        let mut left = self.text.get(self.given..).unwrap_or_default();
-        let length = left.read(into)?;
-        self.given += length;
-        Ok(length)
+        self.text.read(into)
     }
 }
 

@@ -1,6 +1,8 @@
 //! Two tables with times as one, `gyro.csv + accel.csv`: the rows of both by their time, each with the columns of its own and
 //! blanks in those of the other, or both in one row where their times are equal.
 
+use std::borrow::Cow;
+use std::collections::VecDeque;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -47,8 +49,7 @@ pub(crate) fn table(files: &[PathBuf; 2]) -> Result<impl Read + Send + 'static, 
         |half: &Half| Vec::from_iter(half.names.iter().map(|name| half.name_of(name, shared)));
     let header = [vec![first.time_name.clone()], names(&first), names(&second)].concat();
     Ok(Halves {
-        held: (header.join(",") + "\n").into_bytes(),
-        given: 0,
+        held: (header.join(",") + "\n").into_bytes().into(),
         halves: [first, second],
     })
 }
@@ -133,15 +134,9 @@ impl Half {
         let stamp = || stamps::any(&mut self.weeks, text.as_bytes());
         let time = number::parse_finite(text.as_bytes()).or_else(stamp)?;
         cells.resize(self.names.len(), "".into());
-        Some((
-            time,
-            text.replace(',', "."),
-            cells
-                .iter()
-                .map(|cell| cell.replace(',', "."))
-                .collect::<Vec<_>>()
-                .join(","),
-        ))
+        let plain = |cell: &Cow<str>| cell.replace(',', ".");
+        let others = Vec::from_iter(cells.iter().map(plain)).join(",");
+        Some((time, plain(&text), others))
     }
 
     /// To the next row with a time.
@@ -163,14 +158,13 @@ fn plain(name: &str) -> String {
 
 struct Halves {
     halves: [Half; 2],
-    /// The present line, and how much of it was given out.
-    held: Vec<u8>,
-    given: usize,
+    /// What is left of the present line.
+    held: VecDeque<u8>,
 }
 
 impl Read for Halves {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        if self.given == self.held.len() {
+        if self.held.is_empty() {
             let [first, second] = &self.halves;
             let time = |half: &Half| half.next.as_ref().map_or(f64::INFINITY, |(time, ..)| *time);
             let earliest = time(first).min(time(second));
@@ -182,8 +176,8 @@ impl Read for Halves {
             let blanks = |half: &Half| ",".repeat(half.names.len().saturating_sub(1));
             let cells =
                 |k: usize| now[k].map_or_else(|| blanks(&self.halves[k]), |row| row.2.clone());
-            self.held = format!("{stamp},{},{}\n", cells(0), cells(1)).into_bytes();
-            self.given = 0;
+            self.held
+                .extend(format!("{stamp},{},{}\n", cells(0), cells(1)).as_bytes());
             let taken = now.map(|row| row.is_some());
             for (half, taken) in self.halves.iter_mut().zip(taken) {
                 if taken {
@@ -191,10 +185,7 @@ impl Read for Halves {
                 }
             }
         }
-        let mut left = self.held.get(self.given..).unwrap_or_default();
-        let length = left.read(into)?;
-        self.given += length;
-        Ok(length)
+        self.held.read(into)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Objects of JSON that are in an array, `[{…}, {…}]`, or one below the other over several lines, as lines of an object each.
 //! The array may be a member of an object, `{"data": [{…}, …]}`.
 
+use std::collections::VecDeque;
 use std::io::{self, BufRead, BufReader, Read};
 
 use crate::source::{Source, without_byte_order_mark};
@@ -29,8 +30,7 @@ pub(crate) fn lines(source: Source, start: &[u8]) -> Source {
         open: Vec::new(),
         object: 0,
         quotes: Quotes::default(),
-        held: Vec::new(),
-        given: 0,
+        held: VecDeque::new(),
     }))
 }
 
@@ -83,9 +83,8 @@ struct Objects {
     /// Braces that are open in the present object; 0 between objects.
     object: u32,
     quotes: Quotes,
-    /// Lines that are ready, and how much of them was given out.
-    held: Vec<u8>,
-    given: usize,
+    /// Lines that are ready.
+    held: VecDeque<u8>,
 }
 
 impl Objects {
@@ -110,7 +109,7 @@ impl Objects {
             _ if quoted => {}
             b'{' if is_row => {
                 self.object = 1;
-                self.held.push(byte);
+                self.held.push_back(byte);
             }
             b'{' | b'[' => self.open.push(byte),
             b'}' | b']' => drop(self.open.pop()),
@@ -121,8 +120,7 @@ impl Objects {
 
 impl Read for Objects {
     fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        while self.given == self.held.len() {
-            (self.given, self.held) = (0, Vec::new());
+        while self.held.is_empty() {
             let buffer = self.source.fill_buf()?.to_vec();
             if buffer.is_empty() {
                 return Ok(0);
@@ -130,10 +128,7 @@ impl Read for Objects {
             buffer.iter().for_each(|byte| self.byte(*byte));
             self.source.consume(buffer.len());
         }
-        let mut left = self.held.get(self.given..).unwrap_or_default();
-        let length = left.read(into)?;
-        self.given += length;
-        Ok(length)
+        self.held.read(into)
     }
 }
 

@@ -177,13 +177,13 @@ pub fn recommend(candidates: &[Scored]) -> Option<Recommendation> {
         deciding.all(|&h| is_as_good(&c.horizons[h], &best[h].horizons[h]))
     };
     // The likelihood sees more of a record than the few windows of a long horizon do.
-    let least = |aic: f64, of: &(usize, &Scored)| aic.min(of.1.aic);
+    let lower = |aic: f64, of: &(usize, &Scored)| aic.min(of.1.aic);
     let least_drift = usable.iter().filter(|(_, c)| good(c));
-    let least_drift = least_drift.fold(f64::INFINITY, least);
+    let least_drift = least_drift.fold(f64::INFINITY, lower);
     let decided = |c: &Scored| c.aic < least_drift - DECISIVE_AIC && worst(c) <= 1.0 + WITHIN;
     let good = |c: &Scored| good(c) || decided(c);
     let least_aic = usable.iter().filter(|(_, c)| good(c));
-    let least_aic = least_aic.fold(f64::INFINITY, least);
+    let least_aic = least_aic.fold(f64::INFINITY, lower);
     let likely = |c: &Scored| c.aic <= least_aic + EQUAL_AIC;
     let simplest = usable
         .iter()

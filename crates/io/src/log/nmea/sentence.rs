@@ -121,10 +121,9 @@ pub(super) fn time_of_day(field: &[u8]) -> Option<f64> {
     time::of_day(field.get(..2)?, field.get(2..4)?, field.get(4..)?)
 }
 
-/// Year, month and day of `ddmmyy`; GPS began in 1980.
+/// Year, month and day of `ddmmyy`.
 pub(super) fn date(field: &[u8]) -> Option<(i64, i64, i64)> {
     let part = |from: usize| whole(field.get(from..from + 2)?);
     let (day, month, year) = (part(0)?, part(2)?, part(4)?);
-    let century = if year < 80 { 2000 } else { 1900 };
-    (field.len() == 6).then_some((century + year, month, day))
+    (field.len() == 6).then_some((time::full_year(year), month, day))
 }
