@@ -8,7 +8,7 @@ use crate::{
 };
 use alloc::{boxed::Box, collections::VecDeque};
 use undrift_engine::{
-    Event, Navigator as Inner, Part, PushError, Scalar, ScalarLog,
+    Event, Measurement, Navigator as Inner, Part, PushError, Scalar, ScalarLog,
     align::{AlignSettings, Heading},
     settings::{Settings, fix_errors::FromFixes},
     vehicle::{Constraints, Profile},
@@ -336,7 +336,7 @@ pub unsafe extern "C" fn undrift_navigator_scalar(
         if std <= 0.0 {
             return Err(Status::OutOfRange);
         }
-        let measurement = kind.measurement(Scalar { time, value, std });
+        let measurement = Measurement::of(*kind, Scalar { time, value, std });
         let in_time = navigator.inner.measure(measurement)?;
         in_time.then_some(()).ok_or(Status::TooLate)
     })

@@ -5,7 +5,6 @@
 
 use crate::{
     estimator::Estimator,
-    events::Event,
     measurement::Measured,
     navigator::{Navigator, Snapshot},
     run::Run,
@@ -13,6 +12,7 @@ use crate::{
 };
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
+use undrift_events::Event;
 use undrift_nav::{
     covariance::AXES,
     parameters::{Parameter, Parameters},
@@ -44,7 +44,7 @@ struct Kept {
     /// What the fixes and the filter's parameters were found to be: in the settings of the run.
     fix_errors: FixErrors,
     parameters: Parameters,
-    innovations: [Option<[f64; 3]>; crate::aid::Aid::COUNT],
+    innovations: [Option<[f64; 3]>; undrift_events::Aid::COUNT],
     measured: Measured,
     horizon: f64,
     samples: Vec<ImuSample>,

@@ -21,7 +21,8 @@ use undrift_nav::{
     shaping::ShapingFilter,
 };
 
-pub use crate::aid::{Aiding, Channel, STAMP_ROUNDING};
+pub use crate::aid::{Aiding, Channel};
+pub use undrift_events::STAMP_ROUNDING;
 
 /// Record of a filter's run ([`Estimator::log_to`]), one entry after the other: with it the run can be repeated under other
 /// noise, as a linear filter about the solution of this one. What tuning fits noise to.

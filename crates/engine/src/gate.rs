@@ -18,13 +18,11 @@
 //! The usual NIS is per degree of freedom, at least 1: 30 until ten innovations are known, then the median of
 //! the last 40 over that of χ²(3)/3.
 
-use super::{
-    events::{Contradiction, Part},
-    summary::Summary,
-};
+use super::summary::Summary;
 use crate::median::upper_median;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
+use undrift_events::{Contradiction, Part};
 use undrift_nav::{
     Matrix3, Vector3,
     filter::{Gate, Outcome, Update},

@@ -11,15 +11,15 @@
 //!   those of the same reflections, the information is that of one.
 
 use crate::{
-    aid::{Aid, Aiding},
+    aid::Aiding,
     consensus::{AGREE, FLOOR, LASTS, Recent},
     estimator::Estimator,
-    events::RejectedHeadings,
     gate::Scale,
     summary::{MOST_EVENTS, Summary},
 };
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
+use undrift_events::{Aid, RejectedHeadings};
 use undrift_nav::{
     Matrix3,
     earth::wrap_pi,

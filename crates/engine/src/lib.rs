@@ -60,7 +60,6 @@ mod constraints;
 mod course;
 pub mod derived;
 pub mod estimator;
-mod events;
 pub mod fixes;
 mod gate;
 mod heading;
@@ -87,19 +86,18 @@ pub mod vehicle;
 mod vertical;
 pub mod vibration;
 mod watch;
-mod windows;
 
-pub use aid::{Aid, ByAid, Log, Measurement, ScalarLog};
+pub use aid::{ByAid, Measurement};
 #[cfg(feature = "checkpoint")]
 pub use checkpoint::RestoreError;
-pub use events::{
-    Contradiction, Event, FixMend, HeadingOff, Implausible, Lean, Part, RejectedHeadings, Restart,
-    RestartCause, SampleFault,
-};
-pub use health::CovarianceHealth;
+pub use health::covariance_health;
 pub use measurement::Scalar;
 pub use navigator::{EndError, Navigator, PushError};
 pub use not_aligned::NotAligned;
 pub use observer::Observer;
-pub use summary::{Innovations, LateSamples, MOST_EVENTS, SideSlip, Summary};
-pub use windows::{Agreement, Disagreement, Window, WindowPart, Windows};
+pub use summary::{LateSamples, MOST_EVENTS, SideSlip, Summary};
+pub use undrift_events::{
+    Agreement, Aid, Contradiction, CovarianceHealth, Disagreement, Event, FixMend, HeadingOff,
+    Implausible, Innovations, Lean, Log, Part, RejectedHeadings, Restart, RestartCause,
+    SampleFault, ScalarLog, Window, WindowPart, Windows,
+};

@@ -13,8 +13,9 @@
 
 pub use undrift_nav::sample::Scalar;
 
-use super::{aid::Measurement, events::Part};
+use super::aid::Measurement;
 use alloc::collections::VecDeque;
+use undrift_events::Part;
 use undrift_nav::sample::GnssFix;
 
 /// Measurements in order of time, as far as they may still be needed.

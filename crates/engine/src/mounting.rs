@@ -20,7 +20,8 @@ use alloc::{sync::Arc, vec::Vec};
 use core::ops::AddAssign;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
-use undrift_nav::{Matrix3, Quaternion, Vector3, attitude::to_rpy};
+pub use undrift_events::Mounting;
+use undrift_nav::{Matrix3, Quaternion, Vector3};
 
 /// Speed above which the direction of motion counts on the straight [m/s].
 const MIN_SPEED: f64 = 5.0;
@@ -45,46 +46,6 @@ const FLOOR: [f64; 3] = [0.012, 0.004, 0.003];
 pub const FLOOR_TURNING: f64 = 0.015;
 /// Longest part of a log, from its first sample, that an estimate ahead of the navigation looks at \[s\].
 pub const LONGEST_PASS: f64 = 900.0;
-
-/// Attitude of the sensor's axes in the vehicle, with its uncertainty.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
-pub struct Mounting {
-    /// Takes sensor axes `b` to vehicle axes `v`, forward, right, down.
-    pub q_vb: Quaternion,
-    /// Standard deviations of the error angles about the vehicle's forward, right and down \[rad\].
-    pub std: Vector3,
-    /// Length of the driving that it is based on \[s\].
-    pub duration: f64,
-    /// Whether that driving was straight; else it turned, slowly.
-    pub straight: bool,
-}
-
-impl Mounting {
-    /// Roll, pitch, yaw \[rad\] of the rotation from the sensor's to the vehicle's axes, as `imu.mounting` of a drive file takes them.
-    ///
-    /// ```
-    /// use undrift_engine::mounting::Mounting;
-    /// use undrift_nav::{Vector3, attitude::from_rpy};
-    /// // The sensor lies upside down.
-    /// let upside_down = Mounting {
-    ///     q_vb: from_rpy(&Vector3::new(180f64.to_radians(), 0.0, 0.0)),
-    ///     std: Vector3::repeat(0.01),
-    ///     duration: 60.0,
-    ///     straight: true,
-    /// };
-    /// assert!((upside_down.rpy().x.abs().to_degrees() - 180.0).abs() < 1e-9);
-    /// assert!((upside_down.matrix() * Vector3::z() + Vector3::z()).norm() < 1e-12);
-    /// ```
-    pub fn rpy(&self) -> Vector3 {
-        to_rpy(&self.q_vb)
-    }
-
-    /// Rotation matrix C_b^v, from the sensor's to the vehicle's axes.
-    pub fn matrix(&self) -> Matrix3 {
-        self.q_vb.to_rotation_matrix().into_inner()
-    }
-}
 
 /// Why there is no estimate of the mounting.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

@@ -3,7 +3,6 @@
 use crate::{
     aid::Measurement,
     estimator::Estimator,
-    events::Event,
     measurement::Measured,
     not_aligned::NotAligned,
     observer::Observer,
@@ -12,6 +11,7 @@ use crate::{
     summary::{MOST_EVENTS, Summary},
 };
 use alloc::{boxed::Box, collections::VecDeque, vec::Vec};
+use undrift_events::{Event, ScalarLog};
 use undrift_nav::{
     filter::FilterError,
     parameters::Parameter,
@@ -219,15 +219,14 @@ impl Navigator {
         self.measure(Measurement::Gnss(fix))
     }
 
-    /// Pushes a wheel speed, forward positive \[m/s\], in the same way as [`Navigator::fix`]; the wheel is at
-    /// [`Constraints::odometer_lever`](crate::vehicle::Constraints::odometer_lever). A speed without sign is right only while the
-    /// vehicle drives forward.
+    /// Pushes what a sensor measures that gives one number, in the same way as [`Navigator::fix`]. What it is, in which unit and
+    /// with which sign: [`Measurement`].
     ///
     /// # Errors
     /// As [`Navigator::fix`].
     ///
     /// ```
-    /// use undrift_engine::{Aid, Navigator, Scalar, settings::Settings, vehicle::Profile};
+    /// use undrift_engine::{Aid, Navigator, Scalar, ScalarLog, settings::Settings, vehicle::Profile};
     /// # use undrift_nav::shaping::ShapingFilter;
     /// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
     /// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
@@ -240,7 +239,7 @@ impl Navigator {
     /// // `log.truth` has the speed that a wheel would read, ten times a second.
     /// for row in log.truth.iter().step_by(5) {
     ///     let value = row.v_n.expect("simulated").norm();
-    ///     navigator.odometer(Scalar { time: row.time, value, std: 0.1 })?;
+    ///     navigator.scalar(ScalarLog::Odometer, Scalar { time: row.time, value, std: 0.1 })?;
     /// }
     /// for sample in &log.imu {
     ///     navigator.imu(*sample)?;
@@ -248,27 +247,8 @@ impl Navigator {
     /// assert!(navigator.summary().innovations[Aid::Odometer].updates > 100);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn odometer(&mut self, speed: Scalar) -> Result<bool, PushError> {
-        self.measure(Measurement::Odometer(speed))
-    }
-
-    /// Pushes a barometric height, up positive \[m\], in the same way as [`Navigator::fix`]. Its offset to the ellipsoid is to be estimated
-    /// by [`Parameter::BarometerBias`] among the settings' parameters, else it is taken for an ellipsoidal height.
-    ///
-    /// # Errors
-    /// As [`Navigator::fix`].
-    pub fn barometer(&mut self, height: Scalar) -> Result<bool, PushError> {
-        self.measure(Measurement::Barometer(height))
-    }
-
-    /// Pushes the azimuth of a second antenna as seen from the first, from north to east \[rad\], in the same way as [`Navigator::fix`].
-    /// Its direction in the body is [`Constraints::heading_baseline`](crate::vehicle::Constraints::heading_baseline), and
-    /// [`Parameter::HeadingOffset`] where it is not exact. At rest it gives the first heading.
-    ///
-    /// # Errors
-    /// As [`Navigator::fix`].
-    pub fn heading(&mut self, heading: Scalar) -> Result<bool, PushError> {
-        self.measure(Measurement::Heading(heading))
+    pub fn scalar(&mut self, sensor: ScalarLog, measured: Scalar) -> Result<bool, PushError> {
+        self.measure(Measurement::of(sensor, measured))
     }
 
     /// Pushes a measurement of any kind, in the same way as [`Navigator::fix`].
@@ -341,6 +321,38 @@ impl Navigator {
 
     /// The events since the last call, in order of time. A late measurement may undo or change earlier ones: new events are
     /// handed out, none is retracted.
+    ///
+    /// Fixes that are suddenly 100 m off are rejected, and the solution does not follow them:
+    ///
+    /// ```
+    /// use undrift_engine::{Event, Navigator, Part, settings::Settings};
+    /// use undrift_nav::sample::Position;
+    /// # use undrift_nav::shaping::ShapingFilter;
+    /// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
+    /// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
+    /// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
+    /// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
+    /// let mut navigator = Navigator::new(Settings::new(sensors));
+    /// for mut fix in log.gnss {
+    ///     if let Some((Position::Geodetic(place), _)) = &mut fix.position
+    ///         && (90.0..95.0).contains(&fix.time)
+    ///     {
+    ///         place.lat += 100.0 / 6.37e6; // North.
+    ///     }
+    ///     navigator.fix(fix)?;
+    /// }
+    /// for sample in log.imu {
+    ///     navigator.imu(sample)?;
+    /// }
+    /// let rejected = navigator.events().into_iter().find_map(|event| match event {
+    ///     Event::Rejected(run) if run.part == Part::Position => Some(run),
+    ///     _ => None,
+    /// });
+    /// let rejected = rejected.expect("the gate");
+    /// assert_eq!((rejected.start, rejected.fixes, rejected.accepted_in_the_end), (90.0, 5, false));
+    /// assert!((rejected.first - 100.0).abs() < 2.0, "its distance from the solution [m]");
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn events(&mut self) -> Vec<Event> {
         let before = &self.handed_out;
         let is_new = |event: &Event| !before.iter().any(|before| before.is_same(event));

@@ -1,10 +1,8 @@
 //! Why there is no alignment.
 
-use crate::{
-    align::{AlignmentFailure, ClockFault, Stamps},
-    events::Implausible,
-};
+use crate::align::{AlignmentFailure, ClockFault, Stamps};
 use alloc::vec::Vec;
+use undrift_events::Implausible;
 
 /// No alignment before the samples ended, and what is known of why.
 ///

@@ -21,7 +21,6 @@ mod alternation;
 mod moves;
 mod turns;
 
-use super::events::Implausible;
 use crate::{align::Heading, derived::Positions, settings::Settings};
 use alloc::vec::Vec;
 use alternation::Alternation;
@@ -30,6 +29,7 @@ use moves::Moves;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use turns::Turns;
+use undrift_events::Implausible;
 use undrift_nav::{
     Matrix3, Vector3,
     earth::STANDARD_GRAVITY,

@@ -31,8 +31,6 @@ mod height;
 
 use self::height::HeightGate;
 use super::{
-    aid::Aid,
-    events::Part,
     gate::{FixGate, Scale, Verdict},
     summary::{MOST_EVENTS, Summary},
     watch::LeanWatch,
@@ -44,6 +42,7 @@ use crate::{
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use nalgebra::Vector2;
+use undrift_events::{Aid, Part};
 use undrift_nav::{
     Matrix3, Vector3,
     earth::STANDARD_GRAVITY,

@@ -31,7 +31,6 @@ use super::{
     checked::Checked,
     constraints::{self, Vehicle},
     course::CourseWatch,
-    events::{Part, Restart, RestartCause},
     heading::Headings,
     inertial::Inertial,
     measurement::{Latency, Measured, Queue},
@@ -54,6 +53,7 @@ use crate::{
 use alloc::{boxed::Box, sync::Arc};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
+use undrift_events::{Part, Restart, RestartCause};
 use undrift_nav::{
     Vector3,
     filter::FilterError,

@@ -1,78 +1,25 @@
 //! Settings of a navigator: sensors, vehicle, alignment, what is estimated, and which fixes are used and how far they are believed.
 
 pub mod align;
-pub mod fix_errors;
 pub mod quality;
 
+pub use undrift_events::{Doubt, GnssUse, Outage, fix_errors};
+
 use crate::{
-    estimator::{LogTo, STAMP_ROUNDING},
-    settings::{
-        align::AlignSettings,
-        fix_errors::{FixErrors, FromFixes},
-        quality::QualityStd,
-    },
+    estimator::LogTo,
+    settings::{align::AlignSettings, quality::QualityStd},
     vehicle::Constraints,
 };
 use alloc::vec::Vec;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
+use undrift_events::fix_errors::{FixErrors, FromFixes};
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
     covariance::AXES,
     parameters::{Parameter, Parameters},
     shaping::ShapingFilter,
 };
-
-/// Half-open span of time without GNSS: fixes after `start` up to and including `end` are withheld.
-///
-/// ```
-/// use undrift_engine::settings::Outage;
-/// let outage = Outage { start: 100.0, end: 130.0 };
-/// assert_eq!([100.0, 100.1, 130.0, 130.1].map(|time| outage.contains(time)), [false, true, true, false]);
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
-pub struct Outage {
-    /// Last instant with GNSS \[s\], in the log's time base.
-    pub start: f64,
-    /// Last instant without GNSS \[s\].
-    pub end: f64,
-}
-
-impl Outage {
-    /// Whether `time` \[s\] lies in `(start, end]`. A microsecond of slack absorbs the rounding of stamps.
-    pub fn contains(&self, time: f64) -> bool {
-        time > self.start + STAMP_ROUNDING && time <= self.end + STAMP_ROUNDING
-    }
-}
-
-/// A span over which the solution may have gone wrong, as a pass over the log has found, with the error possible at its end, one
-/// standard deviation of each axis. In a second pass ([`Settings::doubts`]) the covariance grows over the span, so that a smoother
-/// spreads the error over it rather than at one instant.
-///
-/// ```
-/// use undrift_engine::settings::{Doubt, Settings};
-/// use undrift_nav::shaping::ShapingFilter;
-/// // A first pass followed fixes at 130 s after it had rejected them from 118 s on.
-/// let doubt = Doubt { start: 118.0, end: 130.0, position: 8.0, velocity: 0.7, tilt: 0.01 };
-/// let settings = Settings { doubts: vec![doubt], ..Settings::new([ShapingFilter::white(1e-3, 0.01)?; 6]) };
-/// assert_eq!(settings.doubts.len(), 1);
-/// # Ok::<(), undrift_nav::shaping::ShapingError>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
-pub struct Doubt {
-    /// Time of the last fix that agreed with the solution \[s\].
-    pub start: f64,
-    /// Time of the fix that the solution then accepted \[s\].
-    pub end: f64,
-    /// Standard deviation of the position \[m\].
-    pub position: f64,
-    /// Standard deviation of the velocity [m/s].
-    pub velocity: f64,
-    /// Standard deviation of the tilt \[rad\].
-    pub tilt: f64,
-}
 
 /// All that a [`Navigator`](crate::Navigator) is configured by. [`Settings::new`] gives the defaults; what is known beyond the sensors'
 /// noise is set on top:
@@ -112,6 +59,16 @@ pub struct Settings {
     /// Whether the navigation frame turns with the Earth; not in a room whose heading against north is unknown. `true` by default.
     pub earth_rate: bool,
     /// Parts of a fix that update the solution. Alignment takes the position in any case.
+    ///
+    /// ```
+    /// use undrift_engine::settings::{GnssUse, Settings};
+    /// # use undrift_nav::shaping::ShapingFilter;
+    /// # let sensors = [ShapingFilter::white(1e-3, 0.01)?; 6];
+    /// // A receiver whose velocities lag: its positions alone update the solution.
+    /// let settings = Settings { gnss_use: GnssUse::Position, ..Settings::new(sensors) };
+    /// assert_ne!(settings.gnss_use, GnssUse::default());
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub gnss_use: GnssUse,
     /// How the first position, velocity and attitude are found.
     pub align: AlignSettings,
@@ -145,6 +102,16 @@ pub struct Settings {
     pub start: Option<Vec<f64>>,
     /// Where a pass before has found the solution to go wrong: the covariance grows over these spans, in place of
     /// at the one instant at which that was found.
+    ///
+    /// ```
+    /// use undrift_engine::settings::{Doubt, Settings};
+    /// use undrift_nav::shaping::ShapingFilter;
+    /// // A first pass followed fixes at 130 s after it had rejected them from 118 s on.
+    /// let doubt = Doubt { start: 118.0, end: 130.0, position: 8.0, velocity: 0.7, tilt: 0.01 };
+    /// let settings = Settings { doubts: vec![doubt], ..Settings::new([ShapingFilter::white(1e-3, 0.01)?; 6]) };
+    /// assert_eq!(settings.doubts.len(), 1);
+    /// # Ok::<(), undrift_nav::shaping::ShapingError>(())
+    /// ```
     pub doubts: Vec<Doubt>,
     /// Receives every update of the filter, for tuning; `None`: no updates are kept.
     pub log: Option<LogTo>,
@@ -194,29 +161,6 @@ impl Settings {
             log: None,
         }
     }
-}
-
-/// Parts of a fix that update the solution.
-///
-/// ```
-/// use undrift_engine::settings::{GnssUse, Settings};
-/// # use undrift_nav::shaping::ShapingFilter;
-/// # let sensors = [ShapingFilter::white(1e-3, 0.01)?; 6];
-/// // A receiver whose velocities lag: its positions alone update the solution.
-/// let settings = Settings { gnss_use: GnssUse::Position, ..Settings::new(sensors) };
-/// assert_ne!(settings.gnss_use, GnssUse::default());
-/// # Ok::<(), undrift_nav::shaping::ShapingError>(())
-/// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
-pub enum GnssUse {
-    /// Position and velocity, whichever it has.
-    #[default]
-    Both,
-    /// Position alone; a velocity of the fix is not used.
-    Position,
-    /// Velocity alone, once aligned: for receivers whose positions are not to be trusted.
-    Velocity,
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ mod poses;
 mod starts;
 
 use crate::{
-    Measurement, Navigator, Observer, Summary,
+    Measurement, Navigator, Observer, ScalarLog, Summary,
     estimator::{Estimator, STAMP_ROUNDING, build},
     settings::{Outage, Settings},
 };
@@ -149,7 +149,7 @@ impl Scenario {
                 assert!(navigator.measure(Measurement::Gnss(fix)).unwrap());
             }
             while let Some(heading) = headings.next_if(|heading| heading.time <= until) {
-                assert!(navigator.heading(heading).unwrap());
+                assert!(navigator.scalar(ScalarLog::Heading, heading).unwrap());
             }
             navigator.imu_watched(*sample, &mut track).unwrap();
         }

@@ -16,11 +16,9 @@
 //! NIS is νᵀ S⁻¹ ν; per degree of freedom it is 1 on average if covariances are right (Bar-Shalom,
 //! Li & Kirubarajan 2001).
 
-use super::{
-    events::{Lean, Part},
-    summary::{MOST_EVENTS, Summary},
-};
+use super::summary::{MOST_EVENTS, Summary};
 use crate::median::upper_median;
+use undrift_events::{Lean, Part};
 use undrift_nav::{Vector3, filter::Update};
 
 /// Updates over which the NIS of a solution is judged.

@@ -143,7 +143,7 @@ impl Navigator {
     ) -> PyResult<bool> {
         let known = ScalarLog::ALL.into_iter().find(|log| log.name() == name);
         let known = known.ok_or_else(|| error(format!("unknown measurement \"{name}\"")))?;
-        self.measure(py, known.measurement(Scalar { time, value, std }))
+        self.measure(py, Measurement::of(known, Scalar { time, value, std }))
     }
 
     /// The events since the last call: time [s], kind and sentence.

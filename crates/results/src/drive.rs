@@ -3,7 +3,7 @@
 use super::{Key, Keyed, Number};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-use undrift_engine::{ScalarLog, settings::GnssUse};
+use undrift_events::{GnssUse, ScalarLog};
 use undrift_io::epoch::{ClockSource, Epoch};
 
 impl Key for ScalarLog {

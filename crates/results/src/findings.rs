@@ -6,10 +6,10 @@ mod kinds;
 mod weight;
 
 pub use kinds::{NoError, Severity, WhyLeftOut};
-pub use undrift_engine::Log;
+pub use undrift_events::Log;
 pub use weight::{is_doubtful, is_jump, ranked, verdict};
 
-use undrift_engine::{Contradiction, FixMend, Lean, Part, RestartCause, WindowPart};
+use undrift_events::{Contradiction, FixMend, Lean, Part, RestartCause, WindowPart};
 
 /// One thing found.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -387,7 +387,7 @@ pub enum Finding {
     /// Headings by two antennas were rejected for a while.
     RejectedHeadings {
         /// The longest run of them.
-        longest: undrift_engine::RejectedHeadings,
+        longest: undrift_events::RejectedHeadings,
         /// Further runs.
         more: u64,
     },

@@ -65,9 +65,9 @@ pub use usability::Usability;
 
 pub use undrift_noise::{allan::Term, identify::Detrend};
 
-pub use undrift_engine::{Aid, ScalarLog};
+pub use undrift_events::{Aid, ScalarLog};
 
-pub use undrift_engine::{
+pub use undrift_events::{
     Contradiction, CovarianceHealth, Implausible, Innovations, Lean, Part, Restart,
 };
 

@@ -7,7 +7,7 @@ use super::{
 use crate::findings::Finding;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use undrift_engine::{
+use undrift_events::{
     Aid, Contradiction, CovarianceHealth, Implausible, Innovations, Lean, Restart, Window,
 };
 

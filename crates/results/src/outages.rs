@@ -7,7 +7,7 @@ use super::{
 use crate::findings::{Finding, WhyLeftOut};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use undrift_engine::settings::Outage;
+use undrift_events::Outage;
 
 /// An experiment with outages.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

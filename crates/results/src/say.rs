@@ -1,7 +1,7 @@
 //! What has a sentence. The values are here and in the crates below; their text is made in one place, `undrift_report::sentence`.
 
 use crate::{demo::Demo, findings::Finding};
-use undrift_engine::{align::Alignment, mounting::Mounting};
+use undrift_events::{Alignment, Mounting};
 use undrift_noise::{
     compared::Unfit,
     drift_score::Reason,

@@ -37,7 +37,7 @@ pub fn scalars(
 ) -> Box<dyn Iterator<Item = Result<Measurement, ReadError>> + '_> {
     let mut merged: Box<dyn Iterator<Item = _> + '_> = Box::new(std::iter::empty());
     for (log, reader) in logs.iter_mut().rev() {
-        let of_one = reader.map(|scalar| scalar.map(|scalar| log.measurement(scalar)));
+        let of_one = reader.map(|scalar| scalar.map(|scalar| Measurement::of(*log, scalar)));
         merged = Box::new(merge(of_one, merged));
     }
     merged

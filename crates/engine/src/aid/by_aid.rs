@@ -1,7 +1,7 @@
 //! Tables with an entry for each kind of measurement.
 
-use super::Aid;
 use core::ops::{Index, IndexMut};
+use undrift_events::Aid;
 
 /// A value for each [`Aid`], read and written as `table[aid]`.
 ///

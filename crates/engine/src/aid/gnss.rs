@@ -5,7 +5,7 @@
 //! the time since, v the antenna's velocity and a the acceleration of the last sample. The row stays that of
 //! the present state.
 
-use super::STAMP_ROUNDING;
+use undrift_events::STAMP_ROUNDING;
 use undrift_nav::{
     Vector3, aiding::Observation, filter::Filter, parameters::Parameter, sample::Position,
 };

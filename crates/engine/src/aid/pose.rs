@@ -3,7 +3,7 @@
 //! A pose is a fix with an attitude: its position is a baseline from the origin of the poses' frame, whose axes are taken for north, east,
 //! down. Position and attitude hold at the same time and are cut together.
 
-use super::STAMP_ROUNDING;
+use undrift_events::STAMP_ROUNDING;
 use undrift_nav::{Quaternion, aiding::Observation, filter::Filter};
 
 /// Observation of an attitude that holds at `due` \[s\]; the filter is there or after it.

@@ -1,9 +1,9 @@
 //! How the clocks of two logs differ that do not overlap.
 
-use crate::aid::Log;
 use core::{fmt, ops::Range};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
+use undrift_events::Log;
 
 /// First and last time stamp of a log, and how many there are. Its text gives the span to the millisecond.
 ///

@@ -5,66 +5,7 @@ use alloc::{
     string::{String, ToString},
 };
 
-/// Source and accuracy of the first attitude.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
-pub struct Alignment {
-    /// Source of the attitude.
-    pub source: AttitudeSource,
-    /// Standard deviation of the tilt, the larger of its two axes \[rad\].
-    pub level_std: f64,
-    /// Standard deviation of the heading \[rad\].
-    pub heading_std: f64,
-    /// Standard deviation of the gyro bias, the largest of the axes \[rad/s\].
-    pub gyro_bias_std: f64,
-    /// Excess of the specific force at rest over gravity \[m/s²\], where that is more than the accelerometers' noise
-    /// model has: the filter then starts with so large constant errors.
-    pub force_excess: Option<f64>,
-}
-
-/// Source of the first attitude.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
-pub enum AttitudeSource {
-    /// The settings state it ([`AlignSettings::attitude`](crate::align::AlignSettings::attitude)).
-    Given,
-    /// The first pose, by the marker's rotation.
-    Pose,
-    /// Level and gyro bias from the mean over a rest.
-    Rest {
-        /// Length of the rest \[s\].
-        duration: f64,
-        /// Source of the heading, which rest does not show.
-        heading: HeadingSource,
-    },
-    /// All of it from velocity changes seen by sensors and GNSS.
-    Motion {
-        /// Length of the window of motion \[s\].
-        duration: f64,
-        /// Whether the gyro bias is known from a rest before.
-        bias_at_rest: bool,
-    },
-}
-
-impl AttitudeSource {
-    /// Whether the heading is that of two antennas.
-    pub(crate) fn is_by_antennas(&self) -> bool {
-        let antennas = HeadingSource::Antennas;
-        matches!(self, Self::Rest { heading, .. } if *heading == antennas)
-    }
-}
-
-/// Source of the heading after a rest.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
-pub enum HeadingSource {
-    /// The settings state it ([`Heading::Given`](crate::align::Heading::Given)).
-    Given,
-    /// The GNSS course once the vehicle moved.
-    Course,
-    /// Headings by two antennas.
-    Antennas,
-}
+pub use undrift_events::{Alignment, AttitudeSource, HeadingSource};
 
 /// Why there was no alignment, and what to set or to change; its text is for the user.
 ///

@@ -10,13 +10,14 @@
 
 use super::constrain;
 use crate::{
-    aid::{Aid, Aiding},
+    aid::Aiding,
     estimator::Estimator,
     summary::{SideSlip, Summary},
     vehicle::NonHolonomic,
 };
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
+use undrift_events::Aid;
 use undrift_nav::{Matrix3, Vector3, filter::Update};
 
 /// NIS per degree of freedom of the updates of wheels that slip as [`NonHolonomic::CAR`] has it: its standard deviations are those of

@@ -2,13 +2,13 @@
 
 use super::{zero_velocity::nis_of_rest, *};
 use crate::{
-    aid::Aid,
     estimator::build,
     rest::RestBlock,
     tests::{driving_north, sensors},
     vehicle::NonHolonomic,
 };
 use alloc::boxed::Box;
+use undrift_events::Aid;
 use undrift_nav::{
     Matrix3, Vector3,
     attitude::from_rpy,

@@ -11,14 +11,11 @@
 
 use super::{constrain, isotropic};
 use crate::{
-    aid::{Aid, Aiding},
-    estimator::Estimator,
-    rest::RestBlock,
-    settings::Settings,
-    summary::Summary,
+    aid::Aiding, estimator::Estimator, rest::RestBlock, settings::Settings, summary::Summary,
 };
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
+use undrift_events::Aid;
 use undrift_nav::{Matrix3, Vector3, filter::Outcome};
 
 /// What the standard deviation of a rest is multiplied by that only the sensors see: a soft start has begun before it

@@ -15,9 +15,10 @@
 //! that every user of the filter has the same.
 
 use super::{Adjoint, Channel, Estimator, LogTo, Logged, LoggedUpdate};
-use crate::aid::{Aiding, Observed, STAMP_ROUNDING, observe};
+use crate::aid::{Aiding, Observed, observe};
 use alloc::boxed::Box;
 use nalgebra::{DMatrix, DMatrixView, DVector, SMatrix, SVector};
+use undrift_events::STAMP_ROUNDING;
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
     aiding::Observation,

@@ -62,12 +62,12 @@ fn assert_near(found: f64, expected: f64) {
 
 #[test]
 fn uncorrelated_states_are_the_identity_and_constants_without_variance_do_not_count() {
-    let health = CovarianceHealth::new(&*filter(2.0, 3.0));
+    let health = covariance_health(&*filter(2.0, 3.0));
     // Nine of navigation, six biases.
     assert_eq!((health.states, health.asymmetry), (15, 0.0));
     assert_near(health.least_eigenvalue, 1.0);
     // A position that is known exactly is no state of the covariance.
-    assert_eq!(CovarianceHealth::new(&*filter(0.0, 3.0)).states, 12);
+    assert_eq!(covariance_health(&*filter(0.0, 3.0)).states, 12);
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn two_correlated_states_leave_one_less_their_correlation() {
     let mut filter = filter(4.0, 8.0);
     filter.inflate_over_gap(3.0, 0.0, 2.0);
     let correlation = 9.0 * 6.0 / ((16.0f64 + 81.0).sqrt() * (64.0f64 + 36.0).sqrt());
-    let health = CovarianceHealth::new(&*filter);
+    let health = covariance_health(&*filter);
     assert_eq!(health.asymmetry, 0.0);
     assert_near(health.least_eigenvalue, 1.0 - correlation);
 }
@@ -87,13 +87,13 @@ fn what_is_no_covariance_any_more_is_seen() {
     let mut broken = filter(2.0, 2.0);
     set(&mut *broken, (0, 3), 6.0);
     set(&mut *broken, (3, 0), 6.0);
-    let health = CovarianceHealth::new(&*broken);
+    let health = covariance_health(&*broken);
     assert_eq!(health.asymmetry, 0.0);
     assert_near(health.least_eigenvalue, -0.5);
     // In one of both places only.
     let mut crooked = filter(2.0, 2.0);
     set(&mut *crooked, (0, 3), 1.0);
-    assert_near(CovarianceHealth::new(&*crooked).asymmetry, 0.25);
+    assert_near(covariance_health(&*crooked).asymmetry, 0.25);
 }
 
 #[test]

@@ -1,10 +1,10 @@
 use super::*;
-use crate::aid::Aid;
 use crate::tests::{Scenario, receiver};
 use alloc::vec::Vec;
 use nalgebra::DMatrix;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use undrift_events::Aid;
 use undrift_nav::{Vector3, parameters::Prior};
 use undrift_simulate::Trajectory;
 
@@ -217,7 +217,8 @@ fn what_is_no_sample_or_measurement_is_refused_and_changes_nothing() {
         value: f64::NAN,
         std: 1.0,
     };
-    assert!(navigator.barometer(height).is_err() && navigator.odometer(height).is_err());
+    let mut refused = |sensor| navigator.scalar(sensor, height).is_err();
+    assert!(ScalarLog::ALL.into_iter().all(&mut refused));
     assert_eq!(navigator.measured.len(), 0);
     navigator.imu(drive.log.imu[1]).unwrap();
 }

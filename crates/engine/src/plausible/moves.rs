@@ -9,9 +9,9 @@
 //! and ten standard deviations of a position.
 
 use super::APART;
-use crate::events::{FixMend, FixMend::*, Implausible};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
+use undrift_events::{FixMend, FixMend::*, Implausible};
 use undrift_nav::{
     Vector3,
     earth::Geodetic,

@@ -16,12 +16,12 @@
 //! constant heading, speeds below 3 m/s, and a scale between 0.6 and 1.7, which the bank of a
 //! two-wheeler makes too.
 
-use crate::events::Implausible;
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 use core::ops::Range;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::RealField;
+use undrift_events::Implausible;
 use undrift_nav::{Matrix3, Vector3, earth::wrap_pi, sample::ImuSample};
 
 /// Lags at which turns are compared: so many steps of so many seconds to each side.

@@ -13,7 +13,7 @@ use super::Run;
 use crate::{
     align::{Stamps, compare},
     fixes::{FixStudy, FixWatch},
-    health::CovarianceHealth,
+    health::covariance_health,
     not_aligned::NotAligned,
     observer::Observer,
     solution::Solution,
@@ -88,7 +88,7 @@ impl Run {
             self.summary.diverged = self.summary.restarts.last().map(|last| last.time);
             return Ok(self.summary);
         };
-        self.summary.covariance = Some(CovarianceHealth::new(&**filter));
+        self.summary.covariance = Some(covariance_health(&**filter));
         for (kind, _, prior) in filter.parameters().blocks() {
             if let Some((value, std)) = filter.parameter(kind) {
                 let n = kind.width();

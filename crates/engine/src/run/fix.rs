@@ -23,15 +23,11 @@
 
 use super::{Run, begins, carries_velocity, part, pose};
 use crate::{
-    course::CourseWatch,
-    estimator::STAMP_ROUNDING,
-    events::{Part, RestartCause},
-    observer::Observer,
-    settings::GnssUse,
-    solution::Solution,
-    watch::Streak,
+    course::CourseWatch, estimator::STAMP_ROUNDING, observer::Observer, settings::GnssUse,
+    solution::Solution, watch::Streak,
 };
 use alloc::sync::Arc;
+use undrift_events::{Part, RestartCause};
 use undrift_nav::{
     filter::{FilterError, Outcome, Update},
     sample::{GnssFix, ImuSample, Scalar},

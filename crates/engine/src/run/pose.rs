@@ -7,12 +7,8 @@
 //! \[rad²\]; `q_bk` of the settings is the marker in body axes. Without a marker in the settings
 //! its axes are the body's.
 
-use crate::{
-    aid::{Aid, Aiding},
-    estimator::Estimator,
-    settings::Settings,
-    summary::Summary,
-};
+use crate::{aid::Aiding, estimator::Estimator, settings::Settings, summary::Summary};
+use undrift_events::Aid;
 use undrift_nav::{
     filter::{FilterError, Gate, Update},
     sample::GnssFix,

@@ -142,6 +142,6 @@ pub(crate) fn records(
         return Ok(Box::new(std::iter::empty()));
     };
     let scalars = drive.read_scalars(log, opened)?.into_iter().flatten();
-    let measured = move |scalar| Record::Measured(log.measurement(scalar));
+    let measured = move |scalar| Record::Measured(Measurement::of(log, scalar));
     Ok(Box::new(scalars.map(move |scalar| scalar.map(measured))))
 }

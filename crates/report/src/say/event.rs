@@ -1,7 +1,7 @@
 //! Sentences of what happens while the navigator runs.
 
 use super::{fixes, sensors, solution, start};
-use undrift_engine::Event;
+use undrift_events::Event;
 
 /// The sentence of an event; its time is said apart.
 pub fn event(event: &Event) -> String {
@@ -63,7 +63,7 @@ pub fn event(event: &Event) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use undrift_engine::{RestartCause, SampleFault};
+    use undrift_events::{RestartCause, SampleFault};
 
     #[test]
     fn an_event_says_what_happened_and_what_becomes_of_it() {

@@ -3,7 +3,7 @@
 use super::sensors::too_optimistic;
 use super::words::{at, many};
 use crate::numbers::{error, short};
-use undrift_engine::{Contradiction, FixMend, Lean, Part};
+use undrift_events::{Contradiction, FixMend, Lean, Part};
 use undrift_results::findings;
 
 pub(super) fn bad_covariance(fixes: u64) -> String {

@@ -5,7 +5,7 @@ use crate::{
     constants::{Constant, constant},
     numbers::short,
 };
-use undrift_engine::RejectedHeadings;
+use undrift_events::RejectedHeadings;
 use undrift_results::findings::Finding;
 
 /// Values that the IMU repeats.

@@ -1,7 +1,7 @@
 //! Sentences: how the solution went.
 
 use super::words::{at, many};
-use undrift_engine::{RestartCause, WindowPart};
+use undrift_events::{RestartCause, WindowPart};
 use undrift_results::{
     findings::{self, Finding, NoError, Severity},
     usability::Usability,

@@ -3,10 +3,7 @@
 use super::{all, words::at};
 use crate::numbers::short;
 use std::error::Error;
-use undrift_engine::{
-    align::{Alignment, AttitudeSource, HeadingSource},
-    mounting::Mounting,
-};
+use undrift_events::{Alignment, AttitudeSource, HeadingSource, Mounting};
 use undrift_results::findings::Finding;
 
 /// How the first attitude was found.

@@ -1,7 +1,7 @@
 //! The exact sentence of each finding.
 
 use super::*;
-use undrift_engine::{Contradiction, FixMend, Lean, Part, RestartCause, WindowPart};
+use undrift_events::{Contradiction, FixMend, Lean, Part, RestartCause, WindowPart};
 use undrift_results::findings::{Log, NoError, Severity, WhyLeftOut};
 
 /// Fifteen positions of a jump.
@@ -926,10 +926,7 @@ fn every_mend_of_the_fixes_says_what_is_wrong() {
 
 #[test]
 fn a_start_says_where_the_attitude_comes_from() {
-    use undrift_engine::{
-        align::{Alignment, AttitudeSource, HeadingSource},
-        mounting::Mounting,
-    };
+    use undrift_events::{Alignment, AttitudeSource, HeadingSource, Mounting};
     use undrift_nav::{Vector3, attitude::from_rpy};
     let of = |source| {
         let angle = 1f64.to_radians();

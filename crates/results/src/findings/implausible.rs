@@ -1,7 +1,7 @@
 //! What cannot be right of samples and fixes, as findings.
 
 use super::Finding;
-use undrift_engine::Implausible;
+use undrift_events::Implausible;
 
 impl From<Implausible> for Finding {
     fn from(what: Implausible) -> Self {

@@ -3,7 +3,7 @@
 use super::{Finding, Log, Severity};
 use statrs::distribution::{Binomial, DiscreteCDF};
 use std::ops::RangeInclusive;
-use undrift_engine::{Contradiction, Part};
+use undrift_events::{Contradiction, Part};
 
 /// Prior standard deviations beyond which an estimated parameter is no parameter any more.
 const VERY_FAR: f64 = 7.0;

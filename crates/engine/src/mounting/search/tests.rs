@@ -1,11 +1,11 @@
 use super::*;
 use crate::{
     Event, Measurement, Navigator, Observer, Scalar, Summary,
-    aid::Aid,
     tests::{Scenario, receiver},
     vehicle::NonHolonomic,
 };
 use alloc::vec::Vec;
+use undrift_events::{Aid, ScalarLog};
 use undrift_nav::{
     attitude::from_rpy,
     covariance::{AXES, NAV},
@@ -68,7 +68,7 @@ fn push(drive: &Scenario, mut each: impl FnMut(&Navigator, &Last)) -> Navigator 
             };
             // Of a time that the samples have not reached.
             if truth.time > sample.time - sample.dt {
-                navigator.odometer(speed).unwrap();
+                navigator.scalar(ScalarLog::Odometer, speed).unwrap();
             }
         }
         navigator.imu_watched(*sample, &mut last).unwrap();

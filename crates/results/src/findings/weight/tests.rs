@@ -1,7 +1,7 @@
 use super::*;
 
 use Severity::{Note, Unusable, Warning};
-use undrift_engine::FixMend;
+use undrift_events::FixMend;
 
 fn late(delay: f64) -> Finding {
     Finding::Late { delay }
@@ -70,7 +70,7 @@ fn gaps(longest: f64) -> Finding {
 
 fn disagreement(overall: f64) -> Finding {
     Finding::Disagreement {
-        part: undrift_engine::WindowPart::Position,
+        part: undrift_events::WindowPart::Position,
         start: 60.0,
         end: 90.0,
         inside: 0.5,

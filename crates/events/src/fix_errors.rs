@@ -14,7 +14,7 @@ use undrift_nav::{
 /// variance that the fixes state.
 ///
 /// ```
-/// use undrift_engine::settings::fix_errors::{Correlated, FixErrors};
+/// use undrift_events::fix_errors::{Correlated, FixErrors};
 /// use undrift_nav::Matrix3;
 /// // 90 % of the variance lasts for about a minute, as with multipath and atmosphere.
 /// let errors = FixErrors { correlated: Some(Correlated { share: 0.9, time: 60.0 }), ..FixErrors::default() };
@@ -133,7 +133,7 @@ impl FixErrors {
     /// factors of [`FixErrors::scaled`].
     ///
     /// ```
-    /// use undrift_engine::settings::fix_errors::{Correlated, Correlation, FixErrors, FromFixes};
+    /// use undrift_events::fix_errors::{Correlated, Correlation, FixErrors, FromFixes};
     /// let shown = FixErrors { correlated: Some(Correlated { share: 0.9, time: 40.0 }), ..FixErrors::default() };
     /// let white = FromFixes { correlation: Correlation::Off, ..FromFixes::default() };
     /// assert!(shown.under(&white).correlated.is_none());
@@ -150,7 +150,7 @@ impl FixErrors {
 
     /// What a filter estimates of the lasting parts of position and velocity, whose fixes were taken to be wrong by `before`
     /// and state `position` \[m²\].
-    pub(crate) fn lasting(&self, before: &Self, position: &Matrix3) -> [Option<Lasting>; 2] {
+    pub fn lasting(&self, before: &Self, position: &Matrix3) -> [Option<Lasting>; 2] {
         let parts = [
             (
                 self.correlated,
@@ -184,7 +184,7 @@ impl FixErrors {
     /// time-correlated parts are within the stated variance and change nothing here.
     ///
     /// ```
-    /// use undrift_engine::settings::fix_errors::FixErrors;
+    /// use undrift_events::fix_errors::FixErrors;
     /// use undrift_nav::{Vector3, earth::Geodetic, sample::GnssFix};
     /// let place = Geodetic::from_degrees(45.0, 7.0, 300.0);
     /// let fix = GnssFix::at(0.0, place, [1.0; 3]).with_velocity([20.0, 0.0, 0.0], [0.1; 3]);
@@ -220,7 +220,7 @@ impl FixErrors {
     /// accordingly.
     ///
     /// ```
-    /// use undrift_engine::settings::fix_errors::{Correlated, FixErrors, StdFactors};
+    /// use undrift_events::fix_errors::{Correlated, FixErrors, StdFactors};
     /// let correlated = Some(Correlated { share: 0.5, time: 60.0 });
     /// let errors = FixErrors { correlated, ..FixErrors::default() };
     /// // Twice the white part: four parts of the variance against one.
@@ -249,7 +249,7 @@ impl FixErrors {
     /// `parameters` with the states that the time-correlated parts need: [`Parameter::PositionError`] and [`Parameter::VelocityError`].
     ///
     /// ```
-    /// use undrift_engine::settings::fix_errors::{Correlated, FixErrors};
+    /// use undrift_events::fix_errors::{Correlated, FixErrors};
     /// use undrift_nav::parameters::{Parameter, Parameters};
     /// let errors = FixErrors { correlated: Some(Correlated { share: 0.9, time: 40.0 }), ..FixErrors::default() };
     /// let parameters = errors.with_states(Parameters::none());
@@ -271,7 +271,7 @@ impl FixErrors {
     /// White part of a position's `covariance` \[m²\], and the standard deviation of the correlated part, axis by axis \[m\].
     ///
     /// ```
-    /// use undrift_engine::settings::fix_errors::{Correlated, FixErrors};
+    /// use undrift_events::fix_errors::{Correlated, FixErrors};
     /// use undrift_nav::Matrix3;
     /// // 2 m of standard deviation, three quarters of the variance lasting: 1 m is white, √3 m lasts.
     /// let errors = FixErrors { correlated: Some(Correlated { share: 0.75, time: 60.0 }), ..FixErrors::default() };

@@ -1,44 +1,8 @@
 //! What can happen in a run that its user should know, as values.
 
-use crate::{
-    align::Alignment,
-    mounting::Mounting,
-    settings::{Doubt, fix_errors::FixErrors},
-};
+use crate::{Alignment, FixErrors, Mounting};
 
 /// An event of the navigation. One that lasts is reported at its start.
-///
-/// Fixes that are suddenly 100 m off are rejected, and the solution does not follow them:
-///
-/// ```
-/// use undrift_engine::{Event, Navigator, Part, settings::Settings};
-/// use undrift_nav::sample::Position;
-/// # use undrift_nav::shaping::ShapingFilter;
-/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
-/// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
-/// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
-/// # let log = simulate(&Trajectory::car(120.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
-/// let mut navigator = Navigator::new(Settings::new(sensors));
-/// for mut fix in log.gnss {
-///     if let Some((Position::Geodetic(place), _)) = &mut fix.position
-///         && (90.0..95.0).contains(&fix.time)
-///     {
-///         place.lat += 100.0 / 6.37e6; // North.
-///     }
-///     navigator.fix(fix)?;
-/// }
-/// for sample in log.imu {
-///     navigator.imu(sample)?;
-/// }
-/// let rejected = navigator.events().into_iter().find_map(|event| match event {
-///     Event::Rejected(run) if run.part == Part::Position => Some(run),
-///     _ => None,
-/// });
-/// let rejected = rejected.expect("the gate");
-/// assert_eq!((rejected.start, rejected.fixes, rejected.accepted_in_the_end), (90.0, 5, false));
-/// assert!((rejected.first - 100.0).abs() < 2.0, "its distance from the solution [m]");
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub enum Event {
@@ -93,7 +57,7 @@ impl Event {
     /// Whether `other` is this event, seen for longer: same kind and same start. Events that last are handed out again as they grow.
     ///
     /// ```
-    /// use undrift_engine::Event;
+    /// use undrift_events::Event;
     /// assert_eq!(Event::Resumed(12.0).time(), 12.0);
     /// assert!(Event::Resumed(12.0).is_same(&Event::Resumed(12.0)));
     /// assert!(!Event::Resumed(12.0).is_same(&Event::Diverged(12.0)));
@@ -307,4 +271,36 @@ pub struct RejectedHeadings {
     pub angle: f64,
     /// Whether they went on for so long that they were believed.
     pub accepted_in_the_end: bool,
+}
+
+/// State of a covariance after the rounding of a long log: a healthy one is symmetric and positive definite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct CovarianceHealth {
+    /// Number of states with a variance: those of navigation, sensors and parameters.
+    pub states: usize,
+    /// Largest |P_ij − P_ji| over √(P_ii P_jj) [–].
+    pub asymmetry: f64,
+    /// Least eigenvalue of the matrix of correlations, P_ij over √(P_ii P_jj) [–]: negative where the matrix has ceased to be a
+    /// covariance.
+    pub least_eigenvalue: f64,
+}
+
+/// A span over which the solution may have gone wrong, as a pass over the log has found, with the error possible at its end, one
+/// standard deviation of each axis. In a second pass (`Settings::doubts` of the engine) the covariance grows over the span, so that a smoother
+/// spreads the error over it rather than at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
+pub struct Doubt {
+    /// Time of the last fix that agreed with the solution \[s\].
+    pub start: f64,
+    /// Time of the fix that the solution then accepted \[s\].
+    pub end: f64,
+    /// Standard deviation of the position \[m\].
+    pub position: f64,
+    /// Standard deviation of the velocity [m/s].
+    pub velocity: f64,
+    /// Standard deviation of the tilt \[rad\].
+    pub tilt: f64,
 }

@@ -26,7 +26,7 @@ const AGREE: f64 = 0.8;
 /// Agreement of the solution with a part of the fixes, from their innovations, rejected ones too.
 ///
 /// ```
-/// use undrift_engine::Agreement;
+/// use undrift_events::Agreement;
 /// // Of twenty innovations four beyond three standard deviations; on the average twice as large as they should be.
 /// let window = Agreement { innovations: 20, inside: 16, squares: 80.0 };
 /// assert_eq!((window.share(), window.rms()), (Some(0.8), 2.0));
@@ -164,27 +164,7 @@ pub struct Disagreement {
     pub agreement: Agreement,
 }
 
-/// The windows of a run, in [`Summary::windows`](crate::Summary::windows).
-///
-/// ```
-/// use undrift_engine::{Navigator, WindowPart, settings::Settings};
-/// # use undrift_nav::shaping::ShapingFilter;
-/// # use undrift_simulate::{GnssNoise, Trajectory, simulate};
-/// # let (gyro, accel) = (ShapingFilter::white(1e-4, 0.02)?, ShapingFilter::white(1e-3, 0.02)?);
-/// # let sensors = [gyro, gyro, gyro, accel, accel, accel];
-/// # let log = simulate(&Trajectory::car(180.0, 1), 50.0, Some(&sensors), &GnssNoise::default(), 1)?;
-/// let mut navigator = Navigator::new(Settings::new(sensors));
-/// for fix in log.gnss {
-///     navigator.fix(fix)?;
-/// }
-/// for sample in log.imu {
-///     navigator.imu(sample)?;
-/// }
-/// let windows = &navigator.summary().windows;
-/// assert_eq!(windows.spans().count(), 0, "solution and fixes agree throughout");
-/// assert!(windows.overall(WindowPart::Position).share().is_some_and(|share| share > 0.95));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
+/// The windows of a run, in the summary of the navigator.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub struct Windows {
@@ -245,7 +225,7 @@ impl Windows {
     /// Agreement of a part over all windows together.
     ///
     /// ```
-    /// use undrift_engine::{Part, WindowPart, Windows};
+    /// use undrift_events::{Part, WindowPart, Windows};
     /// use undrift_nav::filter::{Outcome, Update};
     /// let update = |whitened: [f64; 3]| Update {
     ///     nis: whitened.iter().map(|x| x * x).sum(),
