@@ -1,5 +1,6 @@
 //! How the IMU sits in its vehicle, by how it moves against the fixes.
 
+mod accuracy;
 mod antennas;
 mod axes;
 mod wheels;
@@ -32,7 +33,7 @@ use undrift_noise::BiasModel;
 use wheels::{LONGEST, Slip, is_held, side_slip};
 
 /// Joins an IMU in two files, looks at the first IMU and the first fixes of the files, and says how the IMU sits where a vehicle's motion shows it:
-/// in its part's lines, or why not in its notes.
+/// in its part's lines, or why not in its notes. Positions that do not say how accurate they are get what the motion shows of it.
 pub fn motion(inspections: &mut [Inspection]) -> Motion {
     super::join_halves(inspections);
     let readable = |table: &str| {
@@ -49,17 +50,26 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         }
         return Motion::default();
     };
+    let found = in_vehicle(inspections, imu, gnss, antennas);
+    let logs = logs(inspections, Path::new(""));
+    accuracy::write(inspections, [imu, gnss], logs, found);
+    found
+}
+
+/// A part by its file and its place there.
+type At = (usize, usize);
+
+/// Says how the IMU sits in its vehicle, and what the motion shows of that.
+fn in_vehicle(inspections: &mut [Inspection], imu: At, gnss: At, antennas: Option<At>) -> Motion {
     let fixes = inspections[gnss.0].parts[gnss.1].measured.clone();
     if let Some(fixes) = fixes {
         rate_of_rows(&mut inspections[imu.0].parts[imu.1], &fixes);
     }
     let logs = logs(inspections, Path::new(""));
-    let read_parts = |inspections: &[Inspection], parts: &[(usize, usize)]| {
-        let of = |(file, part): &(usize, usize)| {
-            (&*inspections[*file].file, &inspections[*file].parts[*part])
-        };
+    let read_parts = |inspections: &[Inspection], parts: &[At]| {
+        let of = |(file, part): &At| (&*inspections[*file].file, &inspections[*file].parts[*part]);
         let parts: Vec<_> = parts.iter().map(of).collect();
-        drive_of(&parts, logs.clone())
+        drive_of(&parts, logs.clone(), Some("auto"))
     };
     let read = |inspections: &[Inspection]| read_parts(inspections, &[imu, gnss]);
     if let Some(ratio) = removed_gravity(&inspections[imu.0].parts[imu.1]) {
@@ -238,14 +248,18 @@ fn sits(imu: &mut Part, mounting: &str, known: Known) {
     imu.lines.push(Line::new(MOUNTING, mounting, known));
 }
 
-/// The drive of an IMU and fixes, and of what else is given, whose mounting is estimated.
-fn drive_of(parts: &[(&Path, &Part)], logs: Logs) -> Result<Drive, DriveError> {
+/// The drive of an IMU and fixes, and of what else is given; with a `mounting` in place of how the IMU is said to sit.
+fn drive_of(
+    parts: &[(&Path, &Part)],
+    logs: Logs,
+    mounting: Option<&str>,
+) -> Result<Drive, DriveError> {
     let mut tables = toml::Table::from_iter([("model".to_owned(), GUESS.into())]);
     for (file, part) in parts {
         let mut keys = table(file, part);
-        if part.table == "imu" {
+        if let Some(mounting) = mounting.filter(|_| part.table == "imu") {
             keys.retain(|key, _| !SITS.contains(&key));
-            keys.insert(MOUNTING.into(), "auto".into());
+            keys.insert(MOUNTING.into(), mounting.into());
         }
         tables.insert(part.table.to_owned(), keys.into());
     }

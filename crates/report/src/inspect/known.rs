@@ -131,6 +131,11 @@ pub(super) fn known(known: &Known) -> String {
             );
         }
         Known::VehicleHeading => "assumed: the message is the heading of the vehicle; \"90 deg\" where it is that from the left antenna to the right one",
+        Known::Withheld { spans } => {
+            return format!(
+                "estimated from {spans} spans of 10 s of this drive without fixes; set the receiver's accuracy if it is known"
+            );
+        }
         Known::Antennas { std_deg } => return format!("from the motion, to {} deg", short(*std_deg)),
         Known::HandEye {
             correlation,

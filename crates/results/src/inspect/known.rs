@@ -66,6 +66,11 @@ pub enum Known {
     SmallAngles,
     /// Guessed, as no column says it: to be set as fits the receiver.
     NoColumns,
+    /// Estimated: what the positions are likeliest with where they were withheld for 10 s.
+    Withheld {
+        /// How often.
+        spans: usize,
+    },
     /// One log counts GPS seconds since 1980, the other Unix time.
     GpsSeconds,
     /// The fixes have times of day without a date, the IMU another clock.

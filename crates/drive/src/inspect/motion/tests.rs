@@ -11,8 +11,15 @@ use undrift_simulate::{GnssNoise, Trajectory, simulate};
 /// The IMU of a drive, in rad/s and g, z up, with `alter` on each of its samples, and its fixes, with velocities that are
 /// alternately so much too large and too small [m/s].
 fn files(alter: impl Fn(&mut Vector3, &mut Vector3), off: f64) -> [Inspection; 2] {
-    let noise = GnssNoise::default();
-    let log = simulate(&Trajectory::car(180.0, 3), 50.0, None, &noise, 3).unwrap();
+    files_of(&GnssNoise::default(), alter, off)
+}
+
+fn files_of(
+    noise: &GnssNoise,
+    alter: impl Fn(&mut Vector3, &mut Vector3),
+    off: f64,
+) -> [Inspection; 2] {
+    let log = simulate(&Trajectory::car(180.0, 3), 50.0, None, noise, 3).unwrap();
     let mut imu = "time_s,gx,gy,gz,ax,ay,az\n".to_owned();
     for (k, sample) in log.imu.iter().enumerate() {
         let up = Vector3::new(1.0, -1.0, -1.0) / sample.dt;
@@ -112,7 +119,7 @@ fn a_drive_fits_whose_velocities_differ_by_no_more_than_is_stated() {
     let of = |off: f64| {
         let files = files(|_, _| (), off);
         let parts = files.each_ref().map(|of| (&*of.file, &of.parts[0]));
-        let drive = drive_of(&parts, logs(&files, Path::new(""))).unwrap();
+        let drive = drive_of(&parts, logs(&files, Path::new("")), Some("auto")).unwrap();
         let resolved = resolve_mounting(&drive).unwrap();
         // Neither implausible nor with fixes that are rejected.
         assert!(fit(resolved.clone()).is_some(), "{off}");
@@ -127,4 +134,26 @@ fn a_drive_fits_whose_velocities_differ_by_no_more_than_is_stated() {
 fn a_car_is_known_by_its_motion() {
     let mut of = files(|_, _| (), 0.0);
     assert_eq!(motion(&mut of).wheels, Wheels::Shown);
+}
+
+/// Positions good to centimetres are not left at a guess of 3 m; those good to 3 m are.
+#[test]
+fn positions_that_do_not_say_their_accuracy_show_it() {
+    let std = |position: f64| {
+        let noise = GnssNoise {
+            position_std: [position, position, 2.0 * position],
+            ..GnssNoise::default()
+        };
+        let mut of = files_of(&noise, |_, _| (), 0.0);
+        motion(&mut of);
+        let mut lines = of[1].parts[0].lines.iter();
+        let line = lines.find(|line| line.key == "position_std").unwrap();
+        (line.value.to_string(), line.known.clone())
+    };
+    let (value, known) = std(0.02);
+    assert!(
+        value.starts_with("\"0.1,") && matches!(known, Known::Withheld { spans: 10.. }),
+        "{value} {known:?}"
+    );
+    assert_eq!(std(3.0), ("\"3, 3, 6 m\"".into(), Known::NoColumns));
 }
