@@ -7,10 +7,12 @@
 mod by_aid;
 mod channel;
 mod gnss;
+mod logs;
 mod pose;
 
 pub use by_aid::ByAid;
 pub use channel::Channel;
+pub use logs::{Log, ScalarLog};
 
 use crate::vehicle::Constraints;
 use alloc::{string::String, vec::Vec};
@@ -18,7 +20,7 @@ use undrift_nav::{
     Quaternion, Vector3,
     aiding::Observation,
     filter::Filter,
-    sample::{GnssFix, Position, Scalar},
+    sample::{GnssFix, MagneticField, Position, Scalar},
 };
 
 /// Stamps closer than this \[s\] are the same instant.
@@ -41,13 +43,15 @@ pub enum Aid {
     Barometer,
     /// Headings by two antennas.
     Heading,
+    /// Magnetic fields, each the mean of up to a second.
+    Magnetometer,
     /// Attitudes of a marker.
     Attitude,
 }
 
 impl Aid {
     /// Every kind, in the order in which they are reported.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Position,
         Self::Velocity,
         Self::NonHolonomic,
@@ -55,6 +59,7 @@ impl Aid {
         Self::Odometer,
         Self::Barometer,
         Self::Heading,
+        Self::Magnetometer,
         Self::Attitude,
     ];
     /// Number of kinds.
@@ -70,6 +75,7 @@ impl Aid {
             Self::Odometer => "odometer",
             Self::Barometer => "barometer",
             Self::Heading => "heading",
+            Self::Magnetometer => "magnetometer",
             Self::Attitude => "attitude",
         }
     }
@@ -94,108 +100,8 @@ impl Aid {
             Self::Odometer => "Odometer updates.",
             Self::Barometer => "Barometer updates.",
             Self::Heading => "Heading updates.",
+            Self::Magnetometer => "Magnetometer updates.",
             Self::Attitude => "Attitude updates.",
-        }
-    }
-}
-
-/// A file of a drive by what it contains, as findings name it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
-pub enum Log {
-    /// Inertial samples.
-    Imu,
-    /// GNSS fixes.
-    Gnss,
-    /// Reference solution.
-    Truth,
-    /// Wheel speeds.
-    Odometer,
-    /// Barometric heights.
-    Barometer,
-    /// Headings by two antennas.
-    Heading,
-    /// Static recording for identification.
-    Recording,
-}
-
-impl Log {
-    /// Its name in messages, in lower case.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Imu => "IMU",
-            Self::Gnss => "GNSS",
-            Self::Truth => "truth",
-            Self::Odometer => "odometer",
-            Self::Barometer => "barometer",
-            Self::Heading => "heading",
-            Self::Recording => "recording",
-        }
-    }
-}
-
-/// A sensor that measures one number, and the log of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ScalarLog {
-    /// Speeds of a wheel, forward positive \[m/s\].
-    Odometer,
-    /// Heights above any reference, up positive \[m\].
-    Barometer,
-    /// Azimuths of a second antenna as seen from the first, from north to east \[rad\].
-    Heading,
-}
-
-impl ScalarLog {
-    /// Every kind, in the order in which they are read.
-    pub const ALL: [Self; 3] = [Self::Odometer, Self::Barometer, Self::Heading];
-
-    /// Its table in a drive file.
-    pub fn name(self) -> &'static str {
-        self.log().name()
-    }
-
-    /// What the log contains, as a sentence.
-    pub fn described(self) -> &'static str {
-        match self {
-            Self::Odometer => "The log of wheel speeds.",
-            Self::Barometer => "The log of heights.",
-            Self::Heading => "The log of headings.",
-        }
-    }
-
-    /// The log that findings name for it.
-    pub fn log(self) -> Log {
-        match self {
-            Self::Odometer => Log::Odometer,
-            Self::Barometer => Log::Barometer,
-            Self::Heading => Log::Heading,
-        }
-    }
-
-    /// The kind of measurement that its updates are counted by.
-    pub fn aid(self) -> Aid {
-        match self {
-            Self::Odometer => Aid::Odometer,
-            Self::Barometer => Aid::Barometer,
-            Self::Heading => Aid::Heading,
-        }
-    }
-
-    /// `scalar`, in SI units, as the measurement that a [`Navigator`](crate::Navigator) is pushed.
-    ///
-    /// ```
-    /// use undrift_engine::{Aid, Scalar, ScalarLog};
-    /// let row = Scalar { time: 3.0, value: 412.0, std: 1.0 };
-    /// assert_eq!(ScalarLog::Barometer.measurement(row).time(), 3.0);
-    /// assert_eq!((ScalarLog::Barometer.aid(), ScalarLog::Odometer.name()), (Aid::Barometer, "odometer"));
-    /// ```
-    pub fn measurement(self, scalar: Scalar) -> Measurement {
-        match self {
-            Self::Odometer => Measurement::Odometer(scalar),
-            Self::Barometer => Measurement::Barometer(scalar),
-            Self::Heading => Measurement::Heading(scalar),
         }
     }
 }
@@ -241,6 +147,8 @@ pub enum Measurement {
     Barometer(Scalar),
     /// Azimuth of a second antenna as seen from the first, from north to east \[rad\].
     Heading(Scalar),
+    /// Field by a magnetometer, body axes \[T\].
+    Magnetometer(MagneticField),
 }
 
 impl Measurement {
@@ -254,6 +162,7 @@ impl Measurement {
         match self {
             Self::Gnss(fix) => fix.time,
             Self::Odometer(s) | Self::Barometer(s) | Self::Heading(s) => s.time,
+            Self::Magnetometer(reading) => reading.time,
         }
     }
 
@@ -263,6 +172,7 @@ impl Measurement {
         match &mut self {
             Self::Gnss(fix) => fix.time = time,
             Self::Odometer(s) | Self::Barometer(s) | Self::Heading(s) => s.time = time,
+            Self::Magnetometer(reading) => reading.time = time,
         }
         self
     }
@@ -274,19 +184,23 @@ impl Measurement {
             Self::Odometer(speed) => ("wheel speed", speed.is_finite()),
             Self::Barometer(height) => ("height", height.is_finite()),
             Self::Heading(heading) => ("heading", heading.is_finite()),
+            Self::Magnetometer(reading) => ("magnetic field", reading.is_finite()),
         };
         (!finite).then_some(what)
     }
 
     /// Whether it says nothing before the mounting is known.
     pub(crate) fn needs_vehicle_axes(&self) -> bool {
-        matches!(self, Self::Odometer(_) | Self::Heading(_))
+        matches!(
+            self,
+            Self::Odometer(_) | Self::Heading(_) | Self::Magnetometer(_)
+        )
     }
 
     /// A measurement of one number, what it is counted as and how the filter takes it. Fixes are judged by their receiver.
     pub(crate) fn scalar(&self, constraints: &Constraints) -> Option<(Scalar, Aid, Aiding)> {
         Some(match *self {
-            Self::Gnss(_) => return None,
+            Self::Gnss(_) | Self::Magnetometer(_) => return None,
             Self::Odometer(speed) => {
                 let aiding = Aiding::Odometer {
                     speed: speed.value,
@@ -312,6 +226,7 @@ impl Measurement {
             Self::Odometer(_) => 1,
             Self::Barometer(_) => 2,
             Self::Heading(_) => 3,
+            Self::Magnetometer(_) => 4,
         }
     }
 }
@@ -393,6 +308,13 @@ pub enum Aiding {
         /// Direction of the second antenna in the body, from forward to right, as configured \[rad\].
         baseline: f64,
     },
+    /// Magnetic field.
+    Magnetometer {
+        /// As measured, body axes \[T\].
+        measured: Vector3,
+        /// The Earth's, north, east, down \[T\].
+        field: Vector3,
+    },
     /// Attitude of a marker.
     Attitude {
         /// Attitude against the frame of the poses, `q_rk`, as measured.
@@ -461,6 +383,9 @@ pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Op
         Aiding::Barometer(height) => Observed::One(filter.observe_barometer(*height)),
         Aiding::Heading { heading, baseline } => {
             Observed::One(filter.observe_heading(*heading, *baseline)?)
+        }
+        Aiding::Magnetometer { measured, field } => {
+            Observed::Three(filter.observe_magnetometer(measured, field))
         }
         Aiding::Attitude { q_rk, q_bk, due } => {
             Observed::Three(pose::observe_attitude(filter, q_rk, q_bk, *due))

@@ -68,6 +68,7 @@ mod health;
 mod inertial;
 #[cfg(feature = "checkpoint")]
 mod kept;
+mod magnetometer;
 mod measurement;
 mod median;
 pub mod mounting;
@@ -93,8 +94,8 @@ pub use aid::{Aid, ByAid, Log, Measurement, ScalarLog};
 #[cfg(feature = "checkpoint")]
 pub use checkpoint::RestoreError;
 pub use events::{
-    Contradiction, Event, FixMend, HeadingOff, Implausible, Lean, Part, RejectedHeadings, Restart,
-    RestartCause, SampleFault,
+    Contradiction, DisturbedField, Event, FixMend, HeadingOff, Implausible, Lean, Part,
+    RejectedHeadings, Restart, RestartCause, SampleFault,
 };
 pub use health::CovarianceHealth;
 pub use measurement::Scalar;

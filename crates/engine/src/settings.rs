@@ -2,6 +2,7 @@
 
 pub mod align;
 pub mod fix_errors;
+pub mod magnetometer;
 pub mod quality;
 
 use crate::{
@@ -9,6 +10,7 @@ use crate::{
     settings::{
         align::AlignSettings,
         fix_errors::{FixErrors, FromFixes},
+        magnetometer::Magnetometer,
         quality::QualityStd,
     },
     vehicle::Constraints,
@@ -121,6 +123,8 @@ pub struct Settings {
     pub parameters: Parameters,
     /// What the vehicle cannot do ([`Profile::constraints`](crate::vehicle::Profile::constraints)); nothing by default.
     pub constraints: Constraints,
+    /// What is known of the magnetometer, where there is one.
+    pub magnetometer: Magnetometer,
     /// Whether fixes pass a gate, a diverged solution is re-initialised, and the covariance has the products of errors, which a linear
     /// filter leaves out. `true` by default.
     pub gating: bool,
@@ -181,6 +185,7 @@ impl Settings {
             outages: Vec::new(),
             parameters: Parameters::none(),
             constraints: Constraints::default(),
+            magnetometer: Magnetometer::default(),
             gating: true,
             restart: true,
             adapt: false,

@@ -3,7 +3,8 @@
 use super::{
     CovarianceHealth,
     events::{
-        Contradiction, Event, HeadingOff, Implausible, Lean, RejectedHeadings, Restart, SampleFault,
+        Contradiction, DisturbedField, Event, HeadingOff, Implausible, Lean, RejectedHeadings,
+        Restart, SampleFault,
     },
 };
 #[cfg(feature = "checkpoint")]
@@ -253,6 +254,8 @@ pub struct Summary {
     pub heading_off: Vec<HeadingOff>,
     /// Headings by two antennas that were rejected, runs of three and more; the first [`MOST_EVENTS`].
     pub rejected_headings: Vec<RejectedHeadings>,
+    /// Spans in which the magnetic field was disturbed; the first [`MOST_EVENTS`].
+    pub disturbed_fields: Vec<DisturbedField>,
     /// What all of the fixes show of their own errors; at the end of a run that learns them
     /// ([`Settings::from_fixes`](crate::settings::Settings::from_fixes)).
     pub study: Option<FixStudy>,
@@ -299,6 +302,12 @@ impl Summary {
                     .copied()
                     .map(Event::HeadingsRejected),
             )
+            .chain(
+                self.disturbed_fields
+                    .iter()
+                    .copied()
+                    .map(Event::FieldDisturbed),
+            )
             .chain(self.leans.iter().copied().map(Event::Leant))
             .chain(
                 self.restarts
@@ -341,6 +350,7 @@ impl Summary {
         self.late_samples = LateSamples::default();
         self.heading_off.clear();
         self.rejected_headings.clear();
+        self.disturbed_fields.clear();
         self.leans.clear();
         self.suspect = None;
     }

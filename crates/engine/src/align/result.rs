@@ -47,10 +47,9 @@ pub enum AttitudeSource {
 }
 
 impl AttitudeSource {
-    /// Whether the heading is that of two antennas.
-    pub(crate) fn is_by_antennas(&self) -> bool {
-        let antennas = HeadingSource::Antennas;
-        matches!(self, Self::Rest { heading, .. } if *heading == antennas)
+    /// Whether the heading is by this after a rest.
+    pub(crate) fn is_by(&self, source: HeadingSource) -> bool {
+        matches!(self, Self::Rest { heading, .. } if *heading == source)
     }
 }
 
@@ -64,6 +63,8 @@ pub enum HeadingSource {
     Course,
     /// Headings by two antennas.
     Antennas,
+    /// A magnetometer, at rest.
+    Magnetometer,
 }
 
 /// Why there was no alignment, and what to set or to change; its text is for the user.

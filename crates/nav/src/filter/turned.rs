@@ -69,15 +69,19 @@ impl<const N: usize> Filter<N> {
                 self.forget_triad(triad, &c);
             }
         }
-        use Parameter::{AccelMisalignment, AccelScale, GyroMisalignment, GyroScale, LeverArm};
+        use Parameter::{
+            AccelMisalignment, AccelScale, GyroMisalignment, GyroScale, HardIron, LeverArm,
+        };
         for (scale, misalignment) in [
             (GyroScale, GyroMisalignment),
             (AccelScale, AccelMisalignment),
         ] {
             self.turn_matrix(scale, misalignment, &c);
         }
-        if let Some(at) = self.parameter_start(LeverArm) {
-            self.mix(&[at, at + 1, at + 2], &|i, j| c[(i, j)]);
+        for kind in [LeverArm, HardIron] {
+            if let Some(at) = self.parameter_start(kind) {
+                self.mix(&[at, at + 1, at + 2], &|i, j| c[(i, j)]);
+            }
         }
         self.symmetrise();
         for vector in [
