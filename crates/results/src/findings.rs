@@ -384,6 +384,13 @@ pub enum Finding {
         /// What it reads too much, north, east, down [m/s].
         bias: [f64; 3],
     },
+    /// The magnetic field was disturbed for a while.
+    DisturbedField {
+        /// The one that lasted longest.
+        longest: undrift_engine::DisturbedField,
+        /// Number of others.
+        more: u64,
+    },
     /// Headings by two antennas were rejected for a while.
     RejectedHeadings {
         /// The longest run of them.

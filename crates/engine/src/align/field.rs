@@ -16,7 +16,7 @@ use undrift_nav::{
 };
 
 /// Standard deviation from which on a heading is none \[rad\].
-const UNKNOWN: f64 = 0.52;
+const UNKNOWN: f64 = 0.4;
 /// Fewest readings of a mean.
 const LEAST: u32 = 2;
 /// Standard deviation of the readings of a rest from which on something moves nearby \[T\].

@@ -5,7 +5,7 @@ use crate::{
     constants::{Constant, constant},
     numbers::short,
 };
-use undrift_engine::RejectedHeadings;
+use undrift_engine::{DisturbedField, RejectedHeadings};
 use undrift_results::findings::Finding;
 
 /// Values that the IMU repeats.
@@ -237,6 +237,19 @@ pub(super) fn rejected_headings(longest: &RejectedHeadings, more: u64) -> String
             "{headings} antenna headings in a row, {start}-{end} s, were off by {angle:.0} deg{more}, then accepted: correct heading.baseline, or the receiver was wrong for a minute"
         ),
     }
+}
+
+/// A span in which the magnetic field was disturbed, and in how many more.
+pub(super) fn disturbed_field(longest: &DisturbedField, more: u64) -> String {
+    let (start, end) = (at(longest.start), at(longest.end));
+    let more = match more {
+        0 => String::new(),
+        n => format!("; {} besides", many(n, "more span")),
+    };
+    format!(
+        "the magnetic field was not the Earth's, {start}-{end} s (off by up to {:.0} uT{more}): not used; iron or currents near the magnetometer",
+        longest.strongest * 1e6
+    )
 }
 
 pub(super) fn optimistic_model(factor: f64, tuned: bool) -> String {
