@@ -2,6 +2,7 @@
 
 mod antennas;
 mod axes;
+mod compass;
 mod wheels;
 
 use super::{
@@ -42,7 +43,7 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
             (!problem).then_some((at, part))
         })
     };
-    let antennas = readable("heading");
+    let (antennas, field) = (readable("heading"), readable("magnetometer"));
     let (Some(imu), Some(gnss)) = (readable("imu"), readable("gnss")) else {
         if let Some((imu, poses)) = readable("imu").zip(readable("poses")) {
             super::poses::motion(inspections, imu, poses);
@@ -62,6 +63,18 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         drive_of(&parts, logs.clone())
     };
     let read = |inspections: &[Inspection]| read_parts(inspections, &[imu, gnss]);
+    if let Some((file, part)) = field {
+        let with_field = read_parts(inspections, &[imu, gnss, (file, part)]);
+        let note = match with_field {
+            Ok(drive) => compass::write(&mut inspections[file].parts[part], &drive),
+            Err(_) => None,
+        };
+        if let Some(note) = note {
+            // It is the last of its file: what else was found keeps its place.
+            inspections[file].parts.remove(part);
+            inspections[file].found.push(note);
+        }
+    }
     if let Some(ratio) = removed_gravity(&inspections[imu.0].parts[imu.1]) {
         inspections[imu.0].found.push(Note::NoGravity { ratio });
         return Motion::default();
