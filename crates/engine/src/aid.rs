@@ -288,6 +288,8 @@ pub enum Aiding {
     ZeroVelocity,
     /// The body turns with the Earth: mean angular rate as the gyros read it, body axes \[rad/s\].
     EarthRate(Vector3),
+    /// The same, and nothing is learnt of the attitude.
+    NoTurn(Vector3),
     /// The body is at rest: mean specific force as the accelerometers read it, body axes \[m/s²\].
     Level(Vector3),
     /// No velocity to the right or down at this point, IMU → axle, body axes \[m\]; two numbers \[m/s\].
@@ -375,6 +377,11 @@ pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Op
         Aiding::Course(course) => Observed::One(filter.observe_course(*course)?),
         Aiding::ZeroVelocity => Observed::Three(filter.observe_zero_velocity()),
         Aiding::EarthRate(rate) => Observed::Three(filter.observe_earth_rate(rate)),
+        Aiding::NoTurn(rate) => {
+            let mut observed = filter.observe_earth_rate(rate);
+            observed.h.fixed_view_mut::<3, 3>(0, 6).fill(0.0);
+            Observed::Three(observed)
+        }
         Aiding::Level(force) => Observed::Two(filter.observe_level(force)),
         Aiding::NonHolonomic(axle) => Observed::Two(filter.observe_non_holonomic(axle)),
         Aiding::Odometer { speed, lever_arm } => {

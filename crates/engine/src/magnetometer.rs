@@ -9,6 +9,8 @@
 //! * a mean is not used, nor any within the next seconds, where the field changed by more than it can against the gyros, or where
 //!   strength or dip are not the Earth's: neither depends on the heading;
 //! * where they are not for a minute and do not change, the hard iron has become another one and is made unknown again;
+//! * a field that agrees with the heading shows that a course that does not is a way to move, and no wrong heading;
+//! * while the vehicle stands nothing else shows its heading: what fixes and rests say of it are errors of the gyros;
 //! * strength and dip say nothing of the heading, and a heading that is far off makes them seem wrong: the second order of its error is
 //!   added to the noise.
 
@@ -49,11 +51,15 @@ const INTERVAL: f64 = 1.0;
 /// Speed \[m/s\] and turn within a mean \[rad\] from which the vehicle is in motion.
 const MOVES: f64 = 0.5;
 const TURNS: f64 = 0.05;
+/// Standard deviation of a heading that nothing turns but motion, and the field \[rad\].
+const UNSURE: f64 = 0.1;
 /// Part of the field that soft iron adds to a turned one [–].
 const SOFT_IRON: f64 = 0.05;
 /// Square of a change of three numbers, or of strength and dip, in their variance, that one in a thousand sound ones has.
 const CHANGED: f64 = 16.3;
 const NOT_EARTHS: f64 = 13.8;
+/// Square of what a field is off by across the heading that agrees with it, in its variance.
+const AGREES: f64 = 9.0;
 /// Nothing is used for so long after a disturbance \[s\].
 const HOLD: f64 = 5.0;
 /// A field that is not the Earth's and does not change for so long is one of the vehicle's \[s\].
@@ -105,6 +111,8 @@ pub(crate) struct Compass {
     /// Since when the field has not been the Earth's without a change \[s\].
     strange: Option<f64>,
     open: Option<DisturbedField>,
+    /// Last mean that agreed with the heading \[s\].
+    agreed: f64,
 }
 
 impl Compass {
@@ -116,6 +124,7 @@ impl Compass {
             quiet: f64::NEG_INFINITY,
             strange: None,
             open: None,
+            agreed: f64::NEG_INFINITY,
         }
     }
 
@@ -191,8 +200,11 @@ impl Compass {
             off: nav.q_nb * mean,
             white: (window.white / n).max(scatter) / n,
         };
-        if nav.v_n.norm() > MOVES || turned > TURNS {
+        let moves = nav.v_n.norm() > MOVES || turned > TURNS;
+        if moves {
             self.moved += span;
+        } else if filter.nav_std()[8] > UNSURE {
+            filter.isolate_heading();
         }
         self.mean(filter, seen, &window.field, settings, summary);
         // The next mean begins where this one ends.
@@ -256,6 +268,11 @@ impl Compass {
             return;
         }
         self.close(summary);
+        let across = Vector3::z().cross(&radial(field));
+        let variance = across.dot(&(predicted * across)) + mean.white + lasting;
+        if mean.off.dot(&across).powi(2) < AGREES * variance {
+            self.agreed = mean.time;
+        }
         if self.moved < INTERVAL {
             return;
         }
@@ -280,6 +297,11 @@ impl Compass {
         if let (Some(now), Some(before)) = (filter.innovation(&measured), &mut self.before) {
             before.off = c_nb * now;
         }
+    }
+
+    /// Whether the field has agreed with the heading just before `time` \[s\].
+    pub(crate) fn agrees(&self, time: f64) -> bool {
+        time - self.agreed < GAP
     }
 
     /// Ends the disturbance that is open, if any.

@@ -300,7 +300,8 @@ impl Run {
         }
         if carries_velocity(fix, part) {
             self.vehicle.fix(filter, fix, &self.settings);
-            if self.settings.gating && !self.receiver.repeats() {
+            let confirmed = self.compass.agrees(fix.time);
+            if self.settings.gating && !self.receiver.repeats() && !confirmed {
                 self.course.fix(filter, fix, &mut self.summary);
             }
         }

@@ -137,6 +137,21 @@ impl<const N: usize> Filter<N> {
         }
     }
 
+    /// Takes the errors of the heading and of the hard iron for independent of all others: at rest nothing shows the heading but the Earth's
+    /// rate, and that only to gyros whose bias is as constant as modelled.
+    pub fn isolate_heading(&mut self) {
+        let iron = self.parameter_start(Parameter::HardIron);
+        let apart = |i: usize| i == 8 || iron.is_some_and(|at| (at..at + 3).contains(&i));
+        for i in 0..N {
+            for j in 0..i {
+                if apart(i) != apart(j) {
+                    self.p[(i, j)] = 0.0;
+                    self.p[(j, i)] = 0.0;
+                }
+            }
+        }
+    }
+
     /// Rate and specific force of the present sample as the sensor reads them [rad/s, m/s²].
     fn readings(&self) -> [Vector3; 2] {
         let error = self.sensors.predicted_error(&self.x, &self.coupling);
