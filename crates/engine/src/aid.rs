@@ -7,12 +7,11 @@
 mod by_aid;
 mod channel;
 mod gnss;
-mod logs;
 mod pose;
+mod rest;
 
 pub use by_aid::ByAid;
 pub use channel::Channel;
-pub use logs::{Log, ScalarLog};
 
 use crate::vehicle::Constraints;
 use alloc::{string::String, vec::Vec};
@@ -106,6 +105,110 @@ impl Aid {
     }
 }
 
+/// A file of a drive by what it contains, as findings name it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum Log {
+    /// Inertial samples.
+    Imu,
+    /// GNSS fixes.
+    Gnss,
+    /// Reference solution.
+    Truth,
+    /// Wheel speeds.
+    Odometer,
+    /// Barometric heights.
+    Barometer,
+    /// Headings by two antennas.
+    Heading,
+    /// Magnetic fields.
+    Magnetometer,
+    /// Static recording for identification.
+    Recording,
+}
+
+impl Log {
+    /// Its name in messages, in lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Imu => "IMU",
+            Self::Gnss => "GNSS",
+            Self::Truth => "truth",
+            Self::Odometer => "odometer",
+            Self::Barometer => "barometer",
+            Self::Heading => "heading",
+            Self::Magnetometer => "magnetometer",
+            Self::Recording => "recording",
+        }
+    }
+}
+
+/// A sensor that measures one number, and the log of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ScalarLog {
+    /// Speeds of a wheel, forward positive \[m/s\].
+    Odometer,
+    /// Heights above any reference, up positive \[m\].
+    Barometer,
+    /// Azimuths of a second antenna as seen from the first, from north to east \[rad\].
+    Heading,
+}
+
+impl ScalarLog {
+    /// Every kind, in the order in which they are read.
+    pub const ALL: [Self; 3] = [Self::Odometer, Self::Barometer, Self::Heading];
+
+    /// Its table in a drive file.
+    pub fn name(self) -> &'static str {
+        self.log().name()
+    }
+
+    /// What the log contains, as a sentence.
+    pub fn described(self) -> &'static str {
+        match self {
+            Self::Odometer => "The log of wheel speeds.",
+            Self::Barometer => "The log of heights.",
+            Self::Heading => "The log of headings.",
+        }
+    }
+
+    /// The log that findings name for it.
+    pub fn log(self) -> Log {
+        match self {
+            Self::Odometer => Log::Odometer,
+            Self::Barometer => Log::Barometer,
+            Self::Heading => Log::Heading,
+        }
+    }
+
+    /// The kind of measurement that its updates are counted by.
+    pub fn aid(self) -> Aid {
+        match self {
+            Self::Odometer => Aid::Odometer,
+            Self::Barometer => Aid::Barometer,
+            Self::Heading => Aid::Heading,
+        }
+    }
+
+    /// `scalar`, in SI units, as the measurement that a [`Navigator`](crate::Navigator) is pushed.
+    ///
+    /// ```
+    /// use undrift_engine::{Aid, Scalar, ScalarLog};
+    /// let row = Scalar { time: 3.0, value: 412.0, std: 1.0 };
+    /// assert_eq!(ScalarLog::Barometer.measurement(row).time(), 3.0);
+    /// assert_eq!((ScalarLog::Barometer.aid(), ScalarLog::Odometer.name()), (Aid::Barometer, "odometer"));
+    /// ```
+    pub fn measurement(self, scalar: Scalar) -> Measurement {
+        match self {
+            Self::Odometer => Measurement::Odometer(scalar),
+            Self::Barometer => Measurement::Barometer(scalar),
+            Self::Heading => Measurement::Heading(scalar),
+        }
+    }
+}
+
 /// One measurement, as it is pushed into a [`Navigator`](crate::Navigator).
 ///
 /// ```
@@ -191,10 +294,7 @@ impl Measurement {
 
     /// Whether it says nothing before the mounting is known.
     pub(crate) fn needs_vehicle_axes(&self) -> bool {
-        matches!(
-            self,
-            Self::Odometer(_) | Self::Heading(_) | Self::Magnetometer(_)
-        )
+        !matches!(self, Self::Gnss(_) | Self::Barometer(_))
     }
 
     /// A measurement of one number, what it is counted as and how the filter takes it. Fixes are judged by their receiver.
@@ -377,11 +477,7 @@ pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Op
         Aiding::Course(course) => Observed::One(filter.observe_course(*course)?),
         Aiding::ZeroVelocity => Observed::Three(filter.observe_zero_velocity()),
         Aiding::EarthRate(rate) => Observed::Three(filter.observe_earth_rate(rate)),
-        Aiding::NoTurn(rate) => {
-            let mut observed = filter.observe_earth_rate(rate);
-            observed.h.fixed_view_mut::<3, 3>(0, 6).fill(0.0);
-            Observed::Three(observed)
-        }
+        Aiding::NoTurn(rate) => Observed::Three(rest::observe_no_turn(filter, rate)),
         Aiding::Level(force) => Observed::Two(filter.observe_level(force)),
         Aiding::NonHolonomic(axle) => Observed::Two(filter.observe_non_holonomic(axle)),
         Aiding::Odometer { speed, lever_arm } => {
@@ -401,20 +497,4 @@ pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Op
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_by_their_names() {
-        let lever_arm = Vector3::new(1.0, 2.0, 3.0);
-        let aiding = |name| Aiding::scalar(name, 4.0, lever_arm);
-        assert_eq!(aiding("course"), Some(Aiding::Course(4.0)));
-        let speed = 4.0;
-        assert_eq!(
-            aiding("odometer"),
-            Some(Aiding::Odometer { speed, lever_arm })
-        );
-        assert_eq!(aiding("barometer"), Some(Aiding::Barometer(4.0)));
-        assert_eq!(aiding("position"), None);
-    }
-}
+mod tests;

@@ -216,10 +216,7 @@ pub fn of_disagreement(summary: &Summary) -> Vec<Finding> {
     let fields = &summary.disturbed_fields;
     let length = |field: &DisturbedField| field.end - field.start;
     let longest = fields.iter().max_by(|a, b| length(a).total_cmp(&length(b)));
-    found.extend(longest.map(|longest| Finding::DisturbedField {
-        longest: *longest,
-        more: fields.len() as u64 - 1,
-    }));
+    found.extend(longest.map(|longest| Finding::DisturbedField(*longest)));
     found.extend(
         summary
             .far

@@ -196,7 +196,7 @@ mod tests {
             truth_read: None,
             imu_skipped: Default::default(),
             gnss_skipped: Default::default(),
-            scalars: Vec::new(),
+            sensors: Vec::new(),
             truth_skipped: Default::default(),
             thermal: None,
             gaps: Default::default(),

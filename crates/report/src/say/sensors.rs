@@ -239,16 +239,12 @@ pub(super) fn rejected_headings(longest: &RejectedHeadings, more: u64) -> String
     }
 }
 
-/// A span in which the magnetic field was disturbed, and in how many more.
-pub(super) fn disturbed_field(longest: &DisturbedField, more: u64) -> String {
-    let (start, end) = (at(longest.start), at(longest.end));
-    let more = match more {
-        0 => String::new(),
-        n => format!("; {} besides", many(n, "more span")),
-    };
+/// A span in which the magnetic field was disturbed.
+pub(super) fn disturbed_field(field: &DisturbedField) -> String {
+    let (start, end) = (at(field.start), at(field.end));
     format!(
-        "the magnetic field was not the Earth's, {start}-{end} s (off by up to {:.0} uT{more}): not used; iron or currents near the magnetometer",
-        longest.strongest * 1e6
+        "the magnetic field was not the Earth's, {start}-{end} s (off by up to {:.0} uT): not used; iron or currents near the magnetometer",
+        field.strongest * 1e6
     )
 }
 

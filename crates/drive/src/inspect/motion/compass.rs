@@ -174,9 +174,11 @@ mod tests {
             if about_all {
                 motion
                     .pitch
+                    .profile
                     .step_to(start, 2.0, 0.5 * f64::from(k % 3) - 0.4);
                 motion
                     .roll
+                    .profile
                     .step_to(start + 3.0, 2.0, 0.6 - 0.5 * f64::from(k % 4));
             }
         }
