@@ -9,7 +9,7 @@ use undrift::io::imu::{GapSummary, ImuReader};
 use undrift::io::poses::LocalPose;
 use undrift::io::skipped::Skipped;
 use undrift::nav::earth::Geodetic;
-use undrift::nav::sample::{GnssFix, ImuSample, Position, Scalar, TruthSample};
+use undrift::nav::sample::{GnssFix, ImuSample, MagneticField, Position, Scalar, TruthSample};
 use undrift::nav::{Matrix3, Quaternion, Vector3};
 
 /// Runs `read` with a file that holds `data`, in the folder for temporary files: `tools/fuzz` takes one
@@ -110,6 +110,11 @@ pub fn local_pose(pose: &LocalPose) -> bool {
 /// Whether a number is finite and has a standard deviation.
 pub fn scalar(scalar: &Scalar) -> bool {
     scalar.value.is_finite() && scalar.std.is_finite() && scalar.std > 0.0
+}
+
+/// Whether a magnetic field is finite and has a standard deviation.
+pub fn field(reading: &MagneticField) -> bool {
+    reading.is_finite() && reading.std > 0.0
 }
 
 fn finite(v: &Vector3) -> bool {

@@ -7,11 +7,14 @@ use undrift::io::format::Format;
 use undrift::io::gnss::{FixOptions, GnssLog, GnssReader};
 use undrift::io::imu::{ImuFormat, ImuReader};
 use undrift::io::log::StreamKind;
+use undrift::io::magnetic::{MagneticFormat, MagneticReader, MagneticSource};
 use undrift::io::poses::{PoseLog, PoseReader};
 use undrift::io::scalar::{Reading, ScalarFormat, ScalarReader};
 use undrift::io::truth::{TruthLog, TruthReader};
 
-use crate::{check_counts, exhaust, fix, imu, local_pose, opened, scalar, truth_sample, with_file};
+use crate::{
+    check_counts, exhaust, field, fix, imu, local_pose, opened, scalar, truth_sample, with_file,
+};
 
 /// Streams that are read by their names: a file can list thousands.
 const STREAMS: usize = 4;
@@ -27,6 +30,7 @@ pub fn log(format: Format, data: &[u8]) {
         truth(path, format, None);
         local(path, format, None);
         headings(path, format, None);
+        fields(path, format, None);
         for stream in streams.into_iter().take(STREAMS) {
             let name = Some(stream.name);
             match stream.kind {
@@ -48,6 +52,7 @@ pub fn log(format: Format, data: &[u8]) {
                     }),
                 ),
                 StreamKind::Headings => headings(path, format, name),
+                StreamKind::Fields => fields(path, format, name),
                 StreamKind::Other => {}
             }
         }
@@ -67,6 +72,14 @@ fn with_stds(log: GnssLog) -> GnssLog {
 
 fn fixes(path: &Path, log: &GnssLog) {
     gnss(GnssReader::open(path, &log.clone().into()));
+}
+
+fn fields(path: &Path, log: Format, name: Option<String>) {
+    let options = MagneticFormat::new(MagneticSource::Log(log, name), 1e-6);
+    if let Ok(mut reader) = opened(MagneticReader::open(path, &options)) {
+        exhaust(&mut reader, |reading| reading.time, field);
+        check_counts(reader.skipped(), None);
+    }
 }
 
 fn headings(path: &Path, log: Format, name: Option<String>) {

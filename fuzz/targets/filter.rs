@@ -9,7 +9,7 @@ use undrift::nav::earth::Geodetic;
 use undrift::nav::filter::{Filter, Gate, InitialStd};
 use undrift::nav::mechanisation::NavState;
 use undrift::nav::parameters::{Parameter, Parameters, Prior};
-use undrift::nav::sample::{FixQuality, GnssFix, ImuSample, Position, Scalar};
+use undrift::nav::sample::{FixQuality, GnssFix, ImuSample, MagneticField, Position, Scalar};
 use undrift::nav::{Matrix3, Vector3};
 use undrift::noise::{BiasModel, ImuModel};
 use undrift::replay::{Measurement, Observer, ReplayError, Settings, replay};
@@ -267,6 +267,11 @@ fn replayed(kind: BiasModel, first: u8, events: &[Event]) {
                 };
                 aiding.push(match more {
                     6 => Measurement::Odometer(scalar),
+                    _ if event.kind & 0x20 != 0 => Measurement::Magnetometer(MagneticField {
+                        time: scalar.time,
+                        field: v * 1e-6,
+                        std: event.std() * 1e-6,
+                    }),
                     _ if event.kind & 0x10 == 0 => Measurement::Barometer(scalar),
                     _ => Measurement::Heading(scalar),
                 });

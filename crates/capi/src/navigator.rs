@@ -10,14 +10,14 @@ use alloc::{boxed::Box, collections::VecDeque};
 use undrift_engine::{
     Event, Measurement, Navigator as Inner, Part, PushError, Scalar, ScalarLog,
     align::{AlignSettings, Heading},
-    settings::{Settings, fix_errors::FromFixes},
+    settings::{Settings, fix_errors::FromFixes, magnetometer::Magnetometer},
     vehicle::{Constraints, Profile},
 };
 use undrift_nav::{
     Vector3,
     earth::Geodetic,
     mechanisation::NavState,
-    sample::{FixQuality, GnssFix, ImuSample, Position as Place},
+    sample::{FixQuality, GnssFix, ImuSample, MagneticField, Position as Place},
 };
 
 /// What the vehicle is: what it cannot do constrains the solution.
@@ -55,6 +55,11 @@ pub struct NavigatorSettings {
     /// Direction of a second antenna as seen from the first in the body, from forward to right \[rad\]; how well it is known is the prior
     /// UNDRIFT_PARAMETER_HEADING_OFFSET.
     pub heading_baseline: f64,
+    /// Standard deviation of errors of a magnetometer that last for some seconds \[T\]; its hard iron is the prior
+    /// UNDRIFT_PARAMETER_HARD_IRON.
+    pub magnetometer_lasting: f64,
+    /// Year with its fraction, for the Earth's magnetic field; 0: about now.
+    pub year: f64,
     /// Factors on the noise that vibration adds, gyro and accelerometer x, y, z; all 0: the noise is the model's throughout.
     pub vibration: [f64; UNDRIFT_AXES],
 }
@@ -91,6 +96,8 @@ pub enum EventKind {
     TooLate = 12,
     /// Headings by two antennas were rejected; `value` is what the last of them was off by \[rad\].
     HeadingsRejected = 13,
+    /// The magnetic field was disturbed and not used; `value` is what it was off by at most \[T\].
+    FieldDisturbed = 14,
 }
 
 /// An event of the navigation.
@@ -150,6 +157,8 @@ pub unsafe extern "C" fn undrift_navigator_defaults(settings: *mut NavigatorSett
         heading: 0.0,
         heading_std: 0.0,
         heading_baseline: 0.0,
+        magnetometer_lasting: Magnetometer::default().lasting,
+        year: 0.0,
         find_mounting: 0,
         learn_fix_errors: 1,
         vibration: [1.0; UNDRIFT_AXES],
@@ -203,13 +212,18 @@ fn engine_settings(
     settings: &NavigatorSettings,
     sensors: [undrift_nav::shaping::ShapingFilter; UNDRIFT_AXES],
 ) -> Result<Settings, Status> {
-    let angles = [&settings.heading, &settings.heading_baseline];
-    finite(settings.lever_arm.iter().chain(angles))?;
+    let numbers = [
+        &settings.heading,
+        &settings.heading_baseline,
+        &settings.year,
+    ];
+    finite(settings.lever_arm.iter().chain(numbers))?;
     not_negative(
         settings
             .vibration
             .iter()
-            .chain([&settings.horizon, &settings.heading_std]),
+            .chain([&settings.horizon, &settings.heading_std])
+            .chain([&settings.magnetometer_lasting]),
     )?;
     let vehicle = usize::try_from(settings.vehicle).ok();
     let profile = vehicle.and_then(|number| Profile::ALL.get(number));
@@ -228,6 +242,10 @@ fn engine_settings(
         align: AlignSettings {
             heading,
             ..AlignSettings::default()
+        },
+        magnetometer: Magnetometer {
+            lasting: settings.magnetometer_lasting,
+            year: Some(settings.year).filter(|year| *year != 0.0),
         },
         find_mounting: settings.find_mounting != 0,
         from_fixes: (settings.learn_fix_errors != 0).then(FromFixes::default),
@@ -342,6 +360,32 @@ pub unsafe extern "C" fn undrift_navigator_scalar(
     })
 }
 
+/// Pushes a magnetic field, three numbers in body axes \[T\], with the standard deviation of its white noise, in the manner of
+/// undrift_navigator_fix().
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn undrift_navigator_magnetometer(
+    navigator: *mut Navigator,
+    time: f64,
+    field: *const f64,
+    std: f64,
+) -> Status {
+    call(|| {
+        // SAFETY: null or a navigator that nobody else uses.
+        let navigator = unsafe { navigator_mut(navigator) }?;
+        // SAFETY: null or three numbers.
+        let field = unsafe { read(field.cast::<[f64; 3]>()) }?;
+        finite([&std])?;
+        if std <= 0.0 {
+            return Err(Status::OutOfRange);
+        }
+        let field = field.into();
+        let in_time = navigator
+            .inner
+            .magnetometer(MagneticField { time, field, std })?;
+        in_time.then_some(()).ok_or(Status::TooLate)
+    })
+}
+
 /// The solution, its attitude that of the vehicle's axes where the mounting is estimated. UNDRIFT_STATUS_NOT_ALIGNED, and nothing is
 /// written, before the alignment and between a restart and the next one.
 #[unsafe(no_mangle)]
@@ -408,6 +452,7 @@ fn plain(event: &Event) -> NavigatorEvent {
         Event::Doubted(doubt) => (EventKind::AcceptedInTheEnd, doubt.position),
         Event::HeadingOff(off) => (EventKind::HeadingOff, off.angle),
         Event::HeadingsRejected(headings) => (EventKind::HeadingsRejected, headings.angle),
+        Event::FieldDisturbed(field) => (EventKind::FieldDisturbed, field.strongest),
         Event::Leant(_) => (EventKind::OneSided, 0.0),
         Event::AlignsAgain(..) => (EventKind::AlignsAgain, 0.0),
         Event::FixErrors(_, errors) => (EventKind::FixErrors, errors.position_factor),

@@ -5,7 +5,7 @@ pub const UNDRIFT_MAX_ORDER: usize = 6;
 /// Sensor axes: gyro x, y, z, then accelerometer x, y, z.
 pub const UNDRIFT_AXES: usize = 6;
 /// Kinds of parameters.
-pub const UNDRIFT_PARAMETERS: usize = 14;
+pub const UNDRIFT_PARAMETERS: usize = 15;
 
 /// The noise model of one sensor axis, a shaping filter that steps once a sample:
 /// x' = F x + G w, error = H x + D w. The functions undrift_sensor_... make the usual ones.
@@ -101,6 +101,8 @@ pub enum Parameter {
     AccelDelay = 12,
     /// Direction of the second antenna in the body, from forward to right, beyond the one given \[rad\].
     HeadingOffset = 13,
+    /// Hard iron of a magnetometer, body axes \[T\]; three states.
+    HardIron = 14,
 }
 
 /// What is known of a parameter before: its correction is zero with this standard deviation.

@@ -7,7 +7,9 @@ use crate::{
     status::{Status, call},
     types::{Gate, Outcome, Position, Update, Velocity},
 };
-use undrift_nav::{Matrix3, Vector3, aiding::Observation, earth::Geodetic, filter, sample};
+use undrift_nav::{
+    Matrix3, Vector3, aiding::Observation, earth::Geodetic, filter, magnetic, sample,
+};
 
 /// A measurement update, gated; what it did goes to `done`.
 ///
@@ -250,4 +252,56 @@ pub unsafe extern "C" fn undrift_update_heading(
     };
     // SAFETY: passed on.
     unsafe { run(filter, gate, done, observe) }
+}
+
+/// Updates with a magnetic field, three numbers in body axes, with standard deviation `std` each; `earth` is the Earth's field north,
+/// east, down of undrift_magnetic_field(), all in \[T\]. The hard iron is UNDRIFT_PARAMETER_HARD_IRON.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn undrift_update_magnetometer(
+    filter: *mut Filter,
+    field: *const f64,
+    std: f64,
+    earth: *const f64,
+    gate: *const Gate,
+    done: *mut Update,
+) -> Status {
+    let observe = |filter: &Inner| {
+        // SAFETY: null or three numbers each.
+        let [field, earth] = unsafe {
+            [
+                read(field.cast::<[f64; 3]>())?,
+                read(earth.cast::<[f64; 3]>())?,
+            ]
+        };
+        finite(field.iter().chain(&earth))?;
+        let observed = filter.observe_magnetometer(&field.into(), &earth.into());
+        let variance = variance(std)?;
+        let noise = Matrix3::identity() * variance;
+        Ok((observed, noise.into()))
+    };
+    // SAFETY: passed on.
+    unsafe { run(filter, gate, done, observe) }
+}
+
+/// The Earth's magnetic field north, east, down \[T\], three numbers to `earth`, at a place [rad, rad, m] in a year with its fraction:
+/// the World Magnetic Model 2025, made for 2025 to 2030.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn undrift_magnetic_field(
+    latitude: f64,
+    longitude: f64,
+    height: f64,
+    year: f64,
+    earth: *mut f64,
+) -> Status {
+    call(|| {
+        finite([&latitude, &longitude, &height, &year])?;
+        let place = Geodetic {
+            lat: latitude,
+            lon: longitude,
+            height,
+        };
+        let field: [f64; 3] = magnetic::field(&place, year).into();
+        // SAFETY: null or three numbers.
+        unsafe { write(earth.cast::<[f64; 3]>(), field) }
+    })
 }

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use undrift::{
     drive::{Drive, ScalarLog},
     io::{
-        Opened, gnss::GnssSource, imu::ImuSource, source::BytesRead, truth::TruthSource, visible,
+        Opened, gnss::GnssSource, imu::ImuSource, magnetic::MagneticSource, source::BytesRead,
+        truth::TruthSource, visible,
     },
 };
 
@@ -41,6 +42,10 @@ pub fn drive(source: &Source) {
         let path = drive.scalars[sensor].as_ref().map(|(path, _)| path);
         log(drive, sensor.name(), path, true);
     }
+    let field = drive.magnetometer.as_ref();
+    let is_table =
+        field.is_some_and(|(_, field)| matches!(field.source, MagneticSource::Table { .. }));
+    log(drive, "magnetometer", field.map(|(path, _)| path), is_table);
     let truth = drive.truth.as_ref();
     let is_table = truth.is_some_and(|(_, source)| matches!(source, TruthSource::Table(_)));
     log(drive, "truth", truth.map(|(path, _)| path), is_table);

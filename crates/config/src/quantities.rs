@@ -140,8 +140,11 @@ impl Section<'_> {
     }
 
     fn factor_of(&self, key: &str, text: &str, quantity: Quantity) -> Result<f64, ConfigError> {
-        use Quantity::{Acceleration, Angle, AngularRate, Velocity};
-        let signed = matches!(quantity, Acceleration | Angle | AngularRate | Velocity);
+        use Quantity::{Acceleration, Angle, AngularRate, MagneticField, Velocity};
+        let signed = matches!(
+            quantity,
+            Acceleration | Angle | AngularRate | MagneticField | Velocity
+        );
         let minus = text.trim_start().strip_prefix(['-', '\u{2212}']);
         let (unit, sign) = match minus.filter(|_| signed) {
             Some(unit) => (unit.trim_start(), -1.0),

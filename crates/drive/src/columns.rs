@@ -16,9 +16,9 @@ pub use words::RECEIVED;
 
 use undrift_nav::units::{Quantity, unit_factor};
 use words::{
-    ACCELS, ACCURACIES, ANTENNAS, COURSES, DATES, DIRECTIONS, ECEF_VELOCITIES, ECEFS, GRID, GYROS,
-    HEIGHTS, LATITUDES, LONGITUDES, POSITION_STDS, SPEEDS, SUFFIXES, TIME_ENDINGS, TIME_UNITS,
-    TIMES, VELOCITIES, VELOCITY_STDS,
+    ACCELS, ACCURACIES, ANTENNAS, COURSES, DATES, DIRECTIONS, ECEF_VELOCITIES, ECEFS, FIELDS, GRID,
+    GYROS, HEIGHTS, LATITUDES, LONGITUDES, POSITION_STDS, SPEEDS, SUFFIXES, TIME_ENDINGS,
+    TIME_UNITS, TIMES, VELOCITIES, VELOCITY_STDS,
 };
 
 /// Meaning of a column.
@@ -66,6 +66,8 @@ pub enum Meaning {
     Attitude(usize),
     /// Heading by two antennas.
     AntennaHeading,
+    /// Magnetic field along the sensor's x, y or z.
+    Field(usize),
     /// Temperature of the sensor.
     Temperature,
 }
@@ -76,6 +78,7 @@ impl Meaning {
             Self::Time => Quantity::Time,
             Self::Gyro(_) => Quantity::AngularRate,
             Self::Accel(_) => Quantity::Acceleration,
+            Self::Field(_) => Quantity::MagneticField,
             Self::Latitude
             | Self::Longitude
             | Self::Attitude(_)
@@ -286,6 +289,8 @@ fn of_letters(name: &str) -> Option<Meaning> {
         Some(Meaning::Gyro(axis))
     } else if let Some(axis) = axis(&ACCELS) {
         Some(Meaning::Accel(axis))
+    } else if let Some(axis) = axis(&FIELDS) {
+        Some(Meaning::Field(axis))
     } else if let Some(of) = ACCURACIES.iter().position(|names| names.contains(&name)) {
         Some(Meaning::Accuracy(of))
     } else if SPEEDS.contains(&name) {

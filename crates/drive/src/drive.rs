@@ -27,6 +27,7 @@ pub(crate) mod gnss;
 pub(crate) mod imu;
 mod keys;
 mod logs;
+pub(crate) mod magnetometer;
 mod memory;
 mod named;
 pub(crate) mod poses;
@@ -37,7 +38,7 @@ pub(crate) mod tables;
 mod tests;
 mod text;
 
-pub use aids::{Aids, scalars};
+pub use aids::{Aids, SensorRead, SensorReader, merged};
 pub use epoch::Beginning;
 pub(crate) use epoch::OTHER_CLOCK;
 pub use error::{ConfigError, DriveError};
@@ -68,8 +69,8 @@ use undrift_io::{
     epoch::Epoch,
     gnss::{GnssReader, GnssSource},
     imu::{ImuFormat, ImuReader, ImuSource},
+    magnetic::MagneticFormat,
     reader::{Kind, Reader},
-    scalar::ScalarReader,
     source::BytesRead,
     truth::{TruthReader, TruthSource},
 };
@@ -115,6 +116,10 @@ pub struct Drive {
     pub poses: Option<Poses>,
     /// Logs of sensors that measure one number (a wheel speed, a height), where there are such.
     pub scalars: Scalars,
+    /// Log of a magnetometer, its axes relative to the inertial sensor's, and what else is known of it.
+    pub magnetometer: Option<(PathBuf, MagneticFormat)>,
+    /// Errors of the magnetometer that last.
+    pub magnetometer_lasting: f64,
     /// Parts of a fix that update the solution.
     pub gnss_use: GnssUse,
     /// Reference solution to compare with, if there is one; it is never used for the solution.
@@ -256,6 +261,8 @@ impl Drive {
             }
         }
         let (scalars, parameters) = scalars::read(top, &mut logs, parameters)?;
+        let (magnetometer, parameters) =
+            magnetometer::read(&top.section(magnetometer::TABLE)?, &mut logs, parameters)?;
         constraints.heading_baseline = scalars::read_baseline(&top.section("heading")?)?;
         let quality = match posed {
             true => QualityStd::AsStated,
@@ -278,6 +285,8 @@ impl Drive {
             parameters,
             poses,
             scalars,
+            magnetometer: magnetometer.as_ref().map(|(log, _)| log.clone()),
+            magnetometer_lasting: magnetometer.map_or(0.0, |(_, lasting)| lasting),
             constraints,
             gating: gnss.switch("gate")?.unwrap_or(true),
             imu,
@@ -311,9 +320,11 @@ impl Drive {
     /// Paths of the logs that the drive reads.
     pub fn logs(&self) -> Vec<&Path> {
         let scalars = self.scalars.iter().flatten().map(|(path, _)| path);
+        let field = self.magnetometer.iter().map(|(path, _)| path);
         let truth = self.truth.iter().map(|(path, _)| path);
         let logs = [&self.imu.0, &self.gnss.0].into_iter();
         logs.chain(scalars)
+            .chain(field)
             .chain(truth)
             .map(PathBuf::as_path)
             .collect()
@@ -350,46 +361,6 @@ impl Drive {
     /// As [`Drive::open_imu`].
     pub fn read_gnss(&self, opened: Opened) -> Result<GnssReader, ReadError> {
         Reader::new(opened, &self.gnss.1)
-    }
-
-    /// Reads what is open as a log of one number; `None` if the drive has no such log.
-    ///
-    /// # Errors
-    /// As [`Drive::open_imu`].
-    pub fn read_scalars(
-        &self,
-        log: ScalarLog,
-        opened: Opened,
-    ) -> Result<Option<ScalarReader>, ReadError> {
-        let options = self.scalars[log].as_ref().map(|(_, options)| options);
-        options
-            .map(|options| Reader::new(opened, options))
-            .transpose()
-    }
-
-    /// Opens the logs of sensors of one number, those that there are, from their start.
-    ///
-    /// # Errors
-    /// As [`Drive::open_imu`].
-    pub fn open_scalars(&self) -> Result<Vec<(ScalarLog, ScalarReader)>, ReadError> {
-        let mut opened = Vec::new();
-        for log in ScalarLog::ALL {
-            if let Some(reader) = self.open_optional(&self.scalars[log])? {
-                opened.push((log, reader));
-            }
-        }
-        Ok(opened)
-    }
-
-    /// Opens the logs that aid it from their start: fixes and every other measurement.
-    ///
-    /// # Errors
-    /// As [`Drive::open_imu`].
-    pub fn open_aids(&self) -> Result<Aids, ReadError> {
-        Ok(Aids {
-            gnss: self.open_gnss()?,
-            scalars: self.open_scalars()?,
-        })
     }
 
     /// Opens the reference from its start, if there is one.

@@ -6,7 +6,7 @@ mod tuned;
 
 pub use collect::{
     WITHOUT_GNSS, of_accuracy, of_correlation, of_disagreement, of_ends, of_fixes, of_health,
-    of_held, of_order, of_rate, of_scalar, of_skipped, of_temperature, of_timing, too_slow,
+    of_held, of_order, of_rate, of_sensor, of_skipped, of_temperature, of_timing, too_slow,
     with_axes, with_rate,
 };
 pub use tuned::{IN_VEHICLE, is_tuned, of_model};

@@ -243,6 +243,7 @@ fn of_streams(streams: &[Stream], notes: &mut Vec<Note>) -> Vec<Part> {
         ("truth", StreamKind::Poses),
         ("poses", StreamKind::LocalPoses),
         ("heading", StreamKind::Headings),
+        ("magnetometer", StreamKind::Fields),
     ] {
         let names = of(kind);
         if names.is_empty() {

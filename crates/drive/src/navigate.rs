@@ -17,7 +17,7 @@ pub use start::{Started, start};
 use crate::{
     align::{AlignSettings, Heading},
     consistency::Consistency,
-    drive::{Drive, DriveError, ScalarLog},
+    drive::{Drive, DriveError, SensorRead},
     engine::derived::with_velocities,
     findings::Log,
     fixes::{self, FixStudy},
@@ -73,8 +73,8 @@ pub struct Report {
     pub imu_skipped: Skipped,
     /// Records of the GNSS log that were skipped, and why.
     pub gnss_skipped: Skipped,
-    /// Skipped records and gaps of each log of one number.
-    pub scalars: Vec<(ScalarLog, Skipped, GapSummary)>,
+    /// Skipped records and gaps of each log of another sensor.
+    pub sensors: Vec<SensorRead>,
     /// Records of the truth that were skipped, and why.
     pub truth_skipped: Skipped,
     /// Samples that were corrected for temperature, where the model knows its effect.
@@ -166,6 +166,7 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
         align: drive.align.clone(),
         parameters: fix_errors.with_states(drive.parameters),
         constraints: drive.constraints.clone(),
+        magnetometer: drive.magnetometer_known(),
         gating: drive.gating,
         adapt: drive.adapt,
         quality: drive.quality,
@@ -418,7 +419,7 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
         thermal: imu.thermal(),
         gaps: imu.gaps(),
         held: imu.held(),
-        scalars: aids.scalars_read(),
+        sensors: aids.sensors_read(),
     })
 }
 

@@ -8,6 +8,7 @@ mod by_aid;
 mod channel;
 mod gnss;
 mod pose;
+mod rest;
 
 pub use by_aid::ByAid;
 pub use channel::Channel;
@@ -19,7 +20,7 @@ use undrift_nav::{
     Quaternion, Vector3,
     aiding::Observation,
     filter::Filter,
-    sample::{GnssFix, Position, Scalar},
+    sample::{GnssFix, MagneticField, Position, Scalar},
 };
 
 /// One measurement, as it is pushed into a [`Navigator`](crate::Navigator).
@@ -67,6 +68,8 @@ pub enum Measurement {
     /// [`Constraints::heading_baseline`], and [`Parameter::HeadingOffset`](undrift_nav::parameters::Parameter::HeadingOffset) where
     /// that is not exact. At rest it gives the first heading.
     Heading(Scalar),
+    /// Field by a magnetometer, body axes \[T\].
+    Magnetometer(MagneticField),
 }
 
 impl Measurement {
@@ -95,6 +98,7 @@ impl Measurement {
         match self {
             Self::Gnss(fix) => fix.time,
             Self::Odometer(s) | Self::Barometer(s) | Self::Heading(s) => s.time,
+            Self::Magnetometer(reading) => reading.time,
         }
     }
 
@@ -104,6 +108,7 @@ impl Measurement {
         match &mut self {
             Self::Gnss(fix) => fix.time = time,
             Self::Odometer(s) | Self::Barometer(s) | Self::Heading(s) => s.time = time,
+            Self::Magnetometer(reading) => reading.time = time,
         }
         self
     }
@@ -115,19 +120,20 @@ impl Measurement {
             Self::Odometer(speed) => ("wheel speed", speed.is_finite()),
             Self::Barometer(height) => ("height", height.is_finite()),
             Self::Heading(heading) => ("heading", heading.is_finite()),
+            Self::Magnetometer(reading) => ("magnetic field", reading.is_finite()),
         };
         (!finite).then_some(what)
     }
 
     /// Whether it says nothing before the mounting is known.
     pub(crate) fn needs_vehicle_axes(&self) -> bool {
-        matches!(self, Self::Odometer(_) | Self::Heading(_))
+        !matches!(self, Self::Gnss(_) | Self::Barometer(_))
     }
 
     /// A measurement of one number, what it is counted as and how the filter takes it. Fixes are judged by their receiver.
     pub(crate) fn scalar(&self, constraints: &Constraints) -> Option<(Scalar, Aid, Aiding)> {
         Some(match *self {
-            Self::Gnss(_) => return None,
+            Self::Gnss(_) | Self::Magnetometer(_) => return None,
             Self::Odometer(speed) => {
                 let aiding = Aiding::Odometer {
                     speed: speed.value,
@@ -153,6 +159,7 @@ impl Measurement {
             Self::Odometer(_) => 1,
             Self::Barometer(_) => 2,
             Self::Heading(_) => 3,
+            Self::Magnetometer(_) => 4,
         }
     }
 }
@@ -214,6 +221,8 @@ pub enum Aiding {
     ZeroVelocity,
     /// The body turns with the Earth: mean angular rate as the gyros read it, body axes \[rad/s\].
     EarthRate(Vector3),
+    /// The same, and nothing is learnt of the attitude.
+    NoTurn(Vector3),
     /// The body is at rest: mean specific force as the accelerometers read it, body axes \[m/s²\].
     Level(Vector3),
     /// No velocity to the right or down at this point, IMU → axle, body axes \[m\]; two numbers \[m/s\].
@@ -233,6 +242,13 @@ pub enum Aiding {
         heading: f64,
         /// Direction of the second antenna in the body, from forward to right, as configured \[rad\].
         baseline: f64,
+    },
+    /// Magnetic field.
+    Magnetometer {
+        /// As measured, body axes \[T\].
+        measured: Vector3,
+        /// The Earth's, north, east, down \[T\].
+        field: Vector3,
     },
     /// Attitude of a marker.
     Attitude {
@@ -294,6 +310,7 @@ pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Op
         Aiding::Course(course) => Observed::One(filter.observe_course(*course)?),
         Aiding::ZeroVelocity => Observed::Three(filter.observe_zero_velocity()),
         Aiding::EarthRate(rate) => Observed::Three(filter.observe_earth_rate(rate)),
+        Aiding::NoTurn(rate) => Observed::Three(rest::observe_no_turn(filter, rate)),
         Aiding::Level(force) => Observed::Two(filter.observe_level(force)),
         Aiding::NonHolonomic(axle) => Observed::Two(filter.observe_non_holonomic(axle)),
         Aiding::Odometer { speed, lever_arm } => {
@@ -303,6 +320,9 @@ pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Op
         Aiding::Heading { heading, baseline } => {
             Observed::One(filter.observe_heading(*heading, *baseline)?)
         }
+        Aiding::Magnetometer { measured, field } => {
+            Observed::Three(filter.observe_magnetometer(measured, field))
+        }
         Aiding::Attitude { q_rk, q_bk, due } => {
             Observed::Three(pose::observe_attitude(filter, q_rk, q_bk, *due))
         }
@@ -310,20 +330,4 @@ pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Op
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_by_their_names() {
-        let lever_arm = Vector3::new(1.0, 2.0, 3.0);
-        let aiding = |name| Aiding::scalar(name, 4.0, lever_arm);
-        assert_eq!(aiding("course"), Some(Aiding::Course(4.0)));
-        let speed = 4.0;
-        assert_eq!(
-            aiding("odometer"),
-            Some(Aiding::Odometer { speed, lever_arm })
-        );
-        assert_eq!(aiding("barometer"), Some(Aiding::Barometer(4.0)));
-        assert_eq!(aiding("position"), None);
-    }
-}
+mod tests;

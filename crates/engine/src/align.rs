@@ -35,6 +35,7 @@
 mod antennas;
 mod basis;
 mod clocks;
+mod field;
 mod motion;
 mod rest;
 mod result;
@@ -124,6 +125,10 @@ pub(crate) struct Aligner {
     level: Quaternion,
     /// Headings by two antennas against that frame.
     antennas: Recent,
+    /// Readings of a magnetometer since the body stands, what they were at the last rest, and whether they say nothing.
+    readings: field::Readings,
+    field_at_rest: Option<field::FieldAtRest>,
+    ignores_field: bool,
     /// The last rest.
     rested: Option<Rested>,
     /// Whether GNSS ever agreed that the vehicle stood.
@@ -194,6 +199,7 @@ impl Aligner {
             self.level = tilt * self.level;
             self.level.renormalize();
             self.rested = Some((self.level, self.rest.mean_force, self.rest.span(), until));
+            self.field_at_rest = self.readings.mean();
         }
     }
 
@@ -330,7 +336,7 @@ impl Aligner {
         }
     }
 
-    /// The heading with its standard deviation \[rad\], where it is given or the course or two antennas say it.
+    /// The heading with its standard deviation \[rad\], where it is given or the course, two antennas or a magnetometer say it.
     ///
     /// The variance of a course is that of the velocity across it over the speed squared, and that of a side
     /// slip of 2°.
@@ -344,7 +350,8 @@ impl Aligner {
                 let std = (over_ground(covariance) / speed).hypot(COURSE_FLOOR);
                 (std < COURSE_WORST).then_some((course, std, HeadingSource::Course))
             }
-            _ => self.heading_by_antennas(seen.time, settings),
+            _ => (self.heading_by_antennas(seen.time, settings))
+                .or_else(|| self.heading_by_field(seen, settings)),
         }
     }
 
@@ -373,7 +380,7 @@ impl Aligner {
             position: Vector3::repeat(1.0),
             velocity: Vector3::repeat(1.0),
             attitude: match from {
-                HeadingSource::Antennas => {
+                HeadingSource::Antennas | HeadingSource::Magnetometer => {
                     Vector3::new(TILT_BEFORE, TILT_BEFORE, antennas::wide(std))
                 }
                 _ => Vector3::new(TILT_BEFORE, TILT_BEFORE, std),
@@ -401,6 +408,9 @@ impl Aligner {
             let rate = Aiding::EarthRate(self.rest.bias);
             let noise = Matrix3::identity() * bias_variance;
             filter.update(&rate, &noise, &Gate::OPEN)?;
+        }
+        if from == HeadingSource::Magnetometer {
+            self.take_field_in(&mut *filter, settings)?;
         }
         filter.set_nav(now);
         if from == HeadingSource::Antennas {

@@ -352,6 +352,9 @@ pub trait Estimator: Send + Sync {
     fn turn(&mut self, q_vb: &Quaternion);
     /// Makes a parameter unknown again, with the standard deviation `std` [its unit], as [`Filter::renew`](undrift_nav::filter::Filter::renew).
     fn renew(&mut self, kind: Parameter, std: f64);
+    /// Takes the errors of heading and hard iron for independent of all others, as
+    /// [`Filter::isolate_heading`](undrift_nav::filter::Filter::isolate_heading).
+    fn isolate_heading(&mut self);
     /// A copy, which records nothing and from now on estimates the lasting errors of position and velocity as given.
     ///
     /// # Errors

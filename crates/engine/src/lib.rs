@@ -67,6 +67,7 @@ mod health;
 mod inertial;
 #[cfg(feature = "checkpoint")]
 mod kept;
+mod magnetometer;
 mod measurement;
 mod median;
 pub mod mounting;
@@ -97,7 +98,7 @@ pub use not_aligned::NotAligned;
 pub use observer::Observer;
 pub use summary::{LateSamples, MOST_EVENTS, SideSlip, Summary};
 pub use undrift_events::{
-    Agreement, Aid, Contradiction, CovarianceHealth, Disagreement, Event, FixMend, HeadingOff,
-    Implausible, Innovations, Lean, Log, Part, RejectedHeadings, Restart, RestartCause,
+    Agreement, Aid, Contradiction, CovarianceHealth, Disagreement, DisturbedField, Event, FixMend,
+    HeadingOff, Implausible, Innovations, Lean, Log, Part, RejectedHeadings, Restart, RestartCause,
     SampleFault, ScalarLog, Window, WindowPart, Windows,
 };

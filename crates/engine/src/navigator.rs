@@ -15,7 +15,7 @@ use undrift_events::{Event, ScalarLog};
 use undrift_nav::{
     filter::FilterError,
     parameters::Parameter,
-    sample::{GnssFix, ImuSample, Scalar},
+    sample::{GnssFix, ImuSample, MagneticField, Scalar},
 };
 
 /// Time between two snapshots \[s\]: a late measurement runs at most this much more again than it is late by.
@@ -28,7 +28,7 @@ pub enum PushError {
     /// A time or a value is not finite, or the sample's length is not positive.
     #[error("the {what} at {time} s has a value that is not finite, or no length")]
     NotFinite {
-        /// Sample, fix, wheel speed or height.
+        /// Sample, fix, wheel speed, height, heading or magnetic field.
         what: &'static str,
         /// Its stamp \[s\].
         time: f64,
@@ -249,6 +249,15 @@ impl Navigator {
     /// ```
     pub fn scalar(&mut self, sensor: ScalarLog, measured: Scalar) -> Result<bool, PushError> {
         self.measure(Measurement::of(sensor, measured))
+    }
+
+    /// Pushes a magnetic field in body axes \[T\], in the same way as [`Navigator::fix`]. Its hard iron is [`Parameter::HardIron`] among the
+    /// settings' parameters, all else that is known of it [`Settings::magnetometer`]. At rest it gives the first heading.
+    ///
+    /// # Errors
+    /// As [`Navigator::fix`].
+    pub fn magnetometer(&mut self, reading: MagneticField) -> Result<bool, PushError> {
+        self.measure(Measurement::Magnetometer(reading))
     }
 
     /// Pushes a measurement of any kind, in the same way as [`Navigator::fix`].

@@ -24,7 +24,9 @@
 mod axes;
 mod end;
 mod fix;
+mod magnetometer;
 mod pose;
+mod progress;
 
 use super::{
     aid::Measurement,
@@ -33,6 +35,7 @@ use super::{
     course::CourseWatch,
     heading::Headings,
     inertial::Inertial,
+    magnetometer::Compass,
     measurement::{Latency, Measured, Queue},
     observer::Observer,
     plausible::Plausible,
@@ -53,12 +56,9 @@ use crate::{
 use alloc::{boxed::Box, sync::Arc};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
-use undrift_events::{Part, Restart, RestartCause};
-use undrift_nav::{
-    Vector3,
-    filter::FilterError,
-    sample::{GnssFix, ImuSample},
-};
+use progress::{LogProgress, begins, part};
+use undrift_events::{Restart, RestartCause};
+use undrift_nav::{Vector3, filter::FilterError, sample::ImuSample};
 
 /// The state of the navigator between samples.
 #[derive(Clone)]
@@ -91,6 +91,8 @@ pub(crate) struct Run {
     course: CourseWatch,
     /// Watch of the headings by two antennas.
     headings: Headings,
+    /// Watch of the magnetic field.
+    compass: Compass,
     /// Rest and constraints.
     vehicle: Vehicle,
     /// Faults of the sensors; holds one sample back.
@@ -108,50 +110,10 @@ pub(crate) struct Run {
 struct CurrentAlignment {
     /// Sums of a rest and the window of motion.
     aligner: Aligner,
-    /// Whether one goes on beside the solution.
+    /// Whether one goes on beside the solution, to replace it.
     again: bool,
-}
-
-/// What of the log went by.
-#[derive(Clone, Default)]
-#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
-struct LogProgress {
-    /// Time of the first sample \[s\].
-    first_sample: Option<f64>,
-    /// Stamps of the fixes read so far.
-    stamps: Option<Stamps>,
-    /// Fixes within the samples.
-    ///
-    /// Fixes since the first sample, withheld ones too.
-    fixes: u64,
-    /// The sample before, for bridging a gap.
-    previous: Option<ImuSample>,
-    /// Time of the last fix that was used or withheld \[s\], and of the last one that was so with its velocity.
-    last_fix: Option<f64>,
-    last_velocity: Option<f64>,
-}
-
-impl LogProgress {
-    /// Notes a fix, or a part of it, that was used or withheld; when the one before was.
-    fn shown(&mut self, time: f64, with_velocity: bool) -> Option<f64> {
-        if with_velocity {
-            self.last_velocity = Some(time);
-        }
-        // The parts of two fixes may come in turns.
-        let before = self.last_fix;
-        self.last_fix = Some(before.map_or(time, |before| before.max(time)));
-        before
-    }
-}
-
-/// Whether this part of a fix is the one that is counted: each fix counts once.
-fn begins(fix: &GnssFix, part: Option<Part>) -> bool {
-    part != Some(Part::Velocity) || fix.position.is_none()
-}
-
-/// Whether this part of a fix has all of its velocity.
-fn carries_velocity(fix: &GnssFix, part: Option<Part>) -> bool {
-    part != Some(Part::Position) || fix.velocity.is_none()
+    /// Whether one goes on beside a solution that began with the heading of a magnetometer, to see whether motion shows the same.
+    checks: bool,
 }
 
 impl Run {
@@ -168,6 +130,7 @@ impl Run {
             alignment: CurrentAlignment {
                 aligner: Aligner::new(&settings),
                 again: false,
+                checks: false,
             },
             log: LogProgress::default(),
             receiver: Receiver::new(f64::NEG_INFINITY),
@@ -176,6 +139,7 @@ impl Run {
             plausible: Plausible::new(&settings),
             course: CourseWatch::new(),
             headings: Headings::new(),
+            compass: Compass::new(),
             vehicle: Vehicle::new(&settings),
             inertial: Inertial::new(settings.rotation),
             vibration: Vibration::from_settings(&settings),
@@ -322,6 +286,7 @@ impl Run {
                 }
                 other if other.needs_vehicle_axes() && !self.has_vehicle_axes() => {}
                 Measurement::Heading(heading) => self.heading(&heading, &sample),
+                Measurement::Magnetometer(reading) => self.magnetometer(&reading, &sample),
                 other => {
                     if let Some(solution) = &mut self.solution {
                         constraints::scalar(solution, &other, &self.settings, &mut self.summary);
@@ -347,6 +312,11 @@ impl Run {
         let solution = self.solution.as_ref();
         let failed = self.alignment.again;
         solution.map_or(Latency::default(), |solution| solution.latency(failed))
+    }
+
+    /// Whether an alignment goes on.
+    fn aligns(&self) -> bool {
+        self.solution.is_none() || self.alignment.again || self.alignment.checks
     }
 
     /// The solution has diverged: ends it and realigns. Without gating it only notes the time \[s\], and no other begins.
@@ -378,6 +348,7 @@ impl Run {
         self.alignment = CurrentAlignment {
             aligner: self.second_aligner(),
             again: true,
+            checks: false,
         };
     }
 
@@ -460,7 +431,7 @@ impl Run {
                 observer,
             );
         }
-        if self.solution.is_none() || self.alignment.again {
+        if self.aligns() {
             self.alignment.aligner.advance(sample, sample.time);
         }
         let Some(solution) = &mut self.solution else {
@@ -477,18 +448,5 @@ impl Run {
             solution.node(self.settings.nodes, observer);
         }
         self.look_for_mounting(observer);
-    }
-}
-
-/// The last `dt` \[s\] of a sample.
-///
-/// Rates are taken as constant over a sample, so increments are divided in proportion.
-fn part(sample: &ImuSample, dt: f64) -> ImuSample {
-    let part = dt / sample.dt;
-    ImuSample {
-        time: sample.time,
-        dt,
-        dtheta: sample.dtheta * part,
-        dvel: sample.dvel * part,
     }
 }

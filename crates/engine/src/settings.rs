@@ -1,13 +1,14 @@
 //! Settings of a navigator: sensors, vehicle, alignment, what is estimated, and which fixes are used and how far they are believed.
 
 pub mod align;
+pub mod magnetometer;
 pub mod quality;
 
 pub use undrift_events::{Doubt, GnssUse, Outage, fix_errors};
 
 use crate::{
     estimator::LogTo,
-    settings::{align::AlignSettings, quality::QualityStd},
+    settings::{align::AlignSettings, magnetometer::Magnetometer, quality::QualityStd},
     vehicle::Constraints,
 };
 use alloc::vec::Vec;
@@ -78,6 +79,8 @@ pub struct Settings {
     pub parameters: Parameters,
     /// What the vehicle cannot do ([`Profile::constraints`](crate::vehicle::Profile::constraints)); nothing by default.
     pub constraints: Constraints,
+    /// What is known of the magnetometer, where there is one.
+    pub magnetometer: Magnetometer,
     /// Whether fixes pass a gate, a diverged solution is re-initialised, and the covariance has the products of errors, which a linear
     /// filter leaves out. `true` by default.
     pub gating: bool,
@@ -148,6 +151,7 @@ impl Settings {
             outages: Vec::new(),
             parameters: Parameters::none(),
             constraints: Constraints::default(),
+            magnetometer: Magnetometer::default(),
             gating: true,
             restart: true,
             adapt: false,

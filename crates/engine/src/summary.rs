@@ -7,8 +7,9 @@ use nalgebra::ComplexField;
 #[cfg(feature = "checkpoint")]
 use undrift_events::Aid;
 use undrift_events::{
-    Alignment, Contradiction, CovarianceHealth, Doubt, Event, FixErrors, HeadingOff, Implausible,
-    Innovations, Lean, Mounting, RejectedHeadings, Restart, SampleFault, Windows,
+    Alignment, Contradiction, CovarianceHealth, DisturbedField, Doubt, Event, FixErrors,
+    HeadingOff, Implausible, Innovations, Lean, Mounting, RejectedHeadings, Restart, SampleFault,
+    Windows,
 };
 use undrift_nav::{Vector3, covariance::AXES, parameters::Parameter};
 
@@ -157,6 +158,8 @@ pub struct Summary {
     pub heading_off: Vec<HeadingOff>,
     /// Headings by two antennas that were rejected, runs of three and more; the first [`MOST_EVENTS`].
     pub rejected_headings: Vec<RejectedHeadings>,
+    /// Spans in which the magnetic field was disturbed; the first [`MOST_EVENTS`].
+    pub disturbed_fields: Vec<DisturbedField>,
     /// What all of the fixes show of their own errors; at the end of a run that learns them
     /// ([`Settings::from_fixes`](crate::settings::Settings::from_fixes)).
     pub study: Option<FixStudy>,
@@ -203,6 +206,12 @@ impl Summary {
                     .copied()
                     .map(Event::HeadingsRejected),
             )
+            .chain(
+                self.disturbed_fields
+                    .iter()
+                    .copied()
+                    .map(Event::FieldDisturbed),
+            )
             .chain(self.leans.iter().copied().map(Event::Leant))
             .chain(
                 self.restarts
@@ -245,6 +254,7 @@ impl Summary {
         self.late_samples = LateSamples::default();
         self.heading_off.clear();
         self.rejected_headings.clear();
+        self.disturbed_fields.clear();
         self.leans.clear();
         self.suspect = None;
     }

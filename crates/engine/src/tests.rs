@@ -2,6 +2,7 @@
 
 mod figures_of_eight;
 mod headings;
+mod magnetometers;
 mod poses;
 mod starts;
 
@@ -19,7 +20,7 @@ use undrift_nav::{
     filter::InitialStd,
     mechanisation::NavState,
     parameters::Parameters,
-    sample::{GnssFix, Scalar, TruthSample},
+    sample::{GnssFix, MagneticField, Scalar, TruthSample},
     shaping::ShapingFilter,
 };
 use undrift_simulate::{GnssNoise, Simulation, Trajectory, simulate};
@@ -81,6 +82,7 @@ pub(super) fn driving_north(speed: f64) -> Box<dyn Estimator> {
 pub(super) struct Scenario {
     pub(super) log: Simulation,
     pub(super) headings: Vec<Scalar>,
+    pub(super) fields: Vec<MagneticField>,
     pub(super) settings: Settings,
 }
 
@@ -104,6 +106,7 @@ impl Scenario {
         Self {
             log,
             headings: Vec::new(),
+            fields: Vec::new(),
             settings,
         }
     }
@@ -143,6 +146,7 @@ impl Scenario {
         let mut navigator = Navigator::new(self.settings.clone());
         let mut fixes = self.log.gnss.iter().copied().peekable();
         let mut headings = self.headings.iter().copied().peekable();
+        let mut fields = self.fields.iter().copied().peekable();
         for sample in &self.log.imu {
             let until = sample.time + navigator.ahead() + STAMP_ROUNDING;
             while let Some(fix) = fixes.next_if(|fix| fix.time <= until) {
@@ -150,6 +154,9 @@ impl Scenario {
             }
             while let Some(heading) = headings.next_if(|heading| heading.time <= until) {
                 assert!(navigator.scalar(ScalarLog::Heading, heading).unwrap());
+            }
+            while let Some(field) = fields.next_if(|field| field.time <= until) {
+                assert!(navigator.magnetometer(field).unwrap());
             }
             navigator.imu_watched(*sample, &mut track).unwrap();
         }

@@ -19,13 +19,15 @@ pub enum Aid {
     Barometer,
     /// Headings by two antennas.
     Heading,
+    /// Magnetic fields, each the mean of up to a second.
+    Magnetometer,
     /// Attitudes of a marker.
     Attitude,
 }
 
 impl Aid {
     /// Every kind, in the order in which they are reported.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Position,
         Self::Velocity,
         Self::NonHolonomic,
@@ -33,6 +35,7 @@ impl Aid {
         Self::Odometer,
         Self::Barometer,
         Self::Heading,
+        Self::Magnetometer,
         Self::Attitude,
     ];
     /// Number of kinds.
@@ -48,6 +51,7 @@ impl Aid {
             Self::Odometer => "odometer",
             Self::Barometer => "barometer",
             Self::Heading => "heading",
+            Self::Magnetometer => "magnetometer",
             Self::Attitude => "attitude",
         }
     }
@@ -72,6 +76,7 @@ impl Aid {
             Self::Odometer => "Odometer updates.",
             Self::Barometer => "Barometer updates.",
             Self::Heading => "Heading updates.",
+            Self::Magnetometer => "Magnetometer updates.",
             Self::Attitude => "Attitude updates.",
         }
     }
@@ -95,6 +100,8 @@ pub enum Log {
     Barometer,
     /// Headings by two antennas.
     Heading,
+    /// Magnetic fields.
+    Magnetometer,
     /// Static recording for identification.
     Recording,
 }
@@ -109,6 +116,7 @@ impl Log {
             Self::Odometer => "odometer",
             Self::Barometer => "barometer",
             Self::Heading => "heading",
+            Self::Magnetometer => "magnetometer",
             Self::Recording => "recording",
         }
     }

@@ -18,6 +18,8 @@ pub enum Event {
     HeadingOff(HeadingOff),
     /// Consecutive headings by two antennas were rejected; reported when the last of them has passed.
     HeadingsRejected(RejectedHeadings),
+    /// The magnetic field was not the Earth's and not used; reported when it has passed.
+    FieldDisturbed(DisturbedField),
     /// Innovations were biased to one side for a while.
     Leant(Lean),
     /// The solution ended at this time \[s\], for this reason, and is aligned again; [`Event::Resumed`] follows.
@@ -50,6 +52,7 @@ impl Event {
             Self::Doubted(doubt) => doubt.end,
             Self::HeadingOff(off) => off.start,
             Self::HeadingsRejected(headings) => headings.start,
+            Self::FieldDisturbed(field) => field.start,
             Self::Leant(lean) => lean.start,
         }
     }
@@ -159,6 +162,8 @@ pub enum RestartCause {
     LargeInnovations,
     /// Rejected fixes were accepted in the end again and again.
     RejectedThenAccepted,
+    /// The solution began with the heading of a magnetometer, and motion showed another one.
+    WrongHeading,
 }
 
 /// A span in which innovations of a kind leaned to one side far more than is usual in the log.
@@ -303,4 +308,17 @@ pub struct Doubt {
     pub velocity: f64,
     /// Standard deviation of the tilt \[rad\].
     pub tilt: f64,
+}
+
+/// A span in which the magnetic field was not the Earth's or changed as it cannot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct DisturbedField {
+    /// Time of the last reading before \[s\].
+    pub start: f64,
+    /// Time of the last one that was disturbed \[s\].
+    pub end: f64,
+    /// Largest difference of the mean of a second from the predicted field \[T\].
+    pub strongest: f64,
 }

@@ -20,8 +20,8 @@ mod windows;
 
 pub use aid::{Aid, Log, ScalarLog};
 pub use events::{
-    Contradiction, CovarianceHealth, Doubt, Event, FixMend, HeadingOff, Implausible, Lean, Part,
-    RejectedHeadings, Restart, RestartCause, SampleFault,
+    Contradiction, CovarianceHealth, DisturbedField, Doubt, Event, FixMend, HeadingOff,
+    Implausible, Lean, Part, RejectedHeadings, Restart, RestartCause, SampleFault,
 };
 pub use fix_errors::FixErrors;
 pub use fixes::{GnssUse, Outage, STAMP_ROUNDING};

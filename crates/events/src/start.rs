@@ -44,10 +44,9 @@ pub enum AttitudeSource {
 }
 
 impl AttitudeSource {
-    /// Whether the heading is that of two antennas.
-    pub fn is_by_antennas(&self) -> bool {
-        let antennas = HeadingSource::Antennas;
-        matches!(self, Self::Rest { heading, .. } if *heading == antennas)
+    /// Whether the heading is by this after a rest.
+    pub fn is_by(&self, source: HeadingSource) -> bool {
+        matches!(self, Self::Rest { heading, .. } if *heading == source)
     }
 }
 
@@ -61,6 +60,8 @@ pub enum HeadingSource {
     Course,
     /// Headings by two antennas.
     Antennas,
+    /// A magnetometer, at rest.
+    Magnetometer,
 }
 
 /// Attitude of the sensor's axes in the vehicle, with its uncertainty.

@@ -31,6 +31,8 @@ pub enum What {
     LocalPose(LocalPose),
     /// A heading by two antennas.
     Heading(Heading),
+    /// A magnetic field.
+    Field(FieldReading),
     /// Something that cannot be used, and why: it is counted.
     Skipped(SkipKind, String),
 }
@@ -63,6 +65,7 @@ impl What {
             }
             Self::LocalPose(pose) => pose.is_finite(),
             Self::Heading(heading) => heading.time.is_finite() && heading.heading.is_finite(),
+            Self::Field(reading) => reading.time.is_finite() && three(&reading.field),
             Self::Skipped(..) => true,
         }
     }
@@ -93,6 +96,9 @@ impl What {
             Self::LocalPose(pose) => pose.shown(),
             Self::Heading(Heading { time, heading, .. }) => {
                 format!("{time} s; {} deg", heading.to_degrees())
+            }
+            Self::Field(FieldReading { time, field }) => {
+                format!("{time} s; {} uT", three(&(field * 1e6)))
             }
             Self::Skipped(_, detail) => detail.clone(),
         }
@@ -148,6 +154,15 @@ pub struct Heading {
     pub heading: f64,
     /// Standard deviation \[rad\], where the log states it.
     pub std: Option<f64>,
+}
+
+/// A magnetic field, sensor axes as in the file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FieldReading {
+    /// Time of validity \[s\].
+    pub time: f64,
+    /// The field \[T\].
+    pub field: Vector3,
 }
 
 /// A pose in the axes of the local frame of its log.
@@ -212,6 +227,8 @@ pub enum Wanted {
     LocalPoses(Option<String>),
     /// Headings by two antennas, of a stream.
     Headings(Option<String>),
+    /// Magnetic fields, of a stream.
+    Fields(Option<String>),
 }
 
 impl Wanted {
@@ -226,6 +243,7 @@ impl Wanted {
             Self::Poses(name) => Ok((name, StreamKind::Poses, Key::Topic("truth"))),
             Self::LocalPoses(name) => Ok((name, StreamKind::LocalPoses, Key::Topic("poses"))),
             Self::Headings(name) => Ok((name, StreamKind::Headings, Key::Topic("heading"))),
+            Self::Fields(name) => Ok((name, StreamKind::Fields, Key::Topic("magnetometer"))),
             Self::Fixes {
                 position, velocity, ..
             } => {
@@ -263,6 +281,8 @@ pub enum StreamKind {
     LocalPoses,
     /// Headings by two antennas.
     Headings,
+    /// Magnetic fields.
+    Fields,
     /// Nothing that is read here.
     Other,
 }

@@ -17,6 +17,7 @@ pub mod held;
 pub mod imu;
 pub mod layouts;
 pub mod log;
+pub mod magnetic;
 pub mod nearby;
 pub mod number;
 pub mod poses;

@@ -32,7 +32,7 @@ mod ulog;
 use crate::ReadError;
 use crate::entry::Entries;
 pub use crate::entry::{
-    Entry, Fix, Heading, ImuReading, LocalPose, Stream, StreamKind, Wanted, What,
+    Entry, FieldReading, Fix, Heading, ImuReading, LocalPose, Stream, StreamKind, Wanted, What,
 };
 use crate::epoch::Epoch;
 use crate::format::Format;
@@ -138,6 +138,15 @@ fn has_headings(format: Format) -> bool {
     matches!(format, Nmea | Novatel | Sbf | Ubx)
 }
 
+/// Whether logs of the format can have magnetic fields.
+fn has_fields(format: Format) -> bool {
+    use Format::{DataFlash, Mcap, RosBag, RosBag2, SensorLogger, ULog};
+    matches!(
+        format,
+        DataFlash | Mcap | RosBag | RosBag2 | SensorLogger | ULog
+    )
+}
+
 /// A log being read for one purpose.
 pub(crate) struct Log {
     entries: Entries,
@@ -170,6 +179,9 @@ impl Log {
             }
             Wanted::Headings(_) if !has_headings(format) => {
                 Some(("headings by two antennas", "heading.file"))
+            }
+            Wanted::Fields(_) if !has_fields(format) => {
+                Some(("magnetic fields", "magnetometer.file"))
             }
             _ => None,
         };

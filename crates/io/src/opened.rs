@@ -15,7 +15,7 @@ use crate::source::{self, BytesRead, Failing, Source};
 use crate::table::{
     self, Columns, Preview, Table, TableOptions, TableSource, halves, json_columns, objects,
 };
-use undrift_nav::sample::{GnssFix, ImuSample, Scalar, TruthSample};
+use undrift_nav::sample::{GnssFix, ImuSample, MagneticField, Scalar, TruthSample};
 
 /// Bytes that the format is detected from.
 const START: usize = 64 * 1024;
@@ -54,6 +54,8 @@ pub enum Memory {
     Fixes(Arc<[GnssFix]>),
     /// Measurements of one number, read by a format of [`ScalarFormat::scalars`](crate::scalar::ScalarFormat::scalars).
     Scalars(Arc<[Scalar]>),
+    /// Magnetic fields, read as [`MagneticSource::Held`](crate::magnetic::MagneticSource::Held).
+    Fields(Arc<[MagneticField]>),
     /// A reference solution, read as [`TruthSource::Samples`](crate::truth::TruthSource::Samples).
     Truth(Arc<[TruthSample]>),
     /// Poses in a local frame, read as [`PoseSource::Poses`](crate::poses::PoseSource::Poses).

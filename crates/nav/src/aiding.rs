@@ -9,6 +9,7 @@
 //! | wheel speed; no side slip, no lift | [`Filter::observe_odometer`], [`Filter::observe_non_holonomic`] |
 //! | course of a vehicle that drives where it points | [`Filter::observe_course`] |
 //! | heading by two antennas | [`Filter::observe_heading`] |
+//! | magnetic field | [`Filter::observe_magnetometer`] |
 //! | barometric height | [`Filter::observe_barometer`] |
 //! | attitude of a marker, by motion capture or a camera | [`Filter::observe_attitude`] |
 //! | rest: no velocity, gravity up, the Earth's rate | [`Filter::observe_zero_velocity`], [`Filter::observe_level`], [`Filter::observe_earth_rate`] |
@@ -49,6 +50,7 @@ mod course;
 mod earth_rate;
 mod heading;
 mod level;
+mod magnetometer;
 mod non_holonomic;
 mod odometer;
 mod pose;

@@ -38,6 +38,7 @@ pub mod attitude;
 pub mod covariance;
 pub mod earth;
 pub mod filter;
+pub mod magnetic;
 pub mod mechanisation;
 mod observation;
 pub mod parameters;

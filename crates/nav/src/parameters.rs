@@ -47,6 +47,8 @@ pub enum Parameter {
     AccelDelay,
     /// Direction of the second of two antennas in the body, from forward to right \[rad\], beyond the configured.
     HeadingOffset,
+    /// Hard iron of a magnetometer, body axes \[T\]: it reads field + this. Iron and currents that move with the vehicle.
+    HardIron,
     /// Turn of a marker's axes against the configured ones, about the marker's axes \[rad\]: true less configured.
     MarkerRotation,
     /// Tilt of the frame of poses against the horizon, about north and east \[rad\]: the rotation that takes north, east, down to its axes.
@@ -61,7 +63,7 @@ pub enum Parameter {
 
 impl Parameter {
     /// Every kind, in the order of their states in the filter.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::GyroScale,
         Self::AccelScale,
         Self::GyroMisalignment,
@@ -76,6 +78,7 @@ impl Parameter {
         Self::ClockRate,
         Self::AccelDelay,
         Self::HeadingOffset,
+        Self::HardIron,
         Self::MarkerRotation,
         Self::FrameTilt,
         Self::PositionError,
@@ -99,6 +102,7 @@ impl Parameter {
             Self::ClockRate => "clock_rate",
             Self::AccelDelay => "accel_delay",
             Self::HeadingOffset => "heading_offset",
+            Self::HardIron => "hard_iron",
             Self::PositionError => "position_error",
             Self::VelocityError => "velocity_error",
             Self::MarkerRotation => "marker_rotation",
@@ -114,6 +118,7 @@ impl Parameter {
             | Self::LeverArm
             | Self::PositionError
             | Self::VelocityError
+            | Self::HardIron
             | Self::MarkerRotation => 3,
             Self::GyroMisalignment | Self::AccelMisalignment => 6,
             Self::Mounting | Self::FrameTilt => 2,

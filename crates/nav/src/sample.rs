@@ -1,4 +1,4 @@
-//! What the filter takes in: inertial increments, GNSS fixes, and measurements of one number.
+//! What the filter takes in: inertial increments, GNSS fixes, measurements of one number, and magnetic fields.
 //!
 //! All times are seconds of one time base, the log's own; whoever reads a log brings its clocks together first. Frames and
 //! letters: docs/conventions.md.
@@ -217,6 +217,33 @@ impl Scalar {
         [self.time, self.value, self.std]
             .iter()
             .all(|v| v.is_finite())
+    }
+}
+
+/// What a magnetometer measures: the Earth's field and what the vehicle adds to it.
+///
+/// ```
+/// use undrift_nav::{Vector3, sample::MagneticField};
+/// // Level and facing magnetic north in Europe, a reading of 0.5 µT: the field is steep.
+/// let reading = MagneticField { time: 7.25, field: Vector3::new(20e-6, 0.0, 44e-6), std: 0.5e-6 };
+/// assert!(reading.is_finite() && !MagneticField { time: f64::NAN, ..reading }.is_finite());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct MagneticField {
+    /// Time \[s\], in the same base as the inertial samples.
+    pub time: f64,
+    /// The field, body axes \[T\].
+    pub field: Vector3,
+    /// Standard deviation of the white noise of each axis \[T\]; above 0.
+    pub std: f64,
+}
+
+impl MagneticField {
+    /// Whether its time and its numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        let mut numbers = self.field.iter().chain([&self.time, &self.std]);
+        numbers.all(|v| v.is_finite())
     }
 }
 

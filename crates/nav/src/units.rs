@@ -1,7 +1,7 @@
 //! Units as people write them: `"2 deg/sqrt(h)"`, `"0.2 mg"`, `"5 mdps/√Hz"`, `"100 Hz"`.
 //!
 //! A unit is an expression of symbols with `/`, `*`, `^`, parentheses and square roots
-//! (`sqrt(…)`, `√…`, `rt…`). It is read together with its dimension in time, length, angle and temperature, so
+//! (`sqrt(…)`, `√…`, `rt…`). It is read together with its dimension in time, length, angle, temperature and magnetic field, so
 //! any spelling of the right dimension works and a wrong one is refused. Angle counts as a
 //! dimension of its own here: `m/s` is no angular rate and `1/s` neither. `g` is standard gravity,
 //! so `mg` is a thousandth of it, never a mass. A number without a unit is refused, except where
@@ -59,87 +59,113 @@ pub enum Quantity {
     AccelerationPerKelvin,
     /// Quadratic part of the change of an acceleration with temperature [m/s²/K²].
     AccelerationPerKelvin2,
+    /// Magnetic flux density \[T\].
+    MagneticField,
+    /// Random walk of one [T/√s].
+    MagneticRandomWalk,
     /// A pure number.
     Dimensionless,
 }
 
-const QUANTITIES: [(Quantity, Dimension, &str, &str); 17] = {
+const QUANTITIES: [(Quantity, Dimension, &str, &str); 19] = {
     use Quantity::*;
     [
         (
             AngularRate,
-            [-2, 0, 2, 0],
+            [-2, 0, 2, 0, 0],
             "an angular rate",
             "\"deg/s\" or \"rad/s\"",
         ),
         (
             Acceleration,
-            [-4, 2, 0, 0],
+            [-4, 2, 0, 0, 0],
             "an acceleration",
             "\"m/s^2\" or \"mg\"",
         ),
-        (Angle, [0, 0, 2, 0], "an angle", "\"deg\" or \"rad\""),
-        (Length, [0, 2, 0, 0], "a length", "\"m\" or \"cm\""),
-        (Time, [2, 0, 0, 0], "a time", "\"s\" or \"ms\""),
-        (Frequency, [-2, 0, 0, 0], "a frequency", "\"Hz\" or \"1/s\""),
-        (Velocity, [-2, 2, 0, 0], "a velocity", "\"m/s\" or \"km/h\""),
+        (Angle, [0, 0, 2, 0, 0], "an angle", "\"deg\" or \"rad\""),
+        (Length, [0, 2, 0, 0, 0], "a length", "\"m\" or \"cm\""),
+        (Time, [2, 0, 0, 0, 0], "a time", "\"s\" or \"ms\""),
+        (
+            Frequency,
+            [-2, 0, 0, 0, 0],
+            "a frequency",
+            "\"Hz\" or \"1/s\"",
+        ),
+        (
+            Velocity,
+            [-2, 2, 0, 0, 0],
+            "a velocity",
+            "\"m/s\" or \"km/h\"",
+        ),
         (
             AngleRandomWalk,
-            [-1, 0, 2, 0],
+            [-1, 0, 2, 0, 0],
             "an angle random walk",
             "\"deg/sqrt(h)\" or \"deg/s/sqrt(Hz)\"",
         ),
         (
             VelocityRandomWalk,
-            [-3, 2, 0, 0],
+            [-3, 2, 0, 0, 0],
             "a velocity random walk",
             "\"m/s/sqrt(h)\" or \"ug/sqrt(Hz)\"",
         ),
         (
             RateRandomWalk,
-            [-3, 0, 2, 0],
+            [-3, 0, 2, 0, 0],
             "a rate random walk",
             "\"deg/h/sqrt(h)\" or \"rad/s/sqrt(s)\"",
         ),
         (
             AccelerationRandomWalk,
-            [-5, 2, 0, 0],
+            [-5, 2, 0, 0, 0],
             "an acceleration random walk",
             "\"mg/sqrt(h)\" or \"m/s^2/sqrt(s)\"",
         ),
         (
             LengthRandomWalk,
-            [-1, 2, 0, 0],
+            [-1, 2, 0, 0, 0],
             "a random walk of a length",
             "\"m/sqrt(h)\" or \"m/sqrt(s)\"",
         ),
         (
             RatePerKelvin,
-            [-2, 0, 2, -2],
+            [-2, 0, 2, -2, 0],
             "a change of angular rate with temperature",
             "\"deg/h/K\" or \"deg/s/degC\"",
         ),
         (
             RatePerKelvin2,
-            [-2, 0, 2, -4],
+            [-2, 0, 2, -4, 0],
             "a quadratic change of angular rate with temperature",
             "\"deg/h/K^2\" or \"deg/s/K^2\"",
         ),
         (
             AccelerationPerKelvin,
-            [-4, 2, 0, -2],
+            [-4, 2, 0, -2, 0],
             "a change of acceleration with temperature",
             "\"ug/K\" or \"mg/degC\"",
         ),
         (
             AccelerationPerKelvin2,
-            [-4, 2, 0, -4],
+            [-4, 2, 0, -4, 0],
             "a quadratic change of acceleration with temperature",
             "\"ug/K^2\" or \"m/s^2/K^2\"",
         ),
         (
+            MagneticField,
+            [0, 0, 0, 0, 2],
+            "a magnetic field",
+            "\"uT\" or \"mG\"",
+        ),
+        (
+            MagneticRandomWalk,
+            [-1, 0, 0, 0, 2],
+            "a random walk of a magnetic field",
+            "\"uT/sqrt(h)\" or \"uT/sqrt(s)\"",
+        ),
+        (
             Dimensionless,
-            [0, 0, 0, 0],
+            [0, 0, 0, 0, 0],
             "a number without unit",
             "\"1.5\" or \"2 %\"",
         ),
@@ -152,7 +178,7 @@ impl Quantity {
         QUANTITIES
             .iter()
             .find(|row| row.0 == self)
-            .unwrap_or(&QUANTITIES[16])
+            .unwrap_or(&QUANTITIES[18])
     }
 
     /// Its name with an article, as in "an angular rate".

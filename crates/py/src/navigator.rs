@@ -12,7 +12,7 @@ use undrift::{
         Vector3,
         earth::Geodetic,
         parameters::Parameter,
-        sample::{FixQuality, GnssFix, ImuSample, Position},
+        sample::{FixQuality, GnssFix, ImuSample, MagneticField, Position},
     },
     navigate::{Clock, Rows, settings},
     noise::interrupt,
@@ -146,6 +146,15 @@ impl Navigator {
         self.measure(py, Measurement::of(known, Scalar { time, value, std }))
     }
 
+    /// Pushes a magnetic field in body axes [T]: whether it came within the horizon.
+    fn magnetometer(&self, py: Python<'_>, time: f64, field: [f64; 3], std: f64) -> PyResult<bool> {
+        let field = Vector3::from(field);
+        self.measure(
+            py,
+            Measurement::Magnetometer(MagneticField { time, field, std }),
+        )
+    }
+
     /// The events since the last call: time [s], kind and sentence.
     fn events(&self, py: Python<'_>) -> Vec<(f64, &'static str, String)> {
         let events = self.locked(py, |running| running.navigator.events());
@@ -237,6 +246,7 @@ fn kind(event: &Event) -> &'static str {
         Event::Doubted(_) => "accepted_in_the_end",
         Event::HeadingOff(_) => "heading_off",
         Event::HeadingsRejected(_) => "headings_rejected",
+        Event::FieldDisturbed(_) => "field_disturbed",
         Event::Leant(_) => "one_sided",
         Event::AlignsAgain(..) => "aligns_again",
         Event::FixErrors(..) => "fix_errors",

@@ -63,6 +63,7 @@ pub(crate) fn constant(kind: &str) -> Constant<'_> {
             "°",
             DEGREES,
         ),
+        "HardIron" => ("hard iron of the magnetometer", "x, y, z", "µT", 1e6),
         "MarkerRotation" => ("turn of the marker's axes", "x, y, z", "°", DEGREES),
         "FrameTilt" => ("tilt of the poses' frame", "north, east", "°", DEGREES),
         "PositionError" => ("correlated position error", "north, east, down", "σ", 1.0),

@@ -96,6 +96,13 @@ fn note(note: &Note) -> String {
         } => format!(
             "the column names specify accelerations in {named}, but their median magnitude is {median:.4}, as in {size}, which is used"
         ),
+        Note::NoMagnetometer { turned_deg } => {
+            let why = match *turned_deg < 360.0 {
+                true => "the drive turns too little to show how its axes lie in the IMU's",
+                false => "its field does not turn as the gyros do, whatever its axes: disturbed, or on another clock",
+            };
+            format!("a magnetometer that is not proposed: {why}; [magnetometer] of a drive file reads it all the same")
+        }
         Note::NoWheels => {
             "the IMU has no fixed direction of motion: not a wheeled vehicle, or the IMU is not fixed to it; assumes x forward".into()
         }
@@ -118,6 +125,7 @@ fn note(note: &Note) -> String {
                 "gnss" => "fixes",
                 "poses" => "poses",
                 "heading" => "headings",
+                "magnetometer" => "magnetic fields",
                 _ => "reference solutions",
             };
             let verb = if streams.len() == 1 { "was" } else { "were" };

@@ -113,6 +113,7 @@ pub fn say(finding: &Finding) -> String {
         F::SlowSamples { rate, factor } => sensors::slow_samples(*rate, *factor),
         F::LateSamples { delay, most } => sensors::late_samples(*delay, *most),
         F::RejectedHeadings { longest, more } => sensors::rejected_headings(longest, *more),
+        F::DisturbedField(field) => sensors::disturbed_field(field),
         F::HeadingOff {
             start,
             end,

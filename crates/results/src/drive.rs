@@ -38,6 +38,9 @@ pub struct Drive {
     /// The logs of sensors that measure one number, each under its own name.
     #[serde(flatten)]
     pub scalars: Keyed<ScalarLog, Option<String>>,
+    /// The log of a magnetometer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub magnetometer: Option<String>,
     /// When it starts; missing where no log has a date.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start: Option<Start>,

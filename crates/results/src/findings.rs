@@ -1,12 +1,10 @@
-//! What a run finds out about its logs and its solution, as values in SI units and the log's own time base, by the names that the
-//! stored JSON has. The engine's watches and `undrift-drive` make them, `undrift_report::sentence` words them.
+//! What a run finds out, as values in SI units and the log's own time base, by the names that the stored JSON has. The engine's watches and `undrift-drive` make them, `undrift_report::sentence` words them.
 
 mod implausible;
 mod kinds;
 mod weight;
 
-pub use kinds::{NoError, Severity, WhyLeftOut};
-pub use undrift_events::Log;
+pub use kinds::{Log, NoError, Severity, WhyLeftOut};
 pub use weight::{is_doubtful, is_jump, ranked, verdict};
 
 use undrift_events::{Contradiction, FixMend, Lean, Part, RestartCause, WindowPart};
@@ -384,6 +382,8 @@ pub enum Finding {
         /// What it reads too much, north, east, down [m/s].
         bias: [f64; 3],
     },
+    /// The magnetic field was disturbed: the span that lasted longest.
+    DisturbedField(undrift_events::DisturbedField),
     /// Headings by two antennas were rejected for a while.
     RejectedHeadings {
         /// The longest run of them.

@@ -2,7 +2,7 @@
 //!
 //! The motion is analytic ([`trajectory`]), so the IMU's increments are exact ([`ideal_imu`]);
 //! sensor errors are any six shaping filters ([`sensors`]), GNSS noise is white ([`gnss`]), and there
-//! may be sensors of one number ([`scalars`]).
+//! may be sensors of one number ([`scalars`]) and a magnetometer.
 //! Time runs from 0 at the trajectory's start. The same seed gives the same bytes.
 //!
 //! ```
@@ -15,6 +15,7 @@
 
 pub mod gnss;
 pub mod ideal_imu;
+mod magnetometer;
 mod poses;
 pub mod profile;
 pub mod recorded;
@@ -28,6 +29,7 @@ mod tests;
 
 pub use gnss::{GnssFixes, GnssNoise};
 pub use ideal_imu::{IdealImu, State, Stepper, antenna};
+pub use magnetometer::{Magnet, Magnetometer};
 pub use poses::{Pose, PoseNoise};
 pub use profile::{Channel, Profile, Wave};
 pub use recorded::RecordedErrors;

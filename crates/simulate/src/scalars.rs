@@ -176,7 +176,7 @@ impl Barometer {
 }
 
 /// The times k/rate, k = 1, 2, …, up to the trajectory's duration.
-fn times(
+pub(super) fn times(
     trajectory: &Trajectory,
     rate_hz: f64,
     std: f64,
@@ -198,7 +198,7 @@ fn noise(seed: u64, stream: usize) -> impl FnMut() -> f64 {
     move || StandardNormal.sample(&mut generator)
 }
 
-fn generator(seed: u64, stream: usize) -> Xoshiro256PlusPlus {
+pub(super) fn generator(seed: u64, stream: usize) -> Xoshiro256PlusPlus {
     Xoshiro256PlusPlus::seed_from_u64(stream_seed(seed, stream))
 }
 

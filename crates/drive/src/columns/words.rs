@@ -166,6 +166,22 @@ pub(super) const GYROS: [&str; 32] = [
     "deltaang",
     "uncompgyro",
 ];
+/// Magnetic fields.
+pub(super) const FIELDS: [&str; 13] = [
+    "m",
+    "mag",
+    "magn",
+    "magnet",
+    "magneto",
+    "magnetic",
+    "magnetometer",
+    "magfield",
+    "magneticfield",
+    "magnetometerga",
+    "magnetfeld",
+    "compass",
+    "magnetisch",
+];
 pub(super) const ACCELS: [&str; 32] = [
     "totalacceleration",
     "a",

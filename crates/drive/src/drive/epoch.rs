@@ -7,6 +7,7 @@ use undrift_io::{
     epoch::Epoch,
     gnss::Fixes,
     imu::{Imu, ImuFormat},
+    magnetic::Fields,
     reader::Kind,
     scalar::Scalars,
     truth::Truth,
@@ -62,6 +63,10 @@ impl Drive {
         }
         for (path, format) in self.scalars.iter_mut().flatten() {
             let epoch = epoch_of::<Scalars>(logs, (path, format), format.time_offset);
+            others.push((epoch, &mut format.time_offset));
+        }
+        if let Some((path, format)) = &mut self.magnetometer {
+            let epoch = epoch_of::<Fields>(logs, (path, format), format.time_offset);
             others.push((epoch, &mut format.time_offset));
         }
         self.epoch = imu.or_else(|| others.iter().find_map(|(epoch, _)| *epoch));

@@ -201,7 +201,7 @@ fn read_columns(section: &Section) -> Result<ImuFormat, ConfigError> {
 }
 
 /// `"x,-y,-z"`: body forward, right and down, each one of the sensor's axes or its opposite.
-pub(super) fn rotation_of_axes(axes: &str) -> Result<Matrix3, String> {
+pub(crate) fn rotation_of_axes(axes: &str) -> Result<Matrix3, String> {
     let wrong = || format!("\"{axes}\" is not three signed axes, such as \"y,x,-z\"");
     let mut rotation = Matrix3::zeros();
     let parts: Vec<&str> = axes.split(',').map(str::trim).collect();

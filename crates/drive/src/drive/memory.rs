@@ -52,6 +52,8 @@ impl Drive {
             ),
             poses: None,
             scalars: Default::default(),
+            magnetometer: None,
+            magnetometer_lasting: 0.0,
             gnss_use: GnssUse::default(),
             truth: None,
             lever_arm: Vector3::zeros(),
@@ -118,7 +120,7 @@ impl Drive {
         self
     }
 
-    fn hold(&mut self, name: &str, memory: Memory) -> PathBuf {
+    pub(super) fn hold(&mut self, name: &str, memory: Memory) -> PathBuf {
         let path = Path::new(name).to_path_buf();
         self.logs.memory.insert(path.clone(), memory);
         path

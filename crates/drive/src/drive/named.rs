@@ -1,6 +1,6 @@
 //! Which files a drive file names.
 
-use super::{ScalarLog, Section, parse};
+use super::{ScalarLog, Section, magnetometer, parse};
 
 /// The files that a drive file's text names, by their tables: "imu", "gnss" and so on, and "model", which
 /// may be a preset as well. Of a text that is not a valid drive file, those that can be found.
@@ -28,5 +28,5 @@ pub fn files_named(text: &str) -> Vec<(&'static str, String)> {
 pub fn log_tables() -> impl Iterator<Item = &'static str> {
     let scalars = ScalarLog::ALL.map(ScalarLog::name);
     let logs = ["imu", "gnss", "poses"].into_iter();
-    logs.chain(scalars).chain(["truth"])
+    logs.chain(scalars).chain([magnetometer::TABLE, "truth"])
 }

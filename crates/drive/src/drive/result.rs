@@ -17,6 +17,7 @@ impl Drive {
             scalars: Keyed::new(|log: ScalarLog| {
                 self.scalars[log].as_ref().map(|(path, _)| name(path))
             }),
+            magnetometer: (self.magnetometer.as_ref()).map(|(path, _)| name(path)),
             start: self.start(),
             rate_hz: interval.map(|interval| to_digits(1.0 / interval)).into(),
             model: self.model.as_ref().map(|model| model.name.clone()),

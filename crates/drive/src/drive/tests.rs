@@ -39,6 +39,11 @@ height = 2
 file = "heading.csv"
 time = 1
 heading = 2
+[magnetometer]
+file = "mag.csv"
+time = 1
+field = [2, 3, 4]
+field_unit = "uT"
 [truth]
 file = "truth.csv"
 time = 1
@@ -51,7 +56,8 @@ position = [2, 3, 4]
     "[imu]\nfile = \"imu.csv\"\ntime = 1\ngyro = [2, 3, 4]\naccel = [5, 6, 7]\ndata = \"increments\"\n\
      gyro_unit = \"rad\"\naccel_unit = \"m/s\"\n[gnss]\nfile = \"fixes.pos\"\nformat = \"rtklib\"\n",
     "[imu]\nfile = \"log.ubx\"\nformat = \"ubx\"\n[gnss]\nfile = \"log.ubx\"\nformat = \"ubx\"\n\
-     [heading]\nfile = \"log.ubx\"\nformat = \"ubx\"\n[truth]\nfile = \"log.ubx\"\nformat = \"ubx\"\n",
+     [heading]\nfile = \"log.ubx\"\nformat = \"ubx\"\n\
+     [magnetometer]\nfile = \"log.bin\"\nformat = \"dataflash\"\n[truth]\nfile = \"log.ubx\"\nformat = \"ubx\"\n",
     "[imu]\nfile = \"imu.csv\"\ntime = 1\ngyro = [2, 3, 4]\naccel = [5, 6, 7]\n\
      gyro_unit = \"deg/s\"\naccel_unit = \"g\"\n[gnss]\nfile = \"g.csv\"\ntime = 1\nbaseline = [2, 3, 4]\n\
      base = \"40 deg, -105 deg, 1600 m\"\nposition_std = \"1 m\"\n",
@@ -64,7 +70,7 @@ position = [2, 3, 4]
 ];
 
 /// The tables at the top, in the order of the page.
-const TABLES: [&str; 12] = [
+const TABLES: [&str; 13] = [
     "imu",
     "gnss",
     "poses",
@@ -72,6 +78,7 @@ const TABLES: [&str; 12] = [
     "odometer",
     "barometer",
     "heading",
+    "magnetometer",
     "truth",
     "initial",
     "span",

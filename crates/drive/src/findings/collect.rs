@@ -3,14 +3,16 @@
 
 use super::{Finding, Log, Severity};
 use crate::{
+    drive::SensorRead,
     fixes::FixStudy,
     mounting::MountingError,
     replay::{Aid, Disagreement, Innovations, Part, SampleFault, SideSlip, Summary, WindowPart},
     settings::fix_errors::{Correlated, FixErrors},
 };
+use undrift_engine::DisturbedField;
 use undrift_io::{
     held::Held,
-    imu::{GapSummary, ThermalSummary},
+    imu::ThermalSummary,
     skipped::{SetBack, SkipKind, Skipped},
 };
 use undrift_nav::{Matrix3, Vector3, covariance::AXES};
@@ -211,6 +213,10 @@ pub fn of_disagreement(summary: &Summary) -> Vec<Finding> {
             more: headings.len() as u64 - 1,
         }),
     );
+    let fields = &summary.disturbed_fields;
+    let length = |field: &DisturbedField| field.end - field.start;
+    let longest = fields.iter().max_by(|a, b| length(a).total_cmp(&length(b)));
+    found.extend(longest.map(|longest| Finding::DisturbedField(*longest)));
     found.extend(
         summary
             .far
@@ -314,13 +320,12 @@ fn of_samples(summary: &Summary) -> Vec<Finding> {
     (0..AXES).filter_map(of_axis).collect()
 }
 
-/// What was unusual about a log of scalars, and how it was used.
-pub fn of_scalar(
-    log: Log,
-    skipped: &Skipped,
-    gaps: &GapSummary,
-    used: &Innovations,
-) -> Vec<Finding> {
+/// What was unusual about the log of a sensor beside IMU and receiver, and how it was used.
+pub fn of_sensor(read: &SensorRead, used: &Innovations) -> Vec<Finding> {
+    let SensorRead {
+        log, skipped, gaps, ..
+    } = read;
+    let log = *log;
     let mut found = of_skipped(&[(log, skipped)]);
     if let Some(longest) = gaps.longest {
         found.push(Finding::Gaps {

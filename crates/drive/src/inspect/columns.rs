@@ -75,6 +75,9 @@ pub(super) fn parts_of(mut table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
     if let Some(antennas) = columns.found.antennas {
         parts.push(Part::new("heading", columns.heading(antennas)));
     }
+    if let Some(field) = all(&columns.found.field) {
+        parts.extend(columns.field(field));
+    }
     let names = &columns.table.names;
 
     if parts.is_empty() {
@@ -147,6 +150,7 @@ fn by_names(table: &Preview) -> Found {
             Some((Meaning::VelocityStd(ned), _)) => &mut found.velocity_std[ned],
             Some((Meaning::Attitude(angle), _)) => &mut found.attitude[angle],
             Some((Meaning::AntennaHeading, _)) => &mut found.antennas,
+            Some((Meaning::Field(axis), _)) => &mut found.field[axis],
             Some((Meaning::Temperature, _)) | None => continue,
         };
         // The first of its kind.
@@ -315,6 +319,20 @@ impl Columns {
         let unit = self.unit(antennas).filter(|unit| unit != "deg");
         lines.extend(unit.map(|unit| Line::new("heading_unit", unit, by_name())));
         lines
+    }
+
+    /// A magnetometer, where its columns have the strength of a field in some unit, or their names state one, and there are times.
+    fn field(&self, places: [usize; 3]) -> Option<Part> {
+        let (mut lines, _) = self.time(IMU_STEP);
+        let by_size = || units::field(&three_of(&self.table.rows, places));
+        let (unit, known) = match self.unit(places[0]) {
+            Some(unit) => (unit, NAMES),
+            None => by_size().map(|(unit, strength)| (unit.to_owned(), Known::Field(strength)))?,
+        };
+        lines.first()?;
+        lines.push(self.three("field", places));
+        lines.push(Line::new("field_unit", unit, known));
+        Some(Part::new("magnetometer", lines))
     }
 
     /// The lines of an IMU: columns, units by their names, or by gravity where that contradicts.

@@ -28,6 +28,7 @@ pub fn drive_file(
         ("imu", true),
         (fixes, true),
         ("heading", false),
+        ("magnetometer", false),
         ("truth", false),
     ] {
         match first(inspections, table) {

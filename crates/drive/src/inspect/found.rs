@@ -31,6 +31,8 @@ pub(super) struct Found {
     pub(super) attitude: [Option<usize>; 3],
     /// Heading by two antennas.
     pub(super) antennas: Option<usize>,
+    /// Magnetic field.
+    pub(super) field: [Option<usize>; 3],
     /// How they were found.
     pub(super) known: Known,
 }

@@ -1,7 +1,7 @@
 //! Reads a part of a file with the keys found for it, as a drive would.
 
 use super::{LEVEL_VELOCITY_STD, POSITION_STD, VELOCITY_STD, sensor::Steps, table};
-use crate::drive::{DriveError, Logs, Section, Table, gnss, imu, scalars, tables};
+use crate::drive::{DriveError, Logs, Section, Table, gnss, imu, magnetometer, scalars, tables};
 use std::path::Path;
 use undrift_io::{
     Key, ReadError,
@@ -10,6 +10,7 @@ use undrift_io::{
     gaps::{Gap, GapWatch},
     gnss::{GnssReader, GnssSource},
     imu::ImuReader,
+    magnetic::MagneticReader,
     poses::Poses,
     scalar::ScalarReader,
     skipped::Skipped,
@@ -131,6 +132,13 @@ fn read(path: &Path, logs: &mut Logs, part: &Part) -> Result<(Measured, Option<L
             let ((path, format), _) = scalars::read_heading(&section, logs, Parameters::none())?;
             Ok((headings(logs.read(&path, &format)?)?, None))
         }
+        magnetometer::TABLE => {
+            let (read, _) = magnetometer::read(&section, logs, Parameters::none())?;
+            match read {
+                Some(((path, format), _)) => Ok((fields(logs.read(&path, &format)?)?, None)),
+                None => Err(section.error("file", "missing").into()),
+            }
+        }
         _ => match tables::read_truth(&section, logs)? {
             Some((path, source)) => Ok((poses(logs.read(&path, &source)?)?, None)),
             None => Err(section.error("file", "missing").into()),
@@ -209,6 +217,14 @@ fn headings(mut reader: ScalarReader) -> Result<Measured, ReadError> {
     let mut span = Span::default();
     for heading in reader.by_ref() {
         span.add(heading?.time);
+    }
+    Ok(span.measured(reader.skipped(), reader.epoch()))
+}
+
+fn fields(mut reader: MagneticReader) -> Result<Measured, ReadError> {
+    let mut span = Span::default();
+    for reading in reader.by_ref() {
+        span.add(reading?.time);
     }
     Ok(span.measured(reader.skipped(), reader.epoch()))
 }

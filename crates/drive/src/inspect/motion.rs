@@ -3,6 +3,7 @@
 mod accuracy;
 mod antennas;
 mod axes;
+mod compass;
 mod wheels;
 
 use super::{
@@ -43,14 +44,14 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
             (!problem).then_some((at, part))
         })
     };
-    let antennas = readable("heading");
+    let beside = ["heading", "magnetometer"].map(readable);
     let (Some(imu), Some(gnss)) = (readable("imu"), readable("gnss")) else {
         if let Some((imu, poses)) = readable("imu").zip(readable("poses")) {
             super::poses::motion(inspections, imu, poses);
         }
         return Motion::default();
     };
-    let found = in_vehicle(inspections, imu, gnss, antennas);
+    let found = in_vehicle(inspections, imu, gnss, beside);
     let logs = logs(inspections, Path::new(""));
     accuracy::write(inspections, [imu, gnss], logs, found);
     found
@@ -59,8 +60,13 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
 /// A part by its file and its place there.
 type At = (usize, usize);
 
-/// Says how the IMU sits in its vehicle, and what the motion shows of that.
-fn in_vehicle(inspections: &mut [Inspection], imu: At, gnss: At, antennas: Option<At>) -> Motion {
+/// Says how the IMU sits in its vehicle, and how two antennas and a magnetometer sit where there are such, as far as the motion shows it.
+fn in_vehicle(
+    inspections: &mut [Inspection],
+    imu: At,
+    gnss: At,
+    [antennas, field]: [Option<At>; 2],
+) -> Motion {
     let fixes = inspections[gnss.0].parts[gnss.1].measured.clone();
     if let Some(fixes) = fixes {
         rate_of_rows(&mut inspections[imu.0].parts[imu.1], &fixes);
@@ -72,6 +78,18 @@ fn in_vehicle(inspections: &mut [Inspection], imu: At, gnss: At, antennas: Optio
         drive_of(&parts, logs.clone(), Some("auto"))
     };
     let read = |inspections: &[Inspection]| read_parts(inspections, &[imu, gnss]);
+    if let Some((file, part)) = field {
+        let with_field = read_parts(inspections, &[imu, gnss, (file, part)]);
+        let note = match with_field {
+            Ok(drive) => compass::write(&mut inspections[file].parts[part], &drive),
+            Err(_) => None,
+        };
+        if let Some(note) = note {
+            // It is the last of its file: what else was found keeps its place.
+            inspections[file].parts.remove(part);
+            inspections[file].found.push(note);
+        }
+    }
     if let Some(ratio) = removed_gravity(&inspections[imu.0].parts[imu.1]) {
         inspections[imu.0].found.push(Note::NoGravity { ratio });
         return Motion::default();

@@ -1,7 +1,10 @@
 //! Units by the size of the numbers.
 
 use undrift_base::order_statistics::upper_median;
-use undrift_nav::earth::STANDARD_GRAVITY;
+use undrift_nav::{
+    earth::STANDARD_GRAVITY,
+    units::{Quantity, unit_factor},
+};
 use undrift_results::inspect::Known;
 
 /// A unit and why.
@@ -108,6 +111,29 @@ fn scatter(samples: &[[f64; 3]]) -> f64 {
     }
     (sum / (6 * (samples.len() - 1)) as f64).sqrt()
 }
+
+/// The unit in which the median strength of three columns is that of the Earth's field, give or take a hard iron, and that strength \[µT\].
+pub(super) fn field(rows: &[[f64; 3]]) -> Option<(&'static str, f64)> {
+    const UNITS: [&str; 6] = ["uT", "mG", "nT", "G", "mT", "T"];
+    let mut strengths: Vec<f64> = rows
+        .iter()
+        .map(|row| row.iter().map(|x| x * x).sum::<f64>().sqrt())
+        .filter(|strength| *strength > 0.0)
+        .collect();
+    strengths.sort_by(f64::total_cmp);
+    let median = strengths.get(strengths.len() / 2)?;
+    let known = UNITS.into_iter().filter_map(|unit| {
+        let factor = unit_factor(unit, Quantity::MagneticField).ok()?;
+        Some((unit, median * factor * 1e6))
+    });
+    let away = |strength: f64| (strength / EARTHS).ln().abs();
+    let nearest = known.min_by(|a, b| away(a.1).total_cmp(&away(b.1)))?;
+    (away(nearest.1) < MOST_AWAY).then_some(nearest)
+}
+
+/// Usual strength of the Earth's field \[µT\], and the logarithm of the factor that one with hard iron may have.
+const EARTHS: f64 = 45.0;
+const MOST_AWAY: f64 = 1.25;
 
 #[cfg(test)]
 mod tests {

@@ -45,9 +45,9 @@ impl Report {
             disagreements.retain(|of| !matches!(of, Finding::LateSamples { .. }));
         }
         found.extend(findings::with_axes(disagreements, &self.rotation));
-        for (log, skipped, gaps) in &self.scalars {
-            let used = &s.innovations[log.aid()];
-            found.extend(findings::of_scalar(log.log(), skipped, gaps, used));
+        for read in &self.sensors {
+            let used = &s.innovations[read.aid];
+            found.extend(findings::of_sensor(read, used));
         }
         // With a wrong unit or axis the innovations say nothing about the accuracy.
         if s.implausible.is_empty() {
@@ -196,7 +196,7 @@ mod tests {
             truth_read: None,
             imu_skipped: Default::default(),
             gnss_skipped: Default::default(),
-            scalars: Vec::new(),
+            sensors: Vec::new(),
             truth_skipped: Default::default(),
             thermal: None,
             gaps: Default::default(),

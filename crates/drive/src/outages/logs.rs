@@ -7,7 +7,7 @@ use super::{
     schedule::{Schedule, ScheduleError, schedule},
 };
 use crate::{
-    drive::{Drive, scalars},
+    drive::{Drive, merged},
     findings::{self, Finding, Log},
     fixes::{self, FixStudy},
     mounting::Mounting,
@@ -50,10 +50,10 @@ impl Logs {
         let imu = imu_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
         let mut gnss_reader = drive.open_gnss()?;
         let gnss = gnss_reader.by_ref().collect::<Result<Vec<_>, _>>()?;
-        let mut logs = drive.open_scalars()?;
+        let mut logs = drive.open_sensors()?;
         let aiding = merge(
             gnss.iter().copied().map(Measurement::Gnss).map(Ok),
-            scalars(&mut logs),
+            merged(&mut logs),
         )
         .collect::<Result<Vec<_>, _>>()?;
         let mut skipped = vec![

@@ -19,7 +19,7 @@ use nalgebra::ComplexField;
 use undrift_nav::{Vector3, shaping::ShapingFilter};
 
 /// Length of the blocks that are compared \[s\].
-const BLOCK: f64 = 0.5;
+pub(super) const BLOCK: f64 = 0.5;
 /// Consecutive blocks that agree before they count as rest, or more where the noise asks for more.
 const FEWEST_BLOCKS: u32 = 2;
 /// Blocks that it takes while GNSS does not show that the vehicle is at rest: a steady turn has steady readings too.

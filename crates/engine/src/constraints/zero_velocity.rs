@@ -16,11 +16,13 @@ use crate::{
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_events::Aid;
-use undrift_nav::{Matrix3, Vector3, filter::Outcome};
+use undrift_nav::{Matrix3, Vector3, earth::EARTH_RATE, filter::Outcome, parameters::Parameter};
 
 /// What the standard deviation of a rest is multiplied by that only the sensors see: a soft start has begun before it
 /// shows.
 const REST_UNCONFIRMED: f64 = 10.0;
+/// Standard deviation of the heading up to which the Earth's rate corrects it \[rad\].
+const MOST_HEADING: f64 = 0.1;
 /// NIS from which a rest that only the sensors confirm is a start: χ² of three at p = 10⁻⁴.
 const REJECT_REST: f64 = 21.1;
 
@@ -61,6 +63,9 @@ pub(crate) fn update(
     summary: &mut Summary,
 ) -> bool {
     let mut rest = block.rest;
+    // A bias that wanders by more than modelled would turn the heading of a magnetometer.
+    let by_field = filter.parameters().prior(Parameter::HardIron).is_some();
+    let unknown = by_field && filter.nav_std()[8] > MOST_HEADING;
     // A velocity that has come up since it stood is a start.
     let starts = *stood && rest && !block.confirmed;
     *stood = false;
@@ -85,15 +90,15 @@ pub(crate) fn update(
         }
     }
     if let Some(std) = settings.constraints.zero_angular_rate.filter(|_| rest) {
+        let (aiding, unknown) = match unknown {
+            true => (Aiding::NoTurn(block.rate), EARTH_RATE),
+            false => (Aiding::EarthRate(block.rate), 0.0),
+        };
         let noise = Vector3::from_fn(|i, _| {
             let axis = &settings.sensors[i];
-            axis.r * axis.interval / block.duration + std * std
+            axis.r * axis.interval / block.duration + std * std + unknown * unknown
         });
-        let _ = constrain(
-            filter,
-            &Aiding::EarthRate(block.rate),
-            &Matrix3::from_diagonal(&noise),
-        );
+        let _ = constrain(filter, &aiding, &Matrix3::from_diagonal(&noise));
     }
     rest
 }

@@ -418,6 +418,9 @@ impl<const N: usize> Estimator for Erased<N> {
         self.filter.turn(q_vb);
     }
 
+    fn isolate_heading(&mut self) {
+        self.filter.isolate_heading();
+    }
     fn renew(&mut self, kind: Parameter, std: f64) {
         self.filter.renew(kind, std);
     }

@@ -144,6 +144,12 @@ impl Search {
         checked
     }
 
+    /// A vector in the sensor's axes in body axes.
+    pub(crate) fn turned(&self, vector: &Vector3) -> Vector3 {
+        let found = self.found.as_ref();
+        found.map_or(*vector, |mounting| mounting.matrix() * vector)
+    }
+
     /// What the settings are in the vehicle's axes.
     pub(crate) fn apply(&self, settings: &mut Settings) {
         settings.align = self.align.clone();

@@ -87,7 +87,7 @@ impl Run {
                 from_antenna(filter, &self.settings);
             }
         }
-        if self.solution.is_none() || self.alignment.again {
+        if self.aligns() {
             self.alignment.aligner = self.second_aligner();
         }
     }

@@ -84,6 +84,7 @@ impl Run {
         self.streak.judge(&mut self.summary);
         self.receiver.close(&mut self.summary);
         self.headings.close(&mut self.summary);
+        self.compass.close(&mut self.summary);
         let Some(Solution { filter, .. }) = &self.solution else {
             self.summary.diverged = self.summary.restarts.last().map(|last| last.time);
             return Ok(self.summary);

@@ -21,19 +21,62 @@
 //! | accepted, with full or less weight | `fixes` |
 //! | rejected by a gate | innovations' `rejected` |
 
-use super::{Run, begins, carries_velocity, part, pose};
+use super::{
+    Run, pose,
+    progress::{begins, carries_velocity, part},
+};
 use crate::{
-    course::CourseWatch, estimator::STAMP_ROUNDING, observer::Observer, settings::GnssUse,
-    solution::Solution, watch::Streak,
+    align::Aligned, course::CourseWatch, estimator::STAMP_ROUNDING, observer::Observer,
+    settings::GnssUse, solution::Solution, watch::Streak,
 };
 use alloc::sync::Arc;
-use undrift_events::{Part, RestartCause};
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+use undrift_events::{HeadingSource, Part, Restart, RestartCause};
 use undrift_nav::{
     filter::{FilterError, Outcome, Update},
     sample::{GnssFix, ImuSample, Scalar},
 };
 
+/// A heading that motion shows confirms one within so many standard deviations of both, and any within this \[rad\].
+const CONFIRMS: f64 = 3.0;
+const SAME_HEADING: f64 = 0.1;
+
 impl Run {
+    /// Shows the aligner a fix, which is moved to `due` before; what it finds with it.
+    ///
+    /// Only fixes that agree with the one before ([`crate::receiver::Receiver::is_consistent`]) serve, and velocities only where the
+    /// settings use them.
+    ///
+    /// # Errors
+    /// The filter of a complete alignment cannot be built.
+    fn find_start(
+        &mut self,
+        fix: &GnssFix,
+        sample: &ImuSample,
+    ) -> Result<Option<Aligned>, FilterError> {
+        let aligner = &mut self.alignment.aligner;
+        aligner.advance(sample, fix.time);
+        if self.settings.gating && !self.receiver.is_consistent(fix) {
+            return Ok(None);
+        }
+        let mut seen = *fix;
+        if self.settings.gnss_use == GnssUse::Position {
+            seen.velocity = None;
+        }
+        aligner.fix(&seen, &self.settings)
+    }
+
+    /// Whether the heading with which the solution began, by a magnetometer, is that which motion has shown now.
+    fn is_confirmed_by(&self, found: &Aligned) -> bool {
+        self.solution.as_ref().is_some_and(|solution| {
+            let [own, other] = [&solution.filter, &found.filter];
+            let turn = own.nav().q_nb * other.nav().q_nb.inverse();
+            let std = own.nav_std()[8].hypot(other.nav_std()[8]);
+            turn.scaled_axis().z.abs() < SAME_HEADING.max(CONFIRMS * std)
+        })
+    }
+
     /// Shows the aligner a fix; whether it completes the alignment and navigation begins.
     ///
     /// What comes of a second alignment replaces the solution that failed; the receiver keeps what it has
@@ -42,31 +85,35 @@ impl Run {
     /// # Errors
     /// The filter of a complete alignment cannot be built.
     ///
-    /// The fix is moved to `due` before; only fixes that agree with the one before
-    /// ([`crate::receiver::Receiver::is_consistent`]) serve, and velocities only where the settings use them. On
-    /// success the watches begin again and the rest of the sample is taken up by the new filter.
+    /// On success the watches begin again and the rest of the sample is taken up by the new filter.
     fn align(
         &mut self,
         fix: &GnssFix,
         sample: &ImuSample,
         observer: &mut dyn Observer,
     ) -> Result<bool, FilterError> {
-        let aligner = &mut self.alignment.aligner;
-        aligner.advance(sample, fix.time);
-        if self.settings.gating && !self.receiver.is_consistent(fix) {
-            return Ok(false);
-        }
-        let mut seen = *fix;
-        if self.settings.gnss_use == GnssUse::Position {
-            seen.velocity = None;
-        }
-        let Some(mut aligned) = aligner.fix(&seen, &self.settings)? else {
+        let Some(mut aligned) = self.find_start(fix, sample)? else {
             return Ok(false);
         };
+        if self.alignment.checks {
+            self.alignment.checks = false;
+            if self.is_confirmed_by(&aligned) {
+                return Ok(false);
+            }
+            self.summary.restarts.push(Restart {
+                time: fix.time,
+                why: RestartCause::WrongHeading,
+                resumed: None,
+            });
+        }
         match self.summary.restarts.last_mut() {
             Some(restart) => {
                 restart.resumed = Some(fix.time);
-                if restart.why == RestartCause::LargeInnovations && !self.streak.was_sound() {
+                let failed = match restart.why {
+                    RestartCause::LargeInnovations => !self.streak.was_sound(),
+                    why => why == RestartCause::WrongHeading,
+                };
+                if failed {
                     self.summary.forget_failed_start();
                 }
             }
@@ -87,9 +134,15 @@ impl Run {
         self.streak = Streak::default();
         self.receiver.forget_solution(fix.time, &mut self.summary);
         self.course = CourseWatch::new();
-        let by_headings = aligned.how.source.is_by_antennas();
+        let by = |source| aligned.how.source.is_by(source);
         self.headings
-            .restart(fix.time, by_headings, &mut self.summary);
+            .restart(fix.time, by(HeadingSource::Antennas), &mut self.summary);
+        let by_field = by(HeadingSource::Magnetometer);
+        self.compass.restart(by_field, &mut self.summary);
+        self.alignment.checks = by_field && self.settings.gating && self.settings.restart;
+        if by_field {
+            self.alignment.aligner.without_field();
+        }
         let solution = self.solution.insert(Solution::new(aligned.filter));
         if let Some(vibration) = &self.vibration {
             solution.filter.set_white_noise(&vibration.variances());
@@ -197,7 +250,7 @@ impl Run {
                 Some(Part::Velocity) => latency.velocity.unwrap_or(latency.position),
                 _ => latency.position,
             };
-        if (self.solution.is_none() || self.alignment.again) && begins && !withheld {
+        if self.aligns() && begins && !withheld {
             // A solution before this one says when it holds: within this sample.
             let held = GnssFix { time: due, ..*fix };
             if self.align(&held, sample, observer)? {
@@ -242,7 +295,8 @@ impl Run {
         }
         if carries_velocity(fix, part) {
             self.vehicle.fix(filter, fix, &self.settings);
-            if self.settings.gating && !self.receiver.repeats() {
+            let confirmed = self.compass.agrees(fix.time);
+            if self.settings.gating && !self.receiver.repeats() && !confirmed {
                 self.course.fix(filter, fix, &mut self.summary);
             }
         }

@@ -9,6 +9,8 @@
 //!   for that of each component of the velocity. Heights are above mean sea level, above the ellipsoid where GPA has
 //!   the undulation.
 //!
+//! * Magnetic fields: `MAG0` is MAG, in milligauss, with the offsets of the autopilot's calibration.
+//!
 //! Without a name, the first of these is taken: raw samples if none are lost, then IMU; lower instances first, but
 //! none that has less than half as many messages as another.
 //!
@@ -55,6 +57,7 @@ pub(super) fn entries(source: Source, again: Again, wanted: &Wanted) -> Result<E
         let problem = match (name, kind) {
             (Some(name), _) => format!("no stream {name} of this kind"),
             (None, StreamKind::Imu) => "no IMU, nor GYR and ACC".to_owned(),
+            (None, StreamKind::Fields) => "no MAG".to_owned(),
             (None, _) => "no GPS".to_owned(),
         };
         let streams = survey.streams();

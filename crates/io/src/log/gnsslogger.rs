@@ -104,7 +104,8 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         Wanted::Imu(name)
         | Wanted::Poses(name)
         | Wanted::LocalPoses(name)
-        | Wanted::Headings(name) => name,
+        | Wanted::Headings(name)
+        | Wanted::Fields(name) => name,
         Wanted::Fixes { position, .. } => position,
     };
     let reader = Reader {

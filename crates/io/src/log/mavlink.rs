@@ -47,7 +47,10 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
     let (asked, of_imu) = match wanted {
         Wanted::Imu(name) => (name, true),
         Wanted::Fixes { position, .. } => (position, false),
-        Wanted::Poses(name) | Wanted::LocalPoses(name) | Wanted::Headings(name) => (name, false),
+        Wanted::Poses(name)
+        | Wanted::LocalPoses(name)
+        | Wanted::Headings(name)
+        | Wanted::Fields(name) => (name, false),
     };
     let reader = Reader {
         asked: asked.clone(),

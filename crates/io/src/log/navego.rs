@@ -137,7 +137,7 @@ fn fields_of(kind: StreamKind) -> &'static str {
         StreamKind::Fixes => "structure with t, lat, lon, h",
         StreamKind::Poses => "structure with t, lat, lon, h, roll, pitch, yaw",
         StreamKind::Velocity => "structure with t, vel",
-        StreamKind::LocalPoses | StreamKind::Headings | StreamKind::Other => {
+        StreamKind::LocalPoses | StreamKind::Headings | StreamKind::Fields | StreamKind::Other => {
             "structure that is read"
         }
     }

@@ -121,12 +121,14 @@ fn purpose(wanted: &Wanted, of_type: Option<&'static Type>) -> Purpose {
             },
             None,
         ),
-        Wanted::Poses(name) | Wanted::LocalPoses(name) => Purpose::Fixes(Box::new(Receiver {
-            position: pick(messages::names(&[Content::Position]), name),
-            velocity: pick(messages::names(&[Content::Velocity]), &None),
-            solution: None,
-            fixes: Fixes::default(),
-        })),
+        Wanted::Poses(name) | Wanted::LocalPoses(name) | Wanted::Fields(name) => {
+            Purpose::Fixes(Box::new(Receiver {
+                position: pick(messages::names(&[Content::Position]), name),
+                velocity: pick(messages::names(&[Content::Velocity]), &None),
+                solution: None,
+                fixes: Fixes::default(),
+            }))
+        }
         Wanted::Fixes {
             position, velocity, ..
         } => Purpose::Fixes(Box::new(Receiver {

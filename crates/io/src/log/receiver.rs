@@ -203,7 +203,7 @@ pub(super) fn check(
             one(name, position, "stream of positions")
         }
         // By the formats that have some.
-        Wanted::Headings(_) => Ok(()),
+        Wanted::Headings(_) | Wanted::Fields(_) => Ok(()),
     }
 }
 

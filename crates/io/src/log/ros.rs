@@ -1,5 +1,5 @@
 //! Recordings of robots, whatever container they are in: topics of sensor_msgs/Imu,
-//! sensor_msgs/NavSatFix, and geometry_msgs/TwistStamped or TwistWithCovarianceStamped; poses of
+//! sensor_msgs/NavSatFix, sensor_msgs/MagneticField, and geometry_msgs/TwistStamped or TwistWithCovarianceStamped; poses of
 //! geometry_msgs/PoseStamped, PoseWithCovarianceStamped, TransformStamped and nav_msgs/Odometry, and of tf2_msgs/TFMessage by pairs of frames.
 //!
 //! Times are the messages' own stamps (`header.stamp`, Unix time), or where one is not set the time
@@ -22,7 +22,7 @@ use undrift_nav::sample::{FixQuality, Position};
 
 use super::phone::Join;
 use super::receiver::{Ready, by_steps};
-use crate::entry::{Entries, Fix, ImuReading, Stream, StreamKind, Wanted, What};
+use crate::entry::{Entries, FieldReading, Fix, ImuReading, Stream, StreamKind, Wanted, What};
 use crate::epoch::ClockSource;
 use crate::skipped::{SkipKind, Unfit};
 use crate::time::WeekClock;
@@ -107,6 +107,12 @@ pub(super) fn entries(
         },
         Wanted::LocalPoses(topic) => Choices {
             main: Choice::new(Key::Topic("poses"), StreamKind::LocalPoses, topic),
+            velocity: None,
+            accel: None,
+            frame: None,
+        },
+        Wanted::Fields(topic) => Choices {
+            main: Choice::new(Key::Topic("magnetometer"), StreamKind::Fields, topic),
             velocity: None,
             accel: None,
             frame: None,
@@ -340,6 +346,10 @@ impl Recording {
                 let (gyro, accel) = message::imu(&mut fields)?;
                 let reading = ImuReading::new(time, gyro, accel);
                 return Ok(Some((at, What::Imu(reading))));
+            }
+            Type::MagneticField => {
+                let field = message::field(&mut fields)?;
+                return Ok(Some((at, What::Field(FieldReading { time, field }))));
             }
             Type::NavSatFix => {
                 let (place, covariance, quality) = message::fix(&mut fields)?;

@@ -15,9 +15,9 @@ use std::path::{Path, PathBuf};
 use undrift_nav::Vector3;
 
 use super::phone::{self, Join, Location};
-use super::receiver::{Ready, by_lines, check};
+use super::receiver::{Ready, by_lines, check, check_name};
 use crate::ReadError;
-use crate::entry::{Entries, Entry, Stream, StreamKind, Wanted, What};
+use crate::entry::{Entries, Entry, FieldReading, Stream, StreamKind, Wanted, What};
 use crate::epoch::ClockSource;
 use crate::number;
 use crate::skipped::{SkipKind, shown};
@@ -33,6 +33,8 @@ const MARK: &str = "# Sensor Logger";
 const GYROS: [&str; 2] = ["Gyroscope", "GyroscopeUncalibrated"];
 const ACCELS: [&str; 2] = ["TotalAcceleration", "AccelerometerUncalibrated"];
 const PLACES: [&str; 2] = ["LocationGps", "Location"];
+/// Magnetometers in microtesla, the first that is there.
+const FIELDS: [&str; 2] = ["Magnetometer", "MagnetometerUncalibrated"];
 /// Without gravity.
 const LINEAR: &str = "Accelerometer";
 /// What was taken out of it.
@@ -98,7 +100,7 @@ fn chosen(is_there: impl Fn(&str) -> bool) -> Chosen {
     let linear = is_there(LINEAR) && !summands.contains(&LINEAR);
     let sensors = first(GYROS).into_iter().chain(summands);
     Chosen {
-        names: sensors.chain(first(PLACES)).collect(),
+        names: sensors.chain(first(FIELDS)).chain(first(PLACES)).collect(),
         linear,
     }
 }
@@ -193,11 +195,15 @@ pub(crate) fn detect(start: &[u8]) -> bool {
 
 pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
     check(wanted, "a folder of Sensor Logger", [&GYROS, &PLACES, &[]])?;
+    if let Wanted::Fields(name) = wanted {
+        check_name(name, "a folder of Sensor Logger", &FIELDS, "magnetometer")?;
+    }
     let reader = Reader {
         sensors: Vec::new(),
         place: None,
         weeks: WeekClock::default(),
         linear: false,
+        of_field: matches!(wanted, Wanted::Fields(_)),
         join: matches!(wanted, Wanted::Imu(_)).then(Join::default),
         sum: Join::default(),
         sums: Ready::default(),
@@ -217,6 +223,7 @@ pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
     let rates = "rates, with the forces of the accelerometers";
     let known = [
         GYROS.map(|name| (name, StreamKind::Imu, rates)),
+        FIELDS.map(|name| (name, StreamKind::Fields, "magnetic fields")),
         ACCELS.map(|name| (name, StreamKind::Other, "specific forces")),
         [LINEAR, GRAVITY].map(|name| (name, StreamKind::Other, "a part of the specific forces")),
         PLACES.map(|name| (name, StreamKind::Fixes, "fixes")),
@@ -234,6 +241,8 @@ struct Reader {
     weeks: WeekClock,
     /// Whether there are accelerations without gravity.
     linear: bool,
+    /// Whether the magnetic fields are wanted.
+    of_field: bool,
     join: Option<Join>,
     /// The specific forces that are the sum of two sensors.
     sum: Join,
@@ -285,7 +294,21 @@ impl Reader {
         let time = self.weeks.unix(stamp.div_euclid(1_000_000_000), nanos);
         let missing =
             |ready: &mut Ready| ready.skip(at, SkipKind::MissingField, shown(line.as_bytes()));
+        let of_field = FIELDS.contains(&file);
+        if of_field != self.of_field {
+            return Ok(());
+        }
         match (&mut self.join, is_place) {
+            (None, false) if of_field => {
+                let sensor = self.sensors.iter().find(|(name, _)| name == file);
+                let [_, x, y, z] = sensor.map_or([None; 4], |(_, places)| *places).map(number);
+                let (Some(x), Some(y), Some(z)) = (x, y, z) else {
+                    missing(ready);
+                    return Ok(());
+                };
+                let field = Vector3::new(x, y, z) * 1e-6;
+                ready.push(at, What::Field(FieldReading { time, field }));
+            }
             (None, true) => {
                 let [_, lat, lon, height, rest @ ..] = self.place.unwrap_or_default();
                 let [horizontal, vertical, speed, bearing, speed_std, bearing_std] =

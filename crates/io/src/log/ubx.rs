@@ -85,7 +85,9 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         Wanted::Fixes {
             position, velocity, ..
         } => Purpose::Fixes([position, velocity]),
-        Wanted::Poses(name) | Wanted::LocalPoses(name) => Purpose::Fixes([name, None]),
+        Wanted::Poses(name) | Wanted::LocalPoses(name) | Wanted::Fields(name) => {
+            Purpose::Fixes([name, None])
+        }
         Wanted::Headings(_) => Purpose::Headings,
     };
     let reader = Reader {

@@ -11,11 +11,12 @@
 //!   `epv` for that of the height, `s_variance_m_s`, which is a standard deviation in spite of its name, for that of each component of
 //!   the velocity; zero or not finite is unknown. The height is that above the ellipsoid where it is
 //!   set, that is not 0, else that above mean sea level.
+//! * Magnetic fields: `vehicle_magnetometer`, `sensor_mag`, in gauss.
 //! * Positions: `vehicle_global_position` with the velocity of the `vehicle_local_position` before it
 //!   that has the same time.
 //!
 //! Without a name, the stream of the kind that comes first in this order is taken: `vehicle_imu`,
-//! `sensor_combined`; `vehicle_gps_position`, `sensor_gps`; the simulator's ground truth,
+//! `sensor_combined`; `vehicle_magnetometer`, `sensor_mag`; `vehicle_gps_position`, `sensor_gps`; the simulator's ground truth,
 //! `vehicle_global_position`; lower instances first, but none that has less than half as many
 //! messages as another. To find it, the file is read once more before.
 //!
@@ -131,6 +132,7 @@ fn nothing(key: &Key, there: &[Stream]) -> ReadError {
     let topics = match key {
         Key::Topic("imu") => "vehicle_imu or sensor_combined",
         Key::Topic("gnss") => "vehicle_gps_position or sensor_gps",
+        Key::Topic("magnetometer") => "vehicle_magnetometer or sensor_mag",
         _ => "vehicle_global_position",
     };
     ReadError::nameless(format!("no {topics}"))

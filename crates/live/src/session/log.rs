@@ -2,7 +2,7 @@
 
 use super::head::Head;
 use crate::{clocks::LogClock, stream::Stream};
-use undrift_drive::drive::{Drive, ScalarLog};
+use undrift_drive::drive::Drive;
 use undrift_engine::Measurement;
 use undrift_io::{Opened, ReadError, format::Format, gnss::GnssSource, imu::ImuSource};
 use undrift_nav::sample::ImuSample;
@@ -138,10 +138,8 @@ pub(crate) fn records(
         let measured = |fix| Record::Measured(Measurement::Gnss(fix));
         return Ok(Box::new(fixes.map(move |fix| fix.map(measured))));
     }
-    let Some(log) = ScalarLog::ALL.into_iter().find(|log| log.name() == table) else {
-        return Ok(Box::new(std::iter::empty()));
-    };
-    let scalars = drive.read_scalars(log, opened)?.into_iter().flatten();
-    let measured = move |scalar| Record::Measured(Measurement::of(log, scalar));
-    Ok(Box::new(scalars.map(move |scalar| scalar.map(measured))))
+    let readings = drive.read_sensor(table, opened)?.into_iter().flatten();
+    Ok(Box::new(
+        readings.map(|reading| reading.map(Record::Measured)),
+    ))
 }

@@ -69,15 +69,19 @@ impl<const N: usize> Filter<N> {
                 self.forget_triad(triad, &c);
             }
         }
-        use Parameter::{AccelMisalignment, AccelScale, GyroMisalignment, GyroScale, LeverArm};
+        use Parameter::{
+            AccelMisalignment, AccelScale, GyroMisalignment, GyroScale, HardIron, LeverArm,
+        };
         for (scale, misalignment) in [
             (GyroScale, GyroMisalignment),
             (AccelScale, AccelMisalignment),
         ] {
             self.turn_matrix(scale, misalignment, &c);
         }
-        if let Some(at) = self.parameter_start(LeverArm) {
-            self.mix(&[at, at + 1, at + 2], &|i, j| c[(i, j)]);
+        for kind in [LeverArm, HardIron] {
+            if let Some(at) = self.parameter_start(kind) {
+                self.mix(&[at, at + 1, at + 2], &|i, j| c[(i, j)]);
+            }
         }
         self.symmetrise();
         for vector in [
@@ -130,6 +134,21 @@ impl<const N: usize> Filter<N> {
             self.x[i] = 0.0;
             self.forget(i);
             self.p[(i, i)] = std * std;
+        }
+    }
+
+    /// Takes the errors of the heading and of the hard iron for independent of all others: at rest nothing shows the heading but the Earth's
+    /// rate, and that only to gyros whose bias is as constant as modelled.
+    pub fn isolate_heading(&mut self) {
+        let iron = self.parameter_start(Parameter::HardIron);
+        let apart = |i: usize| i == 8 || iron.is_some_and(|at| (at..at + 3).contains(&i));
+        for i in 0..N {
+            for j in 0..i {
+                if apart(i) != apart(j) {
+                    self.p[(i, j)] = 0.0;
+                    self.p[(j, i)] = 0.0;
+                }
+            }
         }
     }
 

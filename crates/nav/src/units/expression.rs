@@ -15,8 +15,8 @@ use super::{UnitErrorKind, Word};
 use crate::earth::STANDARD_GRAVITY;
 use core::f64::consts::{PI, TAU};
 
-/// Twice the exponents of time, length, angle and temperature.
-pub(super) type Dimension = [i32; 4];
+/// Twice the exponents of time, length, angle, temperature and magnetic flux density.
+pub(super) type Dimension = [i32; 5];
 
 /// Reads a whole unit. Numbers belong to raw counts alone: `5 deg/s` is no unit, `LSB/131 deg/s` is one.
 pub(super) fn read(unit: &str) -> Result<Unit, UnitErrorKind> {
@@ -242,7 +242,7 @@ impl Reader<'_> {
             }
             return Ok(Unit {
                 factor,
-                dimension: [0; 4],
+                dimension: [0; 5],
                 counts: 0,
             });
         }
@@ -280,19 +280,20 @@ impl Reader<'_> {
     }
 }
 
-const TIME: Dimension = [2, 0, 0, 0];
-const FREQUENCY: Dimension = [-2, 0, 0, 0];
-const LENGTH: Dimension = [0, 2, 0, 0];
-const ANGLE: Dimension = [0, 0, 2, 0];
-const RATE: Dimension = [-2, 0, 2, 0];
-const ACCELERATION: Dimension = [-4, 2, 0, 0];
-const VELOCITY: Dimension = [-2, 2, 0, 0];
-const TEMPERATURE: Dimension = [0, 0, 0, 2];
+const TIME: Dimension = [2, 0, 0, 0, 0];
+const FREQUENCY: Dimension = [-2, 0, 0, 0, 0];
+const LENGTH: Dimension = [0, 2, 0, 0, 0];
+const ANGLE: Dimension = [0, 0, 2, 0, 0];
+const RATE: Dimension = [-2, 0, 2, 0, 0];
+const ACCELERATION: Dimension = [-4, 2, 0, 0, 0];
+const VELOCITY: Dimension = [-2, 2, 0, 0, 0];
+const TEMPERATURE: Dimension = [0, 0, 0, 2, 0];
+const FIELD: Dimension = [0, 0, 0, 0, 2];
 const DEG: f64 = PI / 180.0;
 
 /// Symbols with their prefix, their factor to SI and dimension. `m` is the metre, `h` the hour, `g` standard gravity; a
 /// degree Celsius is a kelvin: temperatures are differences.
-pub(super) const SYMBOLS: [(&[&str], f64, Dimension); 44] = [
+pub(super) const SYMBOLS: [(&[&str], f64, Dimension); 50] = [
     (&["s", "sec", "secs", "second", "seconds"], 1.0, TIME),
     (&["ms", "msec"], 1e-3, TIME),
     (&["us", "µs", "μs", "usec"], 1e-6, TIME),
@@ -339,8 +340,14 @@ pub(super) const SYMBOLS: [(&[&str], f64, Dimension); 44] = [
     ),
     (&["K", "kelvin", "degC", "°C", "celsius"], 1.0, TEMPERATURE),
     (&["mK"], 1e-3, TEMPERATURE),
-    (&["%"], 1e-2, [0; 4]),
-    (&["ppm"], 1e-6, [0; 4]),
+    (&["T", "tesla"], 1.0, FIELD),
+    (&["mT"], 1e-3, FIELD),
+    (&["uT", "µT", "μT"], 1e-6, FIELD),
+    (&["nT"], 1e-9, FIELD),
+    (&["G", "Gs", "gauss", "Gauss"], 1e-4, FIELD),
+    (&["mG", "mGs", "mgauss", "mGauss"], 1e-7, FIELD),
+    (&["%"], 1e-2, [0; 5]),
+    (&["ppm"], 1e-6, [0; 5]),
 ];
 
 /// One symbol, raw counts among them.
@@ -351,7 +358,7 @@ fn symbol(word: &str) -> Option<Unit> {
         counts,
     };
     if matches!(word, "LSB" | "lsb" | "counts") {
-        return Some(unit(1.0, [0; 4], 2));
+        return Some(unit(1.0, [0; 5], 2));
     }
     let (_, factor, dimension) = SYMBOLS.iter().find(|(names, ..)| names.contains(&word))?;
     Some(unit(*factor, *dimension, 0))

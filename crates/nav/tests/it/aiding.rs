@@ -17,7 +17,7 @@ use undrift_nav::{
 };
 
 /// Nine, one state an axis, and all parameters.
-const N: usize = 9 + 6 + 42;
+const N: usize = 9 + 6 + 45;
 
 fn vector(scale: f64) -> impl Strategy<Value = Vector3> {
     prop::array::uniform3(-scale..scale).prop_map(Vector3::from)
@@ -222,6 +222,11 @@ proptest! {
         {
             check(&f, &nothing(), |f| f.observe_heading(heading, baseline).unwrap())?;
         }
+    }
+
+    #[test]
+    fn magnetometer(f in filter(), measured in vector(1.0), field in vector(1.0)) {
+        check(&f, &nothing(), |f| f.observe_magnetometer(&measured, &field))?;
     }
 
     #[test]

@@ -4,6 +4,7 @@ mod aiding;
 mod doubts;
 mod jacobians;
 mod lasting;
+mod magnetic;
 mod properties;
 mod refused;
 mod smoother;

@@ -52,6 +52,13 @@ UNITS: dict[str, dict[str, str]] = {
         "bias_walk": "m/sqrt(s)",
     },
     "heading": {"time_offset": "s", "baseline": "rad", "baseline_std": "rad", "std": "rad"},
+    "magnetometer": {
+        "time_offset": "s",
+        "std": "T",
+        "lasting_std": "T",
+        "hard_iron_std": "T",
+        "hard_iron_walk": "T/sqrt(s)",
+    },
     "truth": {"time_offset": "s"},
     "vehicle": {
         "non_holonomic": "m/s",
@@ -144,7 +151,7 @@ class Drive:
       ``accel_unit``, ``axes``, ``mounting``, ``gyro_offset``, ``accel_offset`` of the IMU;
       ``lever_arm``, ``use``, ``gate``, ``adapt``, ``position_std``, ``velocity_std`` and their
       factors of GNSS;
-    * ``odometer``, ``barometer``, ``heading``, ``truth`` are logs like these; ``vehicle`` is a profile or a dict,
+    * ``odometer``, ``barometer``, ``heading``, ``magnetometer``, ``truth`` are logs like these; ``vehicle`` is a profile or a dict,
       ``states``, ``initial``, ``local`` and ``span`` are dicts, ``span`` also (start, end);
     * ``poses`` of a camera, tracker or scanner in the place of ``gnss`` are a log with ``position`` (n × 3) and
       ``attitude`` (n × 4, its ``attitude_order`` "x,y,z,w" or "w,x,y,z"); ``lever_arm``, ``gate``, ``adapt``,
@@ -178,6 +185,7 @@ class Drive:
         odometer: Log = None,
         barometer: Log = None,
         heading: Log = None,
+        magnetometer: Log = None,
         vehicle: str | Mapping[str, Any] | None = None,
         states: Mapping[str, Any] | None = None,
         initial: Mapping[str, Any] | None = None,
@@ -196,6 +204,7 @@ class Drive:
             "odometer": odometer,
             "barometer": barometer,
             "heading": heading,
+            "magnetometer": magnetometer,
         }
         logs.update({table: log for table, log in optional.items() if log is not None})
         short: dict[str, dict[str, Any]] = {"imu": {}, "gnss": {}, "poses": {}}

@@ -57,7 +57,7 @@ class Filter:
     the antenna's. ``parameters`` are constants to estimate with their standard deviation, or (standard
     deviation, random walk [unit/√s]): gyro_scale, accel_scale, gyro_misalignment,
     accel_misalignment, lever_arm, time_offset, mounting, axle, odometer_scale, barometer_bias,
-    velocity_time_offset, clock_rate, accel_delay, heading_offset.
+    velocity_time_offset, clock_rate, accel_delay, heading_offset, hard_iron.
 
     Every update returns an :class:`Innovation`; ``gate`` = (weaken, reject) are limits of its NIS:
     above the first the measurement's covariance grows, above the second it is rejected.
@@ -274,6 +274,19 @@ class Filter:
         """Updates with a barometric height [m]; its constant error is the parameter barometer_bias."""
         value = [number(height, "height"), 0.0, 0.0]
         return self._one(_measured("barometer", value, std=positive(std, "std")), gate)
+
+    def update_magnetometer(
+        self,
+        field: Vector,
+        std: float,
+        earth: Vector,
+        gate: tuple[float, float] | None = None,
+    ) -> Innovation | None:
+        """Updates with a magnetic field, body axes, where ``earth`` is the Earth's north, east, down, both [T]; the hard iron is the
+        parameter hard_iron."""
+        value, field_n = three(field, "field"), three(earth, "earth")
+        std = positive(std, "std")
+        return self._one(_measured("magnetometer", value, field_n, std=std), gate)
 
     def update_heading(
         self, heading: float, std: float, gate: tuple[float, float] | None = None

@@ -199,6 +199,12 @@ class Navigator:
         """Pushes the azimuth of a second antenna as seen from the first [rad]: whether it came within the horizon."""
         return self.push(Scalar("heading", time, heading, std))
 
+    def magnetometer(self, time: float, field: Vector, std: float = 0.5e-6) -> bool:
+        """Pushes a magnetic field, body axes [T]: whether it came within the horizon."""
+        return self._navigator.magnetometer(
+            number(time, "time"), three(field, "field"), positive(std, "std")
+        )
+
     def push(self, item: Pushed) -> bool:
         """Pushes a :class:`Sample`, :class:`Fix` or :class:`Scalar`: what :meth:`imu`, :meth:`fix` and the others return."""
         if isinstance(item, Sample):

@@ -100,6 +100,10 @@ impl Measured {
                 noise = Matrix3::from_diagonal(&Vector3::new(right * right, down * down, 0.0));
                 Aiding::NonHolonomic(lever_arm)
             }
+            "magnetometer" => Aiding::Magnetometer {
+                measured: Vector3::from(value),
+                field: lever_arm,
+            },
             other => Aiding::scalar(other, value[0], lever_arm)
                 .ok_or_else(|| error(format!("unknown measurement \"{other}\"")))?,
         };

@@ -34,6 +34,7 @@ pub fn event(event: &Event) -> String {
         ),
         Event::HeadingOff(off) => sensors::heading_off([off.start, off.end], off.angle, 0),
         Event::HeadingsRejected(headings) => sensors::rejected_headings(headings, 0),
+        Event::FieldDisturbed(field) => sensors::disturbed_field(field),
         Event::Leant(lean) => fixes::one_sided(lean),
         Event::AlignsAgain(_, why) => {
             format!(

@@ -5,7 +5,7 @@ use crate::{
     constants::{Constant, constant},
     numbers::short,
 };
-use undrift_events::RejectedHeadings;
+use undrift_events::{DisturbedField, RejectedHeadings};
 use undrift_results::findings::Finding;
 
 /// Values that the IMU repeats.
@@ -237,6 +237,15 @@ pub(super) fn rejected_headings(longest: &RejectedHeadings, more: u64) -> String
             "{headings} antenna headings in a row, {start}-{end} s, were off by {angle:.0} deg{more}, then accepted: correct heading.baseline, or the receiver was wrong for a minute"
         ),
     }
+}
+
+/// A span in which the magnetic field was disturbed.
+pub(super) fn disturbed_field(field: &DisturbedField) -> String {
+    let (start, end) = (at(field.start), at(field.end));
+    format!(
+        "the magnetic field was not the Earth's, {start}-{end} s (off by up to {:.0} uT): not used; iron or currents near the magnetometer",
+        field.strongest * 1e6
+    )
 }
 
 pub(super) fn optimistic_model(factor: f64, tuned: bool) -> String {

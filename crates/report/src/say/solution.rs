@@ -183,6 +183,9 @@ pub fn cause(cause: RestartCause) -> &'static str {
         RestartCause::LargeInnovations => {
             "the innovations far exceeded their predicted size for half a minute"
         }
+        RestartCause::WrongHeading => {
+            "motion shows another heading than the magnetometer at the start"
+        }
         RestartCause::RejectedThenAccepted => "it repeatedly rejected fixes and then accepted them",
     }
 }

@@ -16,6 +16,7 @@ pub fn alignment(alignment: &Alignment) -> String {
                 HeadingSource::Given => "heading as specified",
                 HeadingSource::Course => "heading from the GNSS course",
                 HeadingSource::Antennas => "heading from two antennas",
+                HeadingSource::Magnetometer => "heading from the magnetometer",
             };
             format!("levelled during {duration:.1} s of rest, {heading}")
         }

@@ -1,5 +1,7 @@
 //! What findings are made of: how much one weighs, and why something is missing.
 
+pub use undrift_events::Log;
+
 use serde::{Deserialize, Serialize};
 
 /// How much a finding weighs.

@@ -104,6 +104,7 @@ impl Finding {
             | Self::VelocityBias { .. }
             | Self::HeadingOff { .. }
             | Self::RejectedHeadings { .. }
+            | Self::DisturbedField(_)
             | Self::OptimisticModel { .. }
             | Self::CorrelatedInnovations { .. }
             | Self::OptimisticDrift { .. }
@@ -173,6 +174,7 @@ impl Finding {
             Self::LargeInnovations { .. } | Self::Disagreement { .. } => 5,
             Self::OneSided(_) | Self::Rejected(_) | Self::MoreRejected { .. } => 6,
             Self::RejectedHeadings { .. } => 6,
+            Self::DisturbedField(_) => 7,
             // Stated too large: it costs little.
             Self::WrongAccuracy { factor, .. } if *factor < 1.0 => 8,
             Self::WrongAccuracy { .. } => 4,

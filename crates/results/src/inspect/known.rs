@@ -155,6 +155,10 @@ pub enum Known {
         /// Its standard deviation \[deg\].
         std_deg: f64,
     },
+    /// By the strength of the field, this many µT.
+    Field(f64),
+    /// The field turns so against the gyros.
+    FieldTurns,
     /// Estimated from forces, speeds and turns.
     Forces {
         /// Standard deviation of the yaw \[deg\].
@@ -175,6 +179,11 @@ pub enum Note {
     NoTimes,
     /// A solution of RTKLIB has no header: its columns and time system are taken to be RTKLIB's own.
     NoHeader,
+    /// How the magnetometer's axes lie in the IMU's does not show: the gyros turned by this much in all \[deg\], too little, or no axes fit.
+    NoMagnetometer {
+        /// Turn of the gyros \[deg\].
+        turned_deg: f64,
+    },
     /// The names state another unit of accelerations than their size.
     UnitBySize {
         /// By the names.

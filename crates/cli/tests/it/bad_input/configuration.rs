@@ -415,6 +415,7 @@ fn every_key_of_the_drive_file_is_in_its_page() {
         ("odometer", "[gnss]\n"),
         ("barometer", "[gnss]\n"),
         ("heading", "[gnss]\n"),
+        ("magnetometer", "[gnss]\n"),
     ] {
         let mut log = Log::good();
         let to = if from == format!("[{table}]\n") {
@@ -425,6 +426,9 @@ fn every_key_of_the_drive_file_is_in_its_page() {
                 "odometer" => "file = \"w\"\ntime = 1\nspeed = 2\nspeed_unit = \"m/s\"\n",
                 "barometer" => "file = \"w\"\ntime = 1\nheight = 2\n",
                 "heading" => "file = \"w\"\ntime = 1\nheading = 2\n",
+                "magnetometer" => {
+                    "file = \"w\"\ntime = 1\nfield = [2, 3, 4]\nfield_unit = \"uT\"\n"
+                }
                 _ => "",
             };
             format!("[{table}]\n{needed}bogus = 1\n{from}")

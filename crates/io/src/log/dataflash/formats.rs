@@ -12,6 +12,7 @@ pub(super) enum MessageKind {
     Gps,
     /// Accuracies of a fix.
     Accuracy,
+    Mag,
 }
 
 /// The most fields of a kind.
@@ -30,6 +31,7 @@ impl MessageKind {
             "ACC" => Self::Accel,
             "GPS" => Self::Gps,
             "GPA" => Self::Accuracy,
+            "MAG" => Self::Mag,
             _ => return None,
         };
         // IMU, IMU2, IMU3; GYR1, GYR2, GYR3.
@@ -54,6 +56,7 @@ impl MessageKind {
                 "Spd", "GCrs", "VZ",
             ],
             Self::Accuracy => &["TimeUS", "T", "I", "HAcc", "VAcc", "SAcc", "VV", "Und"],
+            Self::Mag => &["TimeUS", "TimeMS", "I", "MagX", "MagY", "MagZ"],
         }
     }
 }

@@ -9,13 +9,15 @@ use undrift_nav::sample::{FixQuality, Position};
 use super::formats::{MessageKind, Values, time};
 use super::link::Link;
 use super::messages::{Messages, Next};
-use crate::entry::{Fix, ImuReading, What};
+use crate::entry::{FieldReading, Fix, ImuReading, What};
 use crate::epoch::{ClockSource, Epoch};
 use crate::fix::{finite, independent, on_earth};
 use crate::log::receiver::Ready;
 use crate::skipped::{SkipKind, Unfit};
 use crate::time::WeekClock;
 
+/// What ArduPilot logs of compasses \[T\].
+const MILLIGAUSS: f64 = 1e-7;
 /// Gyro samples that wait for an accelerometer sample at most.
 const WAITING: usize = 4096;
 
@@ -64,6 +66,10 @@ impl Reader {
                         let reading = self.reading(&values);
                         ready.push(at, What::from_read(reading.map(What::Imu)));
                     }
+                    (MessageKind::Mag, MessageKind::Mag) => {
+                        let reading = self.field(&values);
+                        ready.push(at, What::from_read(reading.map(What::Field)));
+                    }
                     (MessageKind::Gyro, MessageKind::Gyro) => self.add_gyro(at, &values, ready),
                     (MessageKind::Gyro, MessageKind::Accel) => self.add_accel(at, &values, ready),
                     (MessageKind::Gps, MessageKind::Gps) => {
@@ -109,6 +115,17 @@ impl Reader {
             gyro: finite(Vector3::new(gx, gy, gz))?,
             accel: finite(Vector3::new(ax, ay, az))?,
             temperature_c,
+        })
+    }
+
+    fn field(&self, values: &Values) -> Result<FieldReading, Unfit> {
+        let [_, _, _, x, y, z, ..] = *values;
+        if time(values).is_nan() {
+            return Err((SkipKind::MissingField, "no TimeUS".to_owned()));
+        }
+        Ok(FieldReading {
+            time: self.time(time(values)),
+            field: finite(Vector3::new(x, y, z))? * MILLIGAUSS,
         })
     }
 

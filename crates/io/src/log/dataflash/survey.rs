@@ -118,7 +118,7 @@ impl Survey {
                     Some(accel) => count.messages.min(accel.messages),
                     None => return None,
                 },
-                MessageKind::Imu | MessageKind::Gps => count.messages,
+                MessageKind::Imu | MessageKind::Gps | MessageKind::Mag => count.messages,
             };
             let of = |kind: MessageKind| self.counts.get(&(kind, instance));
             // Raw samples are often logged for a part of the flight only.
@@ -136,6 +136,9 @@ impl Survey {
             name: name((kind, instance)),
             kind: holds(kind),
             about: match kind {
+                MessageKind::Mag => {
+                    "magnetic fields, with the autopilot's calibration, forward-right-down"
+                }
                 MessageKind::Imu => "filtered by the autopilot, forward-right-down",
                 MessageKind::Gyro if complete => "GYR and ACC of the sensor, forward-right-down",
                 MessageKind::Gyro => "GYR and ACC of the sensor, with gaps, forward-right-down",
@@ -187,6 +190,7 @@ fn holds(kind: MessageKind) -> StreamKind {
     match kind {
         MessageKind::Imu | MessageKind::Gyro => StreamKind::Imu,
         MessageKind::Gps => StreamKind::Fixes,
+        MessageKind::Mag => StreamKind::Fields,
         MessageKind::Accel | MessageKind::Accuracy => StreamKind::Other,
     }
 }
@@ -195,6 +199,7 @@ fn name((kind, instance): Which) -> String {
     let name = match kind {
         MessageKind::Gyro => "RAW",
         MessageKind::Gps => "GPS",
+        MessageKind::Mag => "MAG",
         _ => "IMU",
     };
     format!("{name}{instance}")

@@ -5,6 +5,7 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
+use undrift_nav::Vector3;
 use undrift_nav::sample::{FixQuality, Position};
 
 use super::*;
@@ -311,4 +312,33 @@ fn formats_are_known_by_their_start() {
     assert!(detect(&bytes("flight.log")));
     assert!(!detect(b"FMT") && !detect(&[0xa3, 0x95, 1]));
     assert!(streams(source(b"")).is_err());
+}
+
+/// What a compass measured [mG] becomes tesla, by instance; without a fix times are the autopilot's.
+#[test]
+fn magnetic_fields_are_those_of_the_compass_asked_for() {
+    let text = "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n\
+        FMT, 40, 35, MAG, QBhhhhhhhhhBI, TimeUS,I,MagX,MagY,MagZ,OfsX,OfsY,OfsZ,MOX,MOY,MOZ,Health,S\n\
+        MAG, 1000000, 0, 210, -30, 450, 1, 2, 3, 0, 0, 0, 1, 1000\n\
+        MAG, 1000000, 1, 999, 0, 0, 1, 2, 3, 0, 0, 0, 1, 1000\n\
+        MAG, 1100000, 0, 211, -30, 450, 1, 2, 3, 0, 0, 0, 1, 1000\n";
+    let fields = |name: Option<&str>| -> Vec<(f64, Vector3)> {
+        let wanted = Wanted::Fields(name.map(str::to_owned));
+        let entries = of_bytes(text.as_bytes(), &wanted).unwrap();
+        let field = |entry: &Entry| match entry.what {
+            What::Field(reading) => Some((reading.time, reading.field)),
+            _ => None,
+        };
+        entries.iter().filter_map(field).collect()
+    };
+    let first = fields(None);
+    assert_eq!(first.len(), 2);
+    assert!((first[0].0 - 1.0).abs() < 1e-12 && (first[1].0 - 1.1).abs() < 1e-12);
+    assert!((first[0].1 - Vector3::new(21e-6, -3e-6, 45e-6)).norm() < 1e-12);
+    assert_eq!(fields(Some("MAG1")).len(), 1);
+    let error = of_bytes(
+        b"FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\n",
+        &Wanted::Fields(None),
+    );
+    assert!(error.unwrap_err().to_string().contains("no MAG"));
 }

@@ -57,7 +57,7 @@ fn numbers(entry: &Entry) -> Option<Vec<f64>> {
             let p = place(&pose.position);
             Some([&[pose.time], &p[..], v.as_slice(), rpy.as_slice()].concat())
         }
-        What::LocalPose(_) | What::Heading(_) | What::Skipped(..) => None,
+        What::LocalPose(_) | What::Heading(_) | What::Field(_) | What::Skipped(..) => None,
     }
 }
 
@@ -268,7 +268,7 @@ fn read_all(bytes: &[u8]) {
                 What::Imu(s) => assert!(s.time.is_finite() && !s.gyro.x.is_nan()),
                 What::Fix(fix) => assert!(fix.time.is_finite()),
                 What::Pose(pose) => assert!(pose.position.is_valid()),
-                What::LocalPose(_) | What::Heading(_) | What::Skipped(..) => {}
+                What::LocalPose(_) | What::Heading(_) | What::Field(_) | What::Skipped(..) => {}
             }
         }
     }

@@ -292,6 +292,7 @@ fn random_mixtures() {
                         What::Pose(pose) => pose.time + pose.position.to_ecef().sum(),
                         What::LocalPose(pose) => pose.time,
                         What::Heading(heading) => heading.time + heading.heading,
+                        What::Field(reading) => reading.time + reading.field.sum(),
                         What::Skipped(..) => 0.0,
                     };
                     assert!(finite.is_finite());

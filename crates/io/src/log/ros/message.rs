@@ -24,6 +24,7 @@ pub(crate) enum Encoding {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Type {
     Imu,
+    MagneticField,
     NavSatFix,
     TwistStamped,
     TwistWithCovarianceStamped,
@@ -40,6 +41,7 @@ impl Type {
     pub(super) fn named(name: &str) -> Option<Self> {
         match name {
             "sensor_msgs/Imu" => Some(Self::Imu),
+            "sensor_msgs/MagneticField" => Some(Self::MagneticField),
             "sensor_msgs/NavSatFix" => Some(Self::NavSatFix),
             "geometry_msgs/TwistStamped" => Some(Self::TwistStamped),
             "geometry_msgs/TwistWithCovarianceStamped" => Some(Self::TwistWithCovarianceStamped),
@@ -55,6 +57,7 @@ impl Type {
     pub(super) fn kind(self) -> StreamKind {
         match self {
             Self::Imu => StreamKind::Imu,
+            Self::MagneticField => StreamKind::Fields,
             Self::NavSatFix => StreamKind::Fixes,
             Self::TwistStamped | Self::TwistWithCovarianceStamped => StreamKind::Velocity,
             Self::PoseStamped
@@ -164,6 +167,12 @@ pub(super) fn imu(fields: &mut ByteFields) -> Result<(Vector3, Vector3), Unfit> 
         }
     }
     Ok((finite(vector(&rate))?, finite(vector(&force))?))
+}
+
+/// Field \[T\] of sensor_msgs/MagneticField, axes of its frame.
+pub(super) fn field(fields: &mut ByteFields) -> Result<Vector3, Unfit> {
+    let field = fields.array::<3>().ok_or_else(too_short)?;
+    finite(Vector3::from(field))
 }
 
 /// Position, its covariance north-east-down \[m²\] and the quality of sensor_msgs/NavSatFix.

@@ -230,6 +230,7 @@ impl Choice {
         let what = match self.kind {
             StreamKind::Imu => "of sensor_msgs/Imu",
             StreamKind::Fixes => "of sensor_msgs/NavSatFix",
+            StreamKind::Fields => "of sensor_msgs/MagneticField",
             StreamKind::LocalPoses => {
                 "of nav_msgs/Odometry, geometry_msgs/PoseStamped, TransformStamped or tf2_msgs/TFMessage"
             }

@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Cursor, Read};
 
 use serde_json::Value;
 
-use super::{ACCELS, AXES, GRAVITY, GYROS, LINEAR, MARK, PLACE, PLACES, chosen};
+use super::{ACCELS, AXES, FIELDS, GRAVITY, GYROS, LINEAR, MARK, PLACE, PLACES, chosen};
 use crate::source::{Failing, Source};
 
 /// Objects that are looked at.
@@ -68,7 +68,7 @@ fn columns(sensor: &str) -> &'static [&'static str] {
 fn record(line: &[u8]) -> Option<Record> {
     let object: Value = serde_json::from_slice(line).ok()?;
     let name = object.get("sensor").or(object.get("name"))?.as_str()?;
-    let known = [GYROS, ACCELS, [LINEAR, GRAVITY], PLACES];
+    let known = [GYROS, ACCELS, FIELDS, [LINEAR, GRAVITY], PLACES];
     let known = known.as_flattened();
     let sensor = known
         .iter()

@@ -206,3 +206,24 @@ fn objects_of_json_are_the_same_log() {
         }
     }
 }
+
+#[test]
+fn magnetic_fields_have_a_file_of_their_own() {
+    use crate::magnetic::{MagneticFormat, MagneticReader, MagneticSource};
+    let path = folder(
+        "field",
+        &["Gyroscope.csv", "TotalAcceleration.csv", "Location.csv"],
+    );
+    let rows = "time,seconds_elapsed,z,y,x\n1700000000100000000,0.1,-40,3,20\n1700000000200000000,0.2,-40,3,21\n";
+    std::fs::write(path.join("Magnetometer.csv"), rows).unwrap();
+    let source = MagneticSource::Log(Format::SensorLogger, None);
+    let mut reader = MagneticReader::open(&path, &MagneticFormat::new(source, 1e-6)).unwrap();
+    let fields: Vec<_> = reader.by_ref().map(Result::unwrap).collect();
+    assert_eq!(fields.len(), 2);
+    assert!((fields[0].field - Vector3::new(20e-6, 3e-6, -40e-6)).norm() < 1e-12);
+    // The samples are as without it.
+    let imu = ImuFormat::log(Format::SensorLogger, None);
+    let samples = ImuReader::open(&path, &imu).unwrap();
+    assert_eq!(samples.map(Result::unwrap).count(), 293);
+    std::fs::remove_dir_all(&path).unwrap();
+}

@@ -177,7 +177,7 @@ impl Reader {
                 }
                 what
             }),
-            TopicReader::Gps(gps) => gps(content),
+            TopicReader::Other(other) => other(content),
             TopicReader::Pose(pose) => pose(content, self.local),
             TopicReader::Velocity(velocity) => {
                 self.local = Some(velocity(content));

@@ -255,7 +255,7 @@ fn read_all(bytes: &[u8]) {
                 What::Imu(s) => assert!((s.gyro + s.accel).norm().is_finite()),
                 What::Fix(fix) => assert!(fix.time.is_finite()),
                 What::Pose(pose) => assert!(pose.position.is_valid()),
-                What::LocalPose(_) | What::Heading(_) | What::Skipped(..) => {}
+                What::LocalPose(_) | What::Heading(_) | What::Field(_) | What::Skipped(..) => {}
             }
         }
     }

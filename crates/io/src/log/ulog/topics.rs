@@ -5,7 +5,7 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{FixQuality, Position, TruthSample};
 
 use super::layout::{Field, TopicLayout};
-use crate::entry::{Fix, ImuReading, StreamKind, What};
+use crate::entry::{FieldReading, Fix, ImuReading, StreamKind, What};
 use crate::fix::{self, independent, on_earth};
 use crate::skipped::{SkipKind, Unfit};
 
@@ -15,9 +15,11 @@ const NO_SAMPLE: f64 = i32::MAX as f64;
 const MICROS: f64 = 1e6;
 
 /// Topics by what they hold, the preferred one of each kind first.
-const TOPICS: [(&str, StreamKind); 6] = [
+const TOPICS: [(&str, StreamKind); 8] = [
     ("vehicle_imu", StreamKind::Imu),
     ("sensor_combined", StreamKind::Imu),
+    ("vehicle_magnetometer", StreamKind::Fields),
+    ("sensor_mag", StreamKind::Fields),
     ("vehicle_gps_position", StreamKind::Fixes),
     ("sensor_gps", StreamKind::Fixes),
     ("vehicle_global_position_groundtruth", StreamKind::Poses),
@@ -40,6 +42,10 @@ pub(super) fn about(topic: &str) -> &'static str {
     match topic {
         "vehicle_imu" => "increments, sensor axes forward-right-down",
         "sensor_combined" => "mean rates of the selected sensors, forward-right-down",
+        "vehicle_magnetometer" => {
+            "magnetic fields with the controller's calibration, forward-right-down"
+        }
+        "sensor_mag" => "magnetic fields of one sensor, its axes",
         "vehicle_gps_position" => "fixes of the selected receiver",
         "sensor_gps" => "fixes of one receiver",
         "vehicle_global_position_groundtruth" => "the simulator's position",
@@ -55,8 +61,8 @@ type ReadPose = dyn Fn(&[u8], Option<(f64, Vector3)>) -> Result<What, Unfit> + S
 /// states it.
 type ReadSample = dyn Fn(&[u8]) -> Result<(What, Option<(f64, f64)>), Unfit> + Send;
 
-/// Makes a fix of a message.
-type ReadFix = dyn Fn(&[u8]) -> Result<What, Unfit> + Send;
+/// Makes a fix or a magnetic field of a message.
+type ReadOther = dyn Fn(&[u8]) -> Result<What, Unfit> + Send;
 /// Reads time \[s\] and velocity north-east-down [m/s] of a message.
 type ReadVelocity = dyn Fn(&[u8]) -> (f64, Vector3) + Send;
 
@@ -64,8 +70,8 @@ type ReadVelocity = dyn Fn(&[u8]) -> (f64, Vector3) + Send;
 pub(super) enum TopicReader {
     /// An inertial sample.
     Imu(Box<ReadSample>),
-    /// A fix.
-    Gps(Box<ReadFix>),
+    /// A fix, or a magnetic field.
+    Other(Box<ReadOther>),
     /// A reference solution.
     Pose(Box<ReadPose>),
     /// Time \[s\] and velocity north-east-down [m/s].
@@ -77,7 +83,8 @@ impl TopicReader {
     pub(super) fn new(topic: &str, layout: &TopicLayout) -> Result<Self, &'static str> {
         Ok(match kind_of(topic).0 {
             StreamKind::Imu => Self::Imu(imu(topic, layout)?),
-            StreamKind::Fixes => Self::Gps(Box::new(gps(layout)?)),
+            StreamKind::Fixes => Self::Other(Box::new(gps(layout)?)),
+            StreamKind::Fields => Self::Other(Box::new(field(layout)?)),
             StreamKind::Poses => Self::Pose(pose(layout)?),
             StreamKind::Velocity
             | StreamKind::LocalPoses
@@ -166,6 +173,27 @@ fn imu(topic: &str, layout: &TopicLayout) -> Result<Box<ReadSample>, &'static st
         let span = spans.map(|(gyro_span, _)| (time, gyro_span));
         Ok((What::Imu(ImuReading::new(time, gyro, accel)), span))
     }))
+}
+
+/// `vehicle_magnetometer` and `sensor_mag`, in gauss.
+fn field(
+    layout: &TopicLayout,
+) -> Result<impl Fn(&[u8]) -> Result<What, Unfit> + use<>, &'static str> {
+    let time = time(layout)?;
+    let whole = layout.three("magnetometer_ga");
+    let parts = together(layout, ["x", "y", "z"]);
+    if whole.is_none() && parts.is_none() {
+        return Err("magnetometer_ga");
+    }
+    Ok(move |message: &[u8]| {
+        let whole = whole.map(|field| field.vector(message));
+        let parts = || parts.map(|fields| Vector3::from(fields.map(|field| field.read(message))));
+        let gauss = fix::finite(whole.or_else(parts).unwrap_or_default())?;
+        Ok(What::Field(FieldReading {
+            time: time(message),
+            field: gauss * 1e-4,
+        }))
+    })
 }
 
 /// `vehicle_gps_position` and `sensor_gps`.
