@@ -13,7 +13,7 @@ use crate::log::rosbag2::{self, BagFile};
 use crate::log::{self, Log};
 use crate::source::{self, BytesRead, Failing, Source};
 use crate::table::{
-    self, Columns, Preview, Table, TableOptions, TableSource, halves, json_columns, objects,
+    self, Columns, Preview, Table, TableOptions, TableSource, halves, json_columns, objects, tagged,
 };
 use undrift_nav::sample::{GnssFix, ImuSample, Scalar, TruthSample};
 
@@ -151,6 +151,10 @@ impl Opened {
     ) -> Result<Self, ReadError> {
         let mut opened = Self::begun(name, stream, read)?;
         opened.read_to(START as u64);
+        #[cfg(feature = "xlsx")]
+        if table::workbook::may_be(&opened.start) {
+            opened.rewritten(table::workbook::table);
+        }
         if source::has_returns_alone(&opened.start) {
             opened.rewritten(source::with_newlines);
         }
@@ -161,6 +165,8 @@ impl Opened {
             opened.rewritten(log::sensor_logger::of_objects);
         } else if json_columns::may_be(&opened.start) {
             opened.rewritten(json_columns::table);
+        } else if opened.format() == Format::Csv && tagged::may_be(&opened.start) {
+            opened.rewritten(tagged::table);
         }
         Ok(opened)
     }

@@ -178,7 +178,7 @@ impl Columns {
     }
 
     pub(super) fn gnss(&self, place: [usize; 3]) -> Vec<Line> {
-        let (mut lines, _) = self.time(FIX_STEP);
+        let (mut lines, _) = self.time(FIX_STEP, &place);
         lines.extend(self.place(place));
         if all(&self.found.place).is_some() {
             lines.extend(self.height_unit(place));
@@ -297,7 +297,7 @@ impl Columns {
 
     /// How many times as large the speeds are as those that the positions show \[m/s\].
     fn speed_by_positions(&self, place: [usize; 3], speed: usize) -> Option<f64> {
-        let (lines, step) = self.time(FIX_STEP);
+        let (lines, step) = self.time(FIX_STEP, &place);
         let time = lines.first().and(self.found.time)?;
         let scale = step? / ordinary_step(&self.stamps(time))?;
         let degrees = match self.unit(place[0]).as_deref() {

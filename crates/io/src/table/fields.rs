@@ -284,6 +284,7 @@ fn parse_any_row(
     let mut fields = Fields::new(line, delimiter);
     let mut column = 0;
     let mut last = f64::NAN;
+    let mut any = false;
     if let Some(stamps) = stamps.as_mut() {
         stamps.start();
     }
@@ -311,6 +312,9 @@ fn parse_any_row(
                         slot,
                     });
                 }
+                Some(Err(b"")) if !any && is_blank(line, delimiter, wanted, stamps.as_deref()) => {
+                    return Err(Defect::Blank { column: target + 1 });
+                }
                 Some(Err(b"")) if keep.keeps(slot) => f64::NAN,
                 Some(Err(b"")) => return Err(Defect::Empty { column: target + 1 }),
                 Some(Err(_)) if keep.optional(slot) => f64::NAN,
@@ -320,6 +324,7 @@ fn parse_any_row(
                 }
                 None => return Err(too_few(column, target)),
             };
+            any |= !last.is_nan() && !stamps.as_ref().is_some_and(|stamps| stamps.is_time(slot));
             column += 1;
         }
         if let Some(place) = out.get_mut(slot) {
@@ -327,6 +332,27 @@ fn parse_any_row(
         }
     }
     stamps.map_or(Ok(()), |stamps| stamps.finish(out))
+}
+
+/// Whether a row has nothing in all wanted columns but the times: it is of another sensor in the same table.
+#[cold]
+fn is_blank(
+    line: &[u8],
+    delimiter: Delimiter,
+    wanted: &[(usize, usize)],
+    stamps: Option<&Stamps>,
+) -> bool {
+    let is_time = |slot| stamps.is_some_and(|stamps| stamps.is_time(slot));
+    let mut values = wanted.iter().filter(|(_, slot)| !is_time(*slot)).peekable();
+    let fields = Fields::new(line, delimiter).enumerate();
+    for (column, field) in fields {
+        while values.next_if(|(target, _)| *target == column).is_some() {
+            if !field.is_empty() {
+                return false;
+            }
+        }
+    }
+    values.next().is_none()
 }
 
 #[cold]

@@ -46,7 +46,7 @@ pub(crate) fn table(files: &[PathBuf; 2]) -> Result<impl Read + Send + 'static, 
     let own = |half: &Half| Vec::from_iter(half.names.iter().map(|name| name.to_lowercase()));
     let shared = own(&first).iter().any(|name| own(&second).contains(name));
     let names =
-        |half: &Half| Vec::from_iter(half.names.iter().map(|name| half.name_of(name, shared)));
+        |half: &Half| Vec::from_iter(half.names.iter().map(|name| qualified(&half.stem, name, shared)));
     let header = [vec![first.time_name.clone()], names(&first), names(&second)].concat();
     Ok(Halves {
         held: (header.join(",") + "\n").into_bytes().into(),
@@ -114,19 +114,6 @@ impl Half {
         Ok(half)
     }
 
-    /// The name of a column, behind that of the file where it is the same in both or that of an axis alone.
-    fn name_of(&self, name: &str, shared: bool) -> String {
-        let axis = name.trim_start().to_lowercase();
-        let mut letters = axis.chars();
-        let is_axis = matches!(letters.next(), Some('x'..='z'))
-            && letters.next().is_none_or(|next| !next.is_alphanumeric());
-        let name = plain(name);
-        match shared || is_axis {
-            true => format!("{}.{name}", plain(&self.stem)),
-            false => name,
-        }
-    }
-
     fn row(&mut self, line: &[u8]) -> Option<(f64, String, String)> {
         let mut cells =
             Vec::from_iter(Fields::new(line, self.delimiter).map(String::from_utf8_lossy));
@@ -148,6 +135,19 @@ impl Half {
             };
             self.next = self.row(&line);
         }
+    }
+}
+
+/// The name of a column, behind that of its table where it is the same in another or that of an axis alone.
+pub(super) fn qualified(table: &str, name: &str, shared: bool) -> String {
+    let axis = name.trim_start().to_lowercase();
+    let mut letters = axis.chars();
+    let is_axis = matches!(letters.next(), Some('x'..='z'))
+        && letters.next().is_none_or(|next| !next.is_alphanumeric());
+    let name = plain(name);
+    match shared || is_axis {
+        true => format!("{}.{name}", plain(table)),
+        false => name,
     }
 }
 

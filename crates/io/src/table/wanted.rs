@@ -160,6 +160,10 @@ pub(crate) enum Defect {
     Empty {
         column: usize,
     },
+    /// Nothing but a time: of the columns wanted this is the first.
+    Blank {
+        column: usize,
+    },
     /// Its column's number, and its place in the row read.
     NotFinite {
         value: f64,
@@ -172,7 +176,7 @@ impl Defect {
     pub(crate) fn kind(&self) -> SkipKind {
         match self {
             Self::Text(_) => SkipKind::Text,
-            Self::TooFew { .. } | Self::Empty { .. } => SkipKind::MissingField,
+            Self::TooFew { .. } | Self::Empty { .. } | Self::Blank { .. } => SkipKind::MissingField,
             Self::NotFinite { .. } => SkipKind::NotFinite,
         }
     }
@@ -185,7 +189,7 @@ impl fmt::Display for Defect {
             Self::TooFew { fields, wanted } => {
                 write!(f, "{fields} fields, but column {wanted} is needed")
             }
-            Self::Empty { column } => write!(f, "column {column} is empty"),
+            Self::Empty { column } | Self::Blank { column } => write!(f, "column {column} is empty"),
             Self::NotFinite { value, column, .. } => write!(f, "{value} in column {column}"),
         }
     }
