@@ -315,6 +315,7 @@ impl Opened {
     /// # Errors
     /// If there is no line, or Parquet cannot be read.
     pub fn preview(&mut self, rows: usize) -> Result<Preview, ReadError> {
+        self.as_rows();
         self.read_to(rows.saturating_mul(ROW) as u64);
         let source = match self.unlike_text()? {
             Some(source) => source,
@@ -343,6 +344,7 @@ impl Opened {
     /// If it has no line, or lacks a wanted column.
     pub fn table(mut self, options: &TableOptions) -> Result<Table, ReadError> {
         let name = self.name.clone();
+        self.as_rows();
         let source = match self.unlike_text()? {
             Some(source) => source,
             None => {
@@ -351,6 +353,13 @@ impl Opened {
             }
         };
         Table::new(&name, source, options)
+    }
+
+    /// Sentences of NMEA may have the rows of a sensor between them: a table where that is asked for.
+    fn as_rows(&mut self) {
+        if self.format() == Format::Nmea && tagged::may_be(&self.start) {
+            self.rewritten(tagged::table);
+        }
     }
 
     /// Reads it as a log of the format.

@@ -271,6 +271,15 @@ impl Columns {
         self.table.rows.iter().filter_map(value).collect()
     }
 
+    /// The times of the rows in which a part has values.
+    pub(super) fn stamps_beside(&self, time: usize, part: &[usize]) -> Vec<f64> {
+        let value =
+            |row: &Vec<f64>, place: usize| row.get(place).copied().filter(|x| x.is_finite());
+        let rows = self.table.rows.iter();
+        let rows = rows.filter(|row| part.iter().all(|place| value(row, *place).is_some()));
+        rows.filter_map(|row| value(row, time)).collect()
+    }
+
     /// The column that is the time by its name: of several the first that has one where the columns of the part have values.
     fn time_beside(&self, part: &[usize]) -> Option<usize> {
         let has = |row: &&Vec<f64>, place: &usize| row.get(*place).is_some_and(|x| x.is_finite());
@@ -280,7 +289,11 @@ impl Columns {
             let there = rows.clone().filter(|row| has(row, place)).count();
             2 * there > rows.clone().count()
         };
-        let mut times = self.found.times.iter().filter(|_| self.found.times.len() > 1);
+        let mut times = self
+            .found
+            .times
+            .iter()
+            .filter(|_| self.found.times.len() > 1);
         times.find(beside).copied().or(self.found.time)
     }
 
@@ -298,7 +311,7 @@ impl Columns {
         let Some((place, known)) = named.or_else(by_numbers) else {
             return (Vec::new(), None);
         };
-        let stamps = self.stamps(place);
+        let stamps = self.stamps_beside(place, part);
         let name = self.table.names.get(place).map_or("", String::as_str);
         if self.unit(place).is_none() && is_of_unknown_ticks(name, &stamps, longest) {
             return (Vec::new(), None);

@@ -25,6 +25,11 @@ impl Delimiter {
             return other;
         }
         let usual = [b',', b';', b'\t'];
+        // `t; 48.1, 11.5; 520`: commas within fields.
+        let count = |of: u8| line.iter().filter(|byte| **byte == of).count();
+        if count(b';') >= FIELDS - 1 && count(b',') < count(b';') {
+            return Self::Byte(b';');
+        }
         let bars = line.split(|byte| *byte == b'|');
         let bars = bars.filter(|field| !field.trim_ascii().is_empty()).count();
         match usual.into_iter().find(|byte| line.contains(byte)) {

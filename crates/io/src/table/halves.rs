@@ -45,8 +45,13 @@ pub(crate) fn table(files: &[PathBuf; 2]) -> Result<impl Read + Send + 'static, 
     let [first, second] = [Half::open(&files[0])?, Half::open(&files[1])?];
     let own = |half: &Half| Vec::from_iter(half.names.iter().map(|name| name.to_lowercase()));
     let shared = own(&first).iter().any(|name| own(&second).contains(name));
-    let names =
-        |half: &Half| Vec::from_iter(half.names.iter().map(|name| qualified(&half.stem, name, shared)));
+    let names = |half: &Half| {
+        Vec::from_iter(
+            half.names
+                .iter()
+                .map(|name| qualified(&half.stem, name, shared)),
+        )
+    };
     let header = [vec![first.time_name.clone()], names(&first), names(&second)].concat();
     Ok(Halves {
         held: (header.join(",") + "\n").into_bytes().into(),

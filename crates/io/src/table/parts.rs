@@ -215,7 +215,10 @@ impl Timed {
     fn are_places(&self) -> bool {
         let mut places = self.numbers().filter(|row| row.len() > 1);
         places.all(|row| {
-            !row[0].is_finite() || row[0].abs() <= 90.0 && row[1].abs() <= 180.0 && (row[0].fract() != 0.0 || row[0] == 0.0)
+            !row[0].is_finite()
+                || row[0].abs() <= 90.0
+                    && row[1].abs() <= 180.0
+                    && (row[0].fract() != 0.0 || row[0] == 0.0)
         })
     }
 

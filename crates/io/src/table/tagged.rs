@@ -20,6 +20,8 @@ const MOST: usize = 24;
 const LETTERS: usize = 40;
 /// Of ten rows, so many begin with a sensor's name.
 const USUAL: usize = 7;
+/// Columns of a time and a sensor of three axes, with one more.
+const VALUES: usize = 5;
 /// Parts of the names of inertial sensors, of which one is to be there.
 const INERTIAL: [&str; 4] = ["imu", "acc", "gyr", "inertial"];
 
@@ -83,7 +85,8 @@ fn tag(row: &[u8], place: usize, delimiter: Delimiter) -> Option<&str> {
 
 /// Whether a row has numbers, and not the names of columns.
 fn is_of_numbers(row: &[u8], delimiter: Delimiter) -> bool {
-    let numbers = Fields::new(row, delimiter).filter(|field| number::parse_with_comma(field).is_some());
+    let numbers =
+        Fields::new(row, delimiter).filter(|field| number::parse_with_comma(field).is_some());
     numbers.count() >= 2
 }
 
@@ -91,17 +94,19 @@ fn is_of_numbers(row: &[u8], delimiter: Delimiter) -> bool {
 fn parts(text: &[u8], (place, delimiter): (usize, Delimiter)) -> Vec<Part> {
     let mut parts: Vec<Part> = Vec::new();
     let mut headers: Vec<(String, Vec<String>)> = Vec::new();
-    let mut common: Option<Vec<String>> = None;
     let text = without_byte_order_mark(text);
     for (number, line) in text.split(|byte| *byte == b'\n').enumerate() {
-        let mut line = line.trim_ascii();
-        while let [b'#' | b'%', rest @ ..] = line {
-            line = rest.trim_ascii();
-        }
+        let line = without_comment(line);
         if line.is_empty() {
             continue;
         }
         let cells = |plain: fn(&str) -> String| {
+            // Without the checksum of a sentence.
+            let sum = line.len().saturating_sub(3);
+            let line = line
+                .get(..sum)
+                .filter(|_| line.get(sum) == Some(&b'*'))
+                .unwrap_or(line);
             let fields = Fields::new(line, delimiter).map(String::from_utf8_lossy);
             let mut cells = Vec::from_iter(fields.map(|cell| plain(&cell)));
             if place < cells.len() {
@@ -111,12 +116,9 @@ fn parts(text: &[u8], (place, delimiter): (usize, Delimiter)) -> Vec<Part> {
         };
         if !is_of_numbers(line, delimiter) {
             let names = cells(|name| name.trim_matches('"').to_owned());
-            match tag(line, place, delimiter) {
-                Some(tag) if names.len() > 1 => headers.push((tag.to_owned(), names.clone())),
-                _ => {}
-            }
-            if names.len() > 1 && parts.is_empty() {
-                common = Some(names);
+            if names.len() > 1 {
+                let tag = tag(line, place, delimiter).unwrap_or_default();
+                headers.push((tag.to_owned(), names));
             }
             continue;
         }
@@ -134,11 +136,35 @@ fn parts(text: &[u8], (place, delimiter): (usize, Delimiter)) -> Vec<Part> {
             }),
         }
     }
+    // Of no sensor: for all.
+    let all = Vec::from_iter(parts.iter().map(|part| part.name.clone()));
+    let is_common = |(tag, _): &&(String, Vec<String>)| !all.contains(tag);
     for part in &mut parts {
         let own = headers.iter().find(|(tag, _)| *tag == part.name);
-        let width = part.rows.first().map_or(0, |(_, row)| row.split(',').count());
-        let common = common.as_ref().filter(|names| names.len() == width);
-        part.names = own.map_or_else(|| common.cloned().unwrap_or_default(), |(_, names)| names.clone());
+        let width = part
+            .rows
+            .first()
+            .map_or(0, |(_, row)| row.split(',').count());
+        // Names for all are those of values that differ from sensor to sensor, unless there are many.
+        let mut common = headers.iter().filter(is_common);
+        let common = common.find(|(_, names)| names.len() == width && width > VALUES);
+        part.names = own
+            .or(common)
+            .map_or(Vec::new(), |(_, names)| names.clone());
     }
     parts
+}
+
+/// A line without the mark of a comment; of one with a part in quotes, as the app GetSensorData writes its formats, that part.
+fn without_comment(line: &[u8]) -> &[u8] {
+    let mut line = line.trim_ascii();
+    let whole = line;
+    while let [b'#' | b'%', rest @ ..] = line {
+        line = rest.trim_ascii();
+    }
+    let mut quoted = line.split(|byte| *byte == b'\'').skip(1);
+    match quoted.next().filter(|_| line.len() < whole.len()) {
+        Some(inside) if quoted.next().is_some() => inside,
+        _ => line,
+    }
 }

@@ -189,7 +189,9 @@ impl fmt::Display for Defect {
             Self::TooFew { fields, wanted } => {
                 write!(f, "{fields} fields, but column {wanted} is needed")
             }
-            Self::Empty { column } | Self::Blank { column } => write!(f, "column {column} is empty"),
+            Self::Empty { column } | Self::Blank { column } => {
+                write!(f, "column {column} is empty")
+            }
             Self::NotFinite { value, column, .. } => write!(f, "{value} in column {column}"),
         }
     }

@@ -66,7 +66,12 @@ struct Sheet {
 impl Sheet {
     fn new(name: &str) -> Self {
         let (rows, row, bytes) = (vec![Vec::new()], 0, 0);
-        Self { name: name.to_owned(), rows, row, bytes }
+        Self {
+            name: name.to_owned(),
+            rows,
+            row,
+            bytes,
+        }
     }
 
     /// Puts a cell; whether there is room for more.
@@ -90,7 +95,8 @@ impl Sheet {
         self.rows.retain(|row| !row.is_empty());
         let numbers = |row: &Vec<String>| {
             let is_number = |cell: &&String| {
-                number::parse(cell.as_bytes()).is_some() || cell.starts_with(|c: char| c.is_ascii_digit())
+                number::parse(cell.as_bytes()).is_some()
+                    || cell.starts_with(|c: char| c.is_ascii_digit())
             };
             row.iter().filter(is_number).count()
         };
@@ -103,7 +109,11 @@ impl Sheet {
         }
         let names = self.rows.pop().filter(|names| names.len() > 1);
         let rows = rows.into_iter().map(|row| row.join(","));
-        Some(Part { name: self.name, names: names.unwrap_or_default(), rows: rows.enumerate().collect() })
+        Some(Part {
+            name: self.name,
+            names: names.unwrap_or_default(),
+            rows: rows.enumerate().collect(),
+        })
     }
 }
 
@@ -174,8 +184,12 @@ fn text_of_time(time: &ExcelDateTime, later: bool) -> String {
     let micros = (days * MICROS).round();
     let of_day = micros.rem_euclid(MICROS);
     let seconds = (of_day / 1e6).floor();
-    let [hour, minute, second] = [seconds / 3600.0, seconds / 60.0 % 60.0, seconds % 60.0].map(f64::floor);
-    let clock = format!("{hour:02}:{minute:02}:{second:02}.{:06}", of_day - 1e6 * seconds);
+    let [hour, minute, second] =
+        [seconds / 3600.0, seconds / 60.0 % 60.0, seconds % 60.0].map(f64::floor);
+    let clock = format!(
+        "{hour:02}:{minute:02}:{second:02}.{:06}",
+        of_day - 1e6 * seconds
+    );
     let day = (micros / MICROS).floor() + if later { LATER } else { 0.0 };
     let (year, month, date, ..) =
         ExcelDateTime::new(day, ExcelDateTimeType::DateTime, false).to_ymd_hms_milli();
