@@ -209,7 +209,7 @@ fn without_source(name: &str) -> Option<&str> {
         let digits = word.bytes().all(|byte| byte.is_ascii_digit());
         digits || SOURCES.iter().any(|source| word.starts_with(source))
     };
-    (words.all(known) && letters(name.get(cut + 1..)?).len() > 2).then(|| name.get(cut + 1..))?
+    (words.all(known) && letters(name.get(cut + 1..)?).len() > 1).then(|| name.get(cut + 1..))?
 }
 
 fn of_name(name: &str) -> Option<(Meaning, Option<String>)> {

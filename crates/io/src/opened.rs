@@ -358,7 +358,7 @@ impl Opened {
     /// Sentences of NMEA may have the rows of a sensor between them: a table where that is asked for.
     fn as_rows(&mut self) {
         if self.format() == Format::Nmea && tagged::may_be(&self.start) {
-            self.rewritten(tagged::table);
+            self.rewritten(tagged::between_sentences);
         }
     }
 

@@ -339,7 +339,7 @@ fn parse_any_row(
     stamps.map_or(Ok(()), |stamps| stamps.finish(out))
 }
 
-/// Whether a row has nothing in all wanted columns but the times: it is of another sensor in the same table.
+/// Whether a row has nothing in all wanted columns but the times, and something in others: it is of another sensor in the same table.
 #[cold]
 fn is_blank(
     line: &[u8],
@@ -348,16 +348,19 @@ fn is_blank(
     stamps: Option<&Stamps>,
 ) -> bool {
     let is_time = |slot| stamps.is_some_and(|stamps| stamps.is_time(slot));
-    let mut values = wanted.iter().filter(|(_, slot)| !is_time(*slot)).peekable();
-    let fields = Fields::new(line, delimiter).enumerate();
-    for (column, field) in fields {
-        while values.next_if(|(target, _)| *target == column).is_some() {
-            if !field.is_empty() {
+    let mut wanted = wanted.iter().peekable();
+    let mut others = false;
+    for (column, field) in Fields::new(line, delimiter).enumerate() {
+        let mut is_other = true;
+        while let Some((_, slot)) = wanted.next_if(|(target, _)| *target == column) {
+            is_other = false;
+            if !field.is_empty() && !is_time(*slot) {
                 return false;
             }
         }
+        others |= is_other && !field.is_empty();
     }
-    values.next().is_none()
+    others && wanted.next().is_none()
 }
 
 #[cold]
@@ -398,6 +401,7 @@ mod tests {
             ("19:34:18,749\t1\t2", Delimiter::Byte(b'\t')),
             ("19:34:18,749 1 2", Delimiter::Blanks),
             ("2025-07-08 19:34:18,1,2,3", comma),
+            ("1;48.1, 11.5;520", Delimiter::Byte(b';')),
             ("1,2;x,y;z", comma),
             ("1, 2, 3", comma),
             ("1,2 3,4", comma),

@@ -157,7 +157,7 @@ pub(super) fn qualified(table: &str, name: &str, shared: bool) -> String {
 }
 
 /// A name without what separates columns.
-fn plain(name: &str) -> String {
+pub(super) fn plain(name: &str) -> String {
     visible(name).replace([',', '"'], " ")
 }
 

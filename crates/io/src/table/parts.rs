@@ -5,7 +5,7 @@
 
 use std::cmp::Reverse;
 
-use super::halves::qualified;
+use super::halves::{plain, qualified};
 use super::stamps;
 use crate::number;
 use crate::time::WeekClock;
@@ -29,11 +29,13 @@ struct Timed {
     part: Part,
     width: usize,
     time: usize,
+    /// The columns behind it that are no times.
+    behind: Vec<usize>,
     /// The times of its rows.
     stamps: Vec<f64>,
 }
 
-/// The text of the table that they are together; `None` if less than two have times.
+/// The text of the table that those with times are together; `None` without one.
 pub(super) fn joined(parts: Vec<Part>) -> Option<String> {
     let mut weeks = WeekClock::default();
     let parts = parts
@@ -41,7 +43,7 @@ pub(super) fn joined(parts: Vec<Part>) -> Option<String> {
         .filter_map(|part| Timed::new(part, &mut weeks));
     let mut parts = Vec::from_iter(parts);
     parts.sort_by_key(|part| Reverse(part.stamps.len()));
-    let longest = parts.first().filter(|_| parts.len() > 1)?;
+    let longest = parts.first()?;
     let one_clock = parts.iter().all(|part| part.overlaps(longest));
     let named = Vec::from_iter(parts.iter().map(Timed::names));
     let mut header = Vec::new();
@@ -57,7 +59,10 @@ pub(super) fn joined(parts: Vec<Part>) -> Option<String> {
             let shared = others
                 .flat_map(|(_, names)| names)
                 .any(|other| other.eq_ignore_ascii_case(name));
-            header.push(qualified(&part.part.name, name, shared));
+            header.push(match parts.len() {
+                1 => plain(name),
+                _ => qualified(&part.part.name, name, shared),
+            });
         }
     }
     let mut text = header.join(",") + "\n";
@@ -137,6 +142,8 @@ impl Timed {
             .iter()
             .position(|stamps| grows(stamps) && !counts(stamps))
             .or_else(|| columns.iter().position(grows))?;
+        let is_time = |place: &usize| columns.get(*place).is_some_and(grows);
+        let behind = (time + 1..width).filter(|place| !is_time(place)).collect();
         let mut part = part;
         let stamp = |row: &str, weeks: &mut WeekClock| time_of(row.split(',').nth(time)?, weeks);
         let mut stamps = Vec::new();
@@ -149,6 +156,7 @@ impl Timed {
             part,
             width,
             time,
+            behind,
             stamps,
         })
     }
@@ -178,18 +186,17 @@ impl Timed {
         }
         let numbered = (0..self.width).map(|place| format!("{}_{}", self.part.name, place + 1));
         let mut names = Vec::from_iter(numbered);
-        let behind = Vec::from_iter(self.time + 1..self.width);
         let mut name = |from: usize, words: [&str; 3]| {
-            for (place, word) in behind.iter().skip(from).zip(words) {
+            for (place, word) in self.behind.iter().skip(from).zip(words) {
                 names[*place] = word.to_owned();
             }
         };
         let word = self.part.name.to_lowercase();
         let is_of_receiver = RECEIVERS.iter().any(|known| word.contains(known));
-        match behind.len() {
+        match self.behind.len() {
             2.. if is_of_receiver && self.are_places() => name(0, ["lat", "lon", "alt"]),
-            3 | 4 => name(0, ["x", "y", "z"]),
-            6.. if !is_of_receiver => {
+            3..6 => name(0, ["x", "y", "z"]),
+            6.. if word.contains("imu") || word.contains("inertial") => {
                 let [first, second] = [0, 3].map(|from| self.unsteadiness(from));
                 let (accel, gyro) = if first < second { (0, 3) } else { (3, 0) };
                 name(accel, ["ax", "ay", "az"]);
@@ -205,9 +212,10 @@ impl Timed {
     fn numbers(&self) -> impl Iterator<Item = Vec<f64>> {
         let rows = self.part.rows.iter().take(ROWS);
         rows.map(|(_, row)| {
-            let cells = row.split(',').skip(self.time + 1);
-            let numbers = cells.map(|cell| number::parse(cell.as_bytes()).unwrap_or(f64::NAN));
-            numbers.collect()
+            let cells = Vec::from_iter(row.split(','));
+            let number = |place: &usize| number::parse(cells.get(*place)?.as_bytes());
+            let numbers = self.behind.iter().map(number);
+            numbers.map(|number| number.unwrap_or(f64::NAN)).collect()
         })
     }
 

@@ -33,10 +33,22 @@ pub(crate) fn may_be(start: &[u8]) -> bool {
 
 /// The table as text; the text itself where it is not of several sensors.
 pub(crate) fn table(source: Source, _: &[u8]) -> Source {
+    table_of(source, 2)
+}
+
+/// The same of the rows of a sensor or several between sentences of NMEA.
+pub(crate) fn between_sentences(source: Source, _: &[u8]) -> Source {
+    table_of(source, 1)
+}
+
+/// The table of so many sensors at least.
+fn table_of(source: Source, least: usize) -> Source {
     let mut text = Vec::new();
     let mut source = source.take(LONGEST);
     let failure = source.read_to_end(&mut text).err();
-    let rows = place_of_tags(&text).and_then(|place| joined(parts(&text, place)));
+    let parts = place_of_tags(&text).map(|place| parts(&text, place));
+    let parts = parts.filter(|parts| parts.len() >= least);
+    let rows = parts.and_then(joined);
     let read = Cursor::new(rows.map_or(text, String::into_bytes));
     let rest = BufReader::new(Failing(failure)).chain(source.into_inner());
     Box::new(read.chain(rest))
@@ -83,6 +95,13 @@ fn tag(row: &[u8], place: usize, delimiter: Delimiter) -> Option<&str> {
     is_name.then_some(tag)
 }
 
+/// Whether a name is that of a sentence of NMEA by its talker.
+fn is_sentence(tag: &str) -> bool {
+    let talkers = ["GP", "GN", "GL", "GA", "GB", "GQ"];
+    let of_talker = talkers.iter().any(|talker| tag.starts_with(talker));
+    of_talker && tag.len() == 5 && tag.chars().all(|c| c.is_ascii_uppercase())
+}
+
 /// Whether a row has numbers, and not the names of columns.
 fn is_of_numbers(row: &[u8], delimiter: Delimiter) -> bool {
     let numbers =
@@ -122,7 +141,7 @@ fn parts(text: &[u8], (place, delimiter): (usize, Delimiter)) -> Vec<Part> {
             }
             continue;
         }
-        let Some(tag) = tag(line, place, delimiter) else {
+        let Some(tag) = tag(line, place, delimiter).filter(|tag| !is_sentence(tag)) else {
             continue;
         };
         let row = cells(|cell| cell.replace(',', ".")).join(",");
@@ -166,5 +185,125 @@ fn without_comment(line: &[u8]) -> &[u8] {
     match quoted.next().filter(|_| line.len() < whole.len()) {
         Some(inside) if quoted.next().is_some() => inside,
         _ => line,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Option<Vec<String>> {
+        if !may_be(text.as_bytes()) {
+            return None;
+        }
+        let mut read = String::new();
+        let source = Cursor::new(text.as_bytes().to_vec());
+        table(Box::new(source), b"")
+            .read_to_string(&mut read)
+            .unwrap();
+        (read != text).then(|| read.lines().map(str::to_owned).collect())
+    }
+
+    /// Without names: the sensor that has gravity is the one of steady size.
+    #[test]
+    fn rows_of_two_sensors_are_one_table_by_their_times() {
+        let imu = |t: &str, turn: f64| format!("IMU,{t},{turn},0.2,0.3,0.1,0.2,9.8\n");
+        // The second position comes late.
+        let text = imu("0.1", 0.1)
+            + &imu("0.2", -0.7)
+            + "GPS,0.2,48.5,11.25,520\n"
+            + &imu("0.3", 0.4)
+            + &imu("0.4", 0.2)
+            + "GPS,0.35,48.25,11.25,519\n"
+            + "cut\n";
+        assert_eq!(
+            read(&text).unwrap(),
+            [
+                "time,gx,gy,gz,ax,ay,az,lat,lon,alt",
+                "0.1,0.1,0.2,0.3,0.1,0.2,9.8,,,",
+                "0.2,-0.7,0.2,0.3,0.1,0.2,9.8,48.5,11.25,520",
+                "0.3,0.4,0.2,0.3,0.1,0.2,9.8,,,",
+                "0.35,,,,,,,48.25,11.25,519",
+                "0.4,0.2,0.2,0.3,0.1,0.2,9.8,,,",
+            ]
+        );
+    }
+
+    /// Of a sensor with two times the first is common.
+    #[test]
+    fn sensors_without_names_and_with_more_columns() {
+        let row =
+            |name: &str, t: f64, x: f64| format!("{name};{t:.2};{:.3};{x};2;3;1\n", t + 5.001);
+        let times = (0..9).map(|k| 0.1 * f64::from(k));
+        let rows: String = times
+            .map(|t| row("ACCE", t, 9.5) + &row("GYRO", t, 0.1))
+            .collect();
+        let lines = read(&rows).unwrap();
+        assert_eq!(
+            lines[0],
+            "time,ACCE_2,ACCE.x,ACCE.y,ACCE.z,ACCE_6,GYRO_2,GYRO.x,GYRO.y,GYRO.z,GYRO_6"
+        );
+        assert_eq!(lines[2], "0.10,5.101,9.5,2,3,1,5.101,0.1,2,3,1");
+    }
+
+    #[test]
+    fn rows_between_sentences_are_a_table() {
+        let text =
+            "$GPRMC,1,A*00\nIMU,1,1,2,3,0,0,9.8\nIMU,2.5,1,2,4,0,0,9.8\nIMU,3,1,2,3,0,0,9.8\n";
+        let source = Cursor::new(text.as_bytes().to_vec());
+        let mut read = String::new();
+        let mut table = between_sentences(Box::new(source), b"");
+        table.read_to_string(&mut read).unwrap();
+        assert_eq!(
+            read,
+            "time,gx,gy,gz,ax,ay,az\n1,1,2,3,0,0,9.8\n2.5,1,2,4,0,0,9.8\n3,1,2,3,0,0,9.8\n"
+        );
+    }
+
+    #[test]
+    fn names_are_in_lines_of_their_own() {
+        let rows = "ACCE;0.1;1;2;3\nGYRO;0.1;4;5;6\nACCE;0.2;1;2;3\nGYRO;0.25;4;5;6\nACCE;0.3;1;2;3\nGYRO;0.3;4;5;6\n";
+        let head = "% by an app\n% Accelerometer: 'ACCE;Time(s);Acc_X;Acc_Y;Acc_Z'\n% Gyroscope: 'GYRO;Time(s);Gyr_X;Gyr_Y;Gyr_Z'\n";
+        let lines = read(&format!("{head}{rows}")).unwrap();
+        assert_eq!(
+            lines[..3],
+            [
+                "Time(s),Acc_X,Acc_Y,Acc_Z,Gyr_X,Gyr_Y,Gyr_Z",
+                "0.1,1,2,3,4,5,6",
+                "0.2,1,2,3,,,",
+            ]
+        );
+        // Names for all are those of no sensor.
+        let long = "time,sensor,x,y,z\n1,gyroscope,4,5,6\n1,accelerometer,1,2,3\n2,gyroscope,4,5,6\n2.5,accelerometer,1,2,3\n4,gyroscope,4,5,6\n4.5,accelerometer,1,2,3\n";
+        assert_eq!(
+            read(long).unwrap()[0],
+            "time,gyroscope.x,gyroscope.y,gyroscope.z,accelerometer.x,accelerometer.y,accelerometer.z"
+        );
+    }
+
+    #[test]
+    fn another_clock_has_a_column_of_its_own() {
+        let text = "$IMU,1000,1,2,3,4,5,6*0A\n$IMU,1500,1,2,3,4,5,6*0A\n$GPS,200001,48.5,11.5,520*1B\n$IMU,2500,1,2,3,4,5,6*0A\n$GPS,200002,48.5,11.5,520*1B\n$IMU,3500,1,2,3,4,5,6*0A\n$IMU,4000,1,2,3,4,5,6*0A\n";
+        let lines = read(text).unwrap();
+        assert!(
+            lines[0].starts_with("IMU.time,") && lines[0].ends_with(",GPS.time,lat,lon,alt"),
+            "{}",
+            lines[0]
+        );
+        assert_eq!(lines[3], ",,,,,,,200001,48.5,11.5,520");
+    }
+
+    #[test]
+    fn other_texts_stay_as_they_are() {
+        for text in [
+            "",
+            "t,a,b\n1,2,3\n4,5,6\n",
+            // One sensor.
+            "IMU,1,2,3\nIMU,2,2,3\nIMU,3,2,3\n",
+            // States of a receiver.
+            "t,FIX,48.1,11.5\n1,FIX,48.1,11.5\n2,FLOAT,48.1,11.5\n3,FIX,48.1,11.5\n",
+        ] {
+            assert_eq!(read(text), None, "{text}");
+        }
     }
 }

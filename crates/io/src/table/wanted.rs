@@ -37,6 +37,8 @@ pub struct TableOptions {
     pub header_lines: u64,
     /// Hand on rows with NaN, infinity or an empty field (as NaN) instead of skipping them.
     pub keep_not_finite: bool,
+    /// Pass over rows, uncounted, that have nothing in all of the columns but a time, and something in others: of another sensor.
+    pub of_one_sensor: bool,
     /// The one of the columns that may have no number in a row: it is NaN there.
     pub optional: Option<usize>,
     /// Which of the columns has times, that may be text.

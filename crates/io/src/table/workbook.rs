@@ -179,9 +179,10 @@ const MICROS: f64 = 86_400e6;
 fn text_of_time(time: &ExcelDateTime, later: bool) -> String {
     let days = time.as_f64();
     if time.is_duration() {
-        return (days * 86_400.0).to_string();
+        return ((days * MICROS).round() / 1e6).to_string();
     }
-    let micros = (days * MICROS).round();
+    // As fine as days of this century are counted.
+    let micros = 10.0 * (days * MICROS / 10.0).round();
     let of_day = micros.rem_euclid(MICROS);
     let seconds = (of_day / 1e6).floor();
     let [hour, minute, second] =
@@ -193,9 +194,86 @@ fn text_of_time(time: &ExcelDateTime, later: bool) -> String {
     let day = (micros / MICROS).floor() + if later { LATER } else { 0.0 };
     let (year, month, date, ..) =
         ExcelDateTime::new(day, ExcelDateTimeType::DateTime, false).to_ymd_hms_milli();
-    match (day < 1.0, of_day == 0.0) {
+    match (days < 1.0, of_day == 0.0) {
         (true, _) => clock,
         (false, true) => format!("{year:04}-{month:02}-{date:02}"),
         (false, false) => format!("{year:04}-{month:02}-{date:02}T{clock}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn golden(name: &str) -> Vec<u8> {
+        let folder =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/golden/formats/workbook");
+        std::fs::read(folder.join(name)).unwrap()
+    }
+
+    fn lines(name: &str) -> Vec<String> {
+        let text = text_of(&golden(name)).unwrap();
+        text.lines().map(str::to_owned).collect()
+    }
+
+    /// As the script beside the files writes them.
+    #[test]
+    fn sheets_with_times_are_one_table() {
+        let lines = lines("sheets.xlsx");
+        assert_eq!(
+            lines[0],
+            "Time (s),Gyroscope x (rad/s),Gyroscope y (rad/s),Gyroscope z (rad/s),Accelerometer x (m/s^2),Accelerometer y (m/s^2),Accelerometer z (m/s^2),Latitude (°),Longitude (°),Height (m)"
+        );
+        assert_eq!(
+            lines[1..4],
+            [
+                "0.01,0.5,1.5,2.5,9,10,11,,,",
+                "0.03,0.625,1.625,2.625,,,,,,",
+                "0.05,0.75,1.75,2.75,9.125,10.125,11.125,48.125,11.5,520.25",
+            ]
+        );
+        assert_eq!(lines.len(), 1 + 12);
+        assert_eq!(
+            lines[11],
+            "0.21,1.75,2.75,3.75,9.625,10.625,11.625,48.25,11.625,521"
+        );
+    }
+
+    #[test]
+    fn dates_durations_and_texts_are_as_in_a_csv() {
+        for name in ["dates.xlsx", "later.xlsx"] {
+            assert_eq!(
+                lines(name),
+                [
+                    "date,time,elapsed,lat,note,on",
+                    "2025-07-08T23:59:59.000000,23:59:59.000000,90000,48.125,,1",
+                    "2025-07-08T23:59:59.625000,23:59:59.625000,90001,49.125,a  b,0",
+                    "2025-07-09T00:00:00.250000,00:00:00.250000,90002,50.125,a  b,1",
+                    "2025-07-09T00:00:00.875000,00:00:00.875000,90003,51.125,a  b,0",
+                ],
+                "{name}"
+            );
+        }
+        assert_eq!(lines("old.xls")[..2], ["t,x,y,z", "0.01,1,2,3"]);
+    }
+
+    /// Damaged ones are read or left as they are.
+    #[test]
+    fn damage_of_any_kind() {
+        let whole = golden("sheets.xlsx");
+        for at in (0..whole.len()).step_by(7) {
+            let mut flipped = whole.clone();
+            flipped[at] ^= 1 << (at % 8);
+            let cut = whole[..at].to_vec();
+            for bytes in [flipped, cut] {
+                let mut read = Vec::new();
+                let source: Source = Box::new(Cursor::new(bytes.clone()));
+                table(source, &[]).read_to_end(&mut read).unwrap();
+                let is_text = || std::str::from_utf8(&read).is_ok();
+                assert!(read == bytes || is_text(), "byte {at}");
+            }
+        }
+        assert!(!may_be(b"t,a\n1,2\n"));
     }
 }

@@ -103,8 +103,8 @@ pub(super) fn numbers_of(cell: &[u8]) -> Option<(Vec<f64>, bool)> {
             || pair[0] == b' ' && (pair[1].is_ascii_digit() || pair[1] == b'-')
     });
     let count = |of: u8| inside.iter().filter(|byte| **byte == of).count();
-    // A number with a point has no decimal comma.
-    let points = count(b',') == 1 && count(b'.') > 0;
+    // Numbers with points have no decimal commas; one point alone may follow thousands.
+    let points = count(b',') == 1 && count(b'.') == 2;
     if !(in_brackets || between || points || count(b',') > 1 || count(b';') > 0) {
         return None;
     }
