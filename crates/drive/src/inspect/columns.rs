@@ -114,8 +114,25 @@ fn by_names(table: &Preview) -> Found {
     };
     let mut received = None;
     let mut accels: Vec<[Option<usize>; 3]> = Vec::new();
-    for (place, meaning) in meanings(&table.names).into_iter().enumerate() {
+    let meanings = meanings(&table.names);
+    let latitude = meanings
+        .iter()
+        .position(|known| matches!(known, Some((Meaning::Latitude, _))));
+    let has = |row: &Vec<f64>, place: usize| row.get(place).is_some_and(|x| x.is_finite());
+    // Of another sensor in the same table, blank where there are positions.
+    let is_apart = |place: usize| {
+        let fixes = latitude.map(|lat| table.rows.iter().filter(move |row| has(row, lat)));
+        fixes.is_some_and(|mut fixes| {
+            fixes.clone().next().is_some() && !fixes.any(|row| has(row, place))
+        })
+    };
+    for (place, meaning) in meanings.into_iter().enumerate() {
         let slot = match meaning {
+            Some((Meaning::Accuracy(_) | Meaning::Speed | Meaning::Course, _))
+                if is_apart(place) =>
+            {
+                continue;
+            }
             Some((Meaning::Time, _)) if table.names[place] == RECEIVED => &mut received,
             Some((Meaning::Time, _)) => {
                 found.times.push(place);
@@ -277,7 +294,12 @@ impl Columns {
             |row: &Vec<f64>, place: usize| row.get(place).copied().filter(|x| x.is_finite());
         let rows = self.table.rows.iter();
         let rows = rows.filter(|row| part.iter().all(|place| value(row, *place).is_some()));
-        rows.filter_map(|row| value(row, time)).collect()
+        let beside = Vec::from_iter(rows.filter_map(|row| value(row, time)));
+        if beside.is_empty() {
+            self.stamps(time)
+        } else {
+            beside
+        }
     }
 
     /// The column that is the time by its name: of several the first that has one where the columns of the part have values.
