@@ -12,6 +12,8 @@ use crate::time::WeekClock;
 
 /// Rows that show the column of times.
 const ROWS: usize = 200;
+/// Lengths of two columns of times, as powers of a thousand, that are those of one clock.
+const ALIKE: f64 = 0.01;
 /// Words in the names of sensors whose rows are positions.
 const RECEIVERS: [&str; 5] = ["gps", "gnss", "fix", "pos", "llh"];
 
@@ -142,8 +144,16 @@ impl Timed {
             .iter()
             .position(|stamps| grows(stamps) && !counts(stamps))
             .or_else(|| columns.iter().position(grows))?;
-        let is_time = |place: &usize| columns.get(*place).is_some_and(grows);
-        let behind = (time + 1..width).filter(|place| !is_time(place)).collect();
+        // A second time is directly behind the first, and as long in a unit of time.
+        let span = |place: usize| {
+            let stamps = columns.get(place).filter(|stamps| grows(stamps))?;
+            Some(stamps.last()? - stamps.first()?)
+        };
+        let ratio = span(time + 1)
+            .zip(span(time))
+            .map(|(second, first)| (second / first).log10() / 3.0);
+        let is_time = ratio.is_some_and(|ratio| (ratio - ratio.round()).abs() < ALIKE);
+        let behind = (time + 1 + usize::from(is_time)..width).collect();
         let mut part = part;
         let stamp = |row: &str, weeks: &mut WeekClock| time_of(row.split(',').nth(time)?, weeks);
         let mut stamps = Vec::new();
