@@ -84,11 +84,14 @@ mod tests {
         let nested = format!("imu0:\n{}", YAML.replace('\n', "\n  "));
         for text in [YAML, &nested] {
             let model = ImuModel::from_toml(text, "imu.yaml").unwrap();
-            for axis in 0..3 {
-                assert!((model.gyro[axis].white_noise - 1.87e-4).abs() < 1e-12);
-                assert!((model.gyro[axis].random_walk - 2.66e-5).abs() < 1e-12);
-                assert!((model.accel[axis].white_noise - 1.86e-3).abs() < 1e-12);
-                assert!((model.accel[axis].random_walk - 4.33e-4).abs() < 1e-12);
+            for (axes, white, walk) in [
+                (&model.gyro, 1.87e-4, 2.66e-5),
+                (&model.accel, 1.86e-3, 4.33e-4),
+            ] {
+                for axis in axes {
+                    assert!((axis.white.unwrap() / white - 1.0).abs() < 1e-12);
+                    assert!((axis.random_walk.unwrap() / walk - 1.0).abs() < 1e-12);
+                }
             }
         }
     }
