@@ -270,7 +270,9 @@ function fillColumns() {
   $("accel-unit").value = line("accel_unit");
   const unit = line("time_unit");
   $("time").value = line("time") && !String(line("time")).includes(",") ? [line("time"), ...(unit ? [unit] : [])].join(",") : "";
-  $("rate").value = line("time") ? "" : String(line("rate")).replace(/ ?Hz$/, "");
+  // A guess would pass for what is known.
+  const guessed = part?.lines.find(one => one.key === "rate")?.known === "no_times";
+  $("rate").value = line("time") || guessed ? "" : String(line("rate")).replace(/ ?Hz$/, "");
   preview();
 }
 $("record").onchange = fillColumns;
