@@ -63,8 +63,13 @@ $("cancel").onclick = () => {
 
 // ---- Messages and results --------------------------------------------------------------------------------------
 
+// Options of the command, as the fields of the form are called.
+const FIELDS = { rate: "Rate", time: "Column of times", columns: "Columns", units: "Unit of the gyros” and “Unit of the accelerometers", span: "Part used", base: "Data sheet" };
+const inFields = text => text.replace(/, or identify\.\w+ in a manifest/g, "").replace(/--([a-z]+)\b/g, (option, name) => FIELDS[name] ? `“${FIELDS[name]}”` : option);
+
 // Warnings and errors, and apart from them what is only said.
-function list(lines) {
+function list(said) {
+  const lines = said.map(inFields);
   const serious = text => /^(warning|error):|^Cancelled/.test(text);
   const items = lines.filter(serious).map(text => Object.assign(document.createElement("li"), { textContent: text }));
   $("messages").replaceChildren(...items);
@@ -263,7 +268,11 @@ function fillColumns() {
   $("columns").value = names.length === 6 && names.every(name => !String(name).includes(",")) ? names.join(",") : "";
   $("gyro-unit").value = line("gyro_unit");
   $("accel-unit").value = line("accel_unit");
-  $("rate").value = line("time") ? "" : String(line("rate")).replace(/ ?Hz$/, "");
+  const unit = line("time_unit");
+  $("time").value = line("time") && !String(line("time")).includes(",") ? [line("time"), ...(unit ? [unit] : [])].join(",") : "";
+  // A guess would pass for what is known.
+  const guessed = part?.lines.find(one => one.key === "rate")?.known === "no_times";
+  $("rate").value = line("time") || guessed ? "" : String(line("rate")).replace(/ ?Hz$/, "");
   preview();
 }
 $("record").onchange = fillColumns;
@@ -274,6 +283,7 @@ function asked() {
   return [
     $("record").value,
     ...(is("rate") ? ["--rate", is("rate")] : []),
+    ...(is("time") && !is("rate") ? ["--time", is("time")] : []),
     ...(is("columns") ? ["--columns", is("columns")] : []),
     ...units,
     ...(is("span") ? ["--span", is("span")] : []),

@@ -77,6 +77,25 @@ test("the page and the command in it are below 4 MB with gzip", { skip: missing 
   assert.ok(gzipSync(readFileSync(file)).length < 4e6);
 });
 
+test("the column of times is a field of the form, and messages call it so", { skip: missing }, async () => {
+  const { page, troubles, close } = await open();
+  const noise = k => (((k * 7919) % 1013) / 1013 - 0.5) * 0.02;
+  const row = k => [k * 655, ...[1, 2, 3].map(axis => noise(k * 3 + axis)), noise(k * 5), noise(k * 11), 9.80665 + noise(k * 17)].join(",");
+  const table = path.join(scratch, "ticks.csv");
+  writeFileSync(table, "ticks,gx,gy,gz,ax,ay,az\n" + Array.from({ length: 3000 }, (_, k) => row(k)).join("\n") + "\n");
+  await page.setInputFiles("#choose", table);
+  await page.waitForFunction(() => /Column of times/.test(document.getElementById("messages").textContent), null, { timeout: 60000 });
+  await idle(page);
+  assert.doesNotMatch(await page.textContent("#messages"), /--time|--rate/);
+  await page.fill("#rate", "");
+  await page.fill("#time", "ticks,LSB/32768 s");
+  await page.click("#static .do");
+  await idle(page);
+  assert.match(await page.textContent("#text"), /at 50\.0 Hz/);
+  assert.deepEqual(troubles, []);
+  await close();
+});
+
 test("nothing can be sent", { skip: missing }, async () => {
   const { page, close } = await open();
   const sent = await page.evaluate(async () => {

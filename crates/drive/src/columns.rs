@@ -212,7 +212,7 @@ fn without_source(name: &str) -> Option<&str> {
         let digits = word.bytes().all(|byte| byte.is_ascii_digit());
         digits || SOURCES.iter().any(|source| word.starts_with(source))
     };
-    (words.all(known) && letters(name.get(cut + 1..)?).len() > 2).then(|| name.get(cut + 1..))?
+    (words.all(known) && letters(name.get(cut + 1..)?).len() > 1).then(|| name.get(cut + 1..))?
 }
 
 fn of_name(name: &str) -> Option<(Meaning, Option<String>)> {
@@ -388,7 +388,7 @@ fn spelled(unit: &str) -> String {
         "rad s^-1" | "rad·s^-1" | "rps" => "rad/s".into(),
         "m s^-2" | "m/s2" | "m/s²" | "mps2" | "m/s/s" => "m/s^2".into(),
         "m s^-1" | "mps" => "m/s".into(),
-        "°" | "degrees" => "deg".into(),
+        "°" | "º" | "degrees" => "deg".into(),
         "1e-7 deg" | "deg*1e7" | "1e7 deg" | "dege7" | "deg e7" | "deg*10^7" => {
             "LSB/1e7 deg".into()
         }

@@ -91,7 +91,13 @@ fn of_log(path: &Path, held: Option<Memory>) -> Result<Inspection, ReadError> {
         )],
         log => {
             let streams = opened.streams(log)?;
-            let parts = of_streams(&streams, &mut inspection.found);
+            let mut parts = of_streams(&streams, &mut inspection.found);
+            if log == Format::Nmea {
+                // The rows of a sensor may be between the sentences.
+                let between = logs.open(path, &BytesRead::default())?;
+                let between = columns::parts(between, &mut Vec::new()).unwrap_or_default();
+                parts.extend(between.into_iter().filter(|part| part.table == "imu"));
+            }
             inspection.streams = streams
                 .into_iter()
                 .map(|stream| (stream.name, stream.messages, stream.about))

@@ -116,6 +116,7 @@ impl Kind for Imu {
                 delimiter,
             } => {
                 let mut wanted = TableOptions::finite(*delimiter);
+                wanted.of_one_sensor = true;
                 if let Some(time) = time {
                     wanted.want_time("imu", time, format.date.as_ref(), format.time_scale);
                 }

@@ -13,7 +13,7 @@ use crate::log::rosbag2::{self, BagFile};
 use crate::log::{self, Log};
 use crate::source::{self, BytesRead, Failing, Source};
 use crate::table::{
-    self, Columns, Preview, Table, TableOptions, TableSource, halves, json_columns, objects,
+    self, Columns, Preview, Table, TableOptions, TableSource, halves, json_columns, objects, tagged,
 };
 use undrift_nav::sample::{GnssFix, ImuSample, MagneticField, Scalar, TruthSample};
 
@@ -153,6 +153,10 @@ impl Opened {
     ) -> Result<Self, ReadError> {
         let mut opened = Self::begun(name, stream, read)?;
         opened.read_to(START as u64);
+        #[cfg(feature = "xlsx")]
+        if table::workbook::may_be(&opened.start) {
+            opened.rewritten(table::workbook::table);
+        }
         if source::has_returns_alone(&opened.start) {
             opened.rewritten(source::with_newlines);
         }
@@ -163,6 +167,8 @@ impl Opened {
             opened.rewritten(log::sensor_logger::of_objects);
         } else if json_columns::may_be(&opened.start) {
             opened.rewritten(json_columns::table);
+        } else if opened.format() == Format::Csv && tagged::may_be(&opened.start) {
+            opened.rewritten(tagged::table);
         }
         Ok(opened)
     }
@@ -311,6 +317,7 @@ impl Opened {
     /// # Errors
     /// If there is no line, or Parquet cannot be read.
     pub fn preview(&mut self, rows: usize) -> Result<Preview, ReadError> {
+        self.as_rows();
         self.read_to(rows.saturating_mul(ROW) as u64);
         let source = match self.unlike_text()? {
             Some(source) => source,
@@ -339,6 +346,7 @@ impl Opened {
     /// If it has no line, or lacks a wanted column.
     pub fn table(mut self, options: &TableOptions) -> Result<Table, ReadError> {
         let name = self.name.clone();
+        self.as_rows();
         let source = match self.unlike_text()? {
             Some(source) => source,
             None => {
@@ -347,6 +355,13 @@ impl Opened {
             }
         };
         Table::new(&name, source, options)
+    }
+
+    /// Sentences of NMEA may have the rows of a sensor between them: a table where that is asked for.
+    fn as_rows(&mut self) {
+        if self.format() == Format::Nmea && tagged::may_be(&self.start) {
+            self.rewritten(tagged::between_sentences);
+        }
     }
 
     /// Reads it as a log of the format.

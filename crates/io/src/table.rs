@@ -33,12 +33,16 @@ mod monitor;
 pub(crate) mod objects;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod parts;
 mod rewritten;
 mod stamps;
+pub(crate) mod tagged;
 #[cfg(test)]
 mod tests;
 mod text;
 mod wanted;
+#[cfg(feature = "xlsx")]
+pub(crate) mod workbook;
 
 use std::path::{Path, PathBuf};
 
@@ -76,6 +80,8 @@ pub struct Table {
     /// A place in the row read without a finite number in so many rows, every one up to now.
     empty: Option<(usize, u64)>,
     keep: Keep,
+    /// Rows without anything but a time, where they are no defects.
+    blank: Option<Skipped>,
     rows_read: u64,
     rows_seen: u64,
     finished: bool,
@@ -128,6 +134,7 @@ impl Table {
             columns: options.columns.clone(),
             empty: None,
             keep: options.keep(),
+            blank: options.of_one_sensor.then(Skipped::default),
             rows_read: 0,
             rows_seen: 0,
             finished: false,
@@ -179,6 +186,11 @@ impl Table {
                 }
                 Ok(NextRow::Row(line, Err(defect))) => {
                     self.rows_seen += 1;
+                    // A row of another sensor is no defect, unless all are.
+                    if let (Defect::Blank { .. }, Some(blank)) = (&defect, &mut self.blank) {
+                        blank.add(defect.kind(), line, &defect);
+                        continue;
+                    }
                     if let Defect::NotFinite { slot, .. } = defect {
                         let (place, rows) = self.empty.unwrap_or((slot, 0));
                         self.empty = Some((place, rows + u64::from(place == slot)));
@@ -205,6 +217,7 @@ impl Table {
         if self.rows_read > 0 {
             return Ok(());
         }
+        self.skipped.merge(&self.blank.take().unwrap_or_default());
         let error = match self.empty {
             Some((slot, rows)) if rows == self.rows_seen => self.never_a_number(slot),
             _ => None,

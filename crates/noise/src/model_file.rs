@@ -36,6 +36,7 @@
 //! values come from. Every dimensional number is a string with its unit; see
 //! [`undrift_nav::units`] for what is understood.
 
+mod kalibr;
 mod read;
 mod reason;
 #[cfg(test)]

@@ -219,8 +219,9 @@ pub(super) const ACCELS: [&str; 32] = [
 pub(super) const DATES: [&str; 5] = ["date", "utcdate", "day", "datum", "fecha"];
 pub(super) const ECEFS: [&str; 3] = ["ecef", "ecefpos", "posecef"];
 pub(super) const ECEF_VELOCITIES: [&str; 4] = ["ecefv", "vecef", "ecefvel", "velecef"];
-pub(super) const LATITUDES: [&str; 15] = [
+pub(super) const LATITUDES: [&str; 16] = [
     "positionlat",
+    "latit",
     "lat",
     "latitude",
     "latdeg",

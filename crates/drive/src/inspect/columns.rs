@@ -117,10 +117,30 @@ fn by_names(table: &Preview) -> Found {
     };
     let mut received = None;
     let mut accels: Vec<[Option<usize>; 3]> = Vec::new();
-    for (place, meaning) in meanings(&table.names).into_iter().enumerate() {
+    let meanings = meanings(&table.names);
+    let latitude = meanings
+        .iter()
+        .position(|known| matches!(known, Some((Meaning::Latitude, _))));
+    let has = |row: &Vec<f64>, place: usize| row.get(place).is_some_and(|x| x.is_finite());
+    // Of another sensor in the same table, blank where there are positions.
+    let is_apart = |place: usize| {
+        let fixes = latitude.map(|lat| table.rows.iter().filter(move |row| has(row, lat)));
+        fixes.is_some_and(|mut fixes| {
+            fixes.clone().next().is_some() && !fixes.any(|row| has(row, place))
+        })
+    };
+    for (place, meaning) in meanings.into_iter().enumerate() {
         let slot = match meaning {
+            Some((Meaning::Accuracy(_) | Meaning::Speed | Meaning::Course, _))
+                if is_apart(place) =>
+            {
+                continue;
+            }
             Some((Meaning::Time, _)) if table.names[place] == RECEIVED => &mut received,
-            Some((Meaning::Time, _)) => &mut found.time,
+            Some((Meaning::Time, _)) => {
+                found.times.push(place);
+                &mut found.time
+            }
             Some((Meaning::Gyro(axis), _)) => &mut found.gyro[axis],
             Some((Meaning::Accel(axis), _)) => {
                 match accels.iter_mut().find(|three| three[axis].is_none()) {
@@ -272,8 +292,39 @@ impl Columns {
         self.table.rows.iter().filter_map(value).collect()
     }
 
-    /// The lines of the time, and the ordinary interval \[s\].
-    pub(super) fn time(&self, longest: f64) -> (Vec<Line>, Option<f64>) {
+    /// The times of the rows in which a part has values.
+    pub(super) fn stamps_beside(&self, time: usize, part: &[usize]) -> Vec<f64> {
+        let value =
+            |row: &Vec<f64>, place: usize| row.get(place).copied().filter(|x| x.is_finite());
+        let rows = self.table.rows.iter();
+        let rows = rows.filter(|row| part.iter().all(|place| value(row, *place).is_some()));
+        let beside = Vec::from_iter(rows.filter_map(|row| value(row, time)));
+        if beside.is_empty() {
+            self.stamps(time)
+        } else {
+            beside
+        }
+    }
+
+    /// The column that is the time by its name: of several the first that has one where the columns of the part have values.
+    fn time_beside(&self, part: &[usize]) -> Option<usize> {
+        let has = |row: &&Vec<f64>, place: &usize| row.get(*place).is_some_and(|x| x.is_finite());
+        let rows = self.table.rows.iter();
+        let rows = rows.filter(|row| part.iter().all(|place| has(row, place)));
+        let beside = |place: &&usize| {
+            let there = rows.clone().filter(|row| has(row, place)).count();
+            2 * there > rows.clone().count()
+        };
+        let mut times = self
+            .found
+            .times
+            .iter()
+            .filter(|_| self.found.times.len() > 1);
+        times.find(beside).copied().or(self.found.time)
+    }
+
+    /// The lines of the time of a part with these columns, and the ordinary interval \[s\].
+    pub(super) fn time(&self, longest: f64, part: &[usize]) -> (Vec<Line>, Option<f64>) {
         let by_numbers = || {
             Some((
                 time_by_numbers(&self.table)?,
@@ -281,13 +332,12 @@ impl Columns {
             ))
         };
         let named = self
-            .found
-            .time
+            .time_beside(part)
             .map(|place| (place, self.found.known.clone()));
         let Some((place, known)) = named.or_else(by_numbers) else {
             return (Vec::new(), None);
         };
-        let stamps = self.stamps(place);
+        let stamps = self.stamps_beside(place, part);
         let name = self.table.names.get(place).map_or("", String::as_str);
         if self.unit(place).is_none() && is_of_unknown_ticks(name, &stamps, longest) {
             return (Vec::new(), None);
@@ -314,7 +364,7 @@ impl Columns {
     /// The lines of a heading by two antennas.
     fn heading(&self, antennas: usize) -> Vec<Line> {
         let by_name = || Known::Name { several: false };
-        let (mut lines, _) = self.time(FIX_STEP);
+        let (mut lines, _) = self.time(FIX_STEP, &[antennas]);
         lines.push(Line::new("heading", self.name(antennas), by_name()));
         let unit = self.unit(antennas).filter(|unit| unit != "deg");
         lines.extend(unit.map(|unit| Line::new("heading_unit", unit, by_name())));
@@ -344,7 +394,7 @@ impl Columns {
             false => (gyro, accel),
         };
         let named = |places: [usize; 3]| self.unit(places[0]).filter(|_| !exchanged);
-        let (mut lines, interval) = self.time(IMU_STEP);
+        let (mut lines, interval) = self.time(IMU_STEP, &gyro);
         if lines.is_empty() {
             lines.push(Line::new("rate", "100 Hz", Known::NoTimes));
         }
@@ -425,7 +475,7 @@ impl Columns {
     }
 
     fn truth(&self, place: [usize; 3], attitude: [usize; 3]) -> Vec<Line> {
-        let (mut lines, _) = self.time(FIX_STEP);
+        let (mut lines, _) = self.time(FIX_STEP, &place);
         lines.extend(self.place(place));
         lines.extend(self.velocity());
         lines.push(self.three("attitude", attitude));

@@ -9,6 +9,8 @@ pub(super) const GRID: f64 = 100_000.0;
 #[derive(Default)]
 pub(super) struct Found {
     pub(super) time: Option<usize>,
+    /// All columns that are times by their names.
+    pub(super) times: Vec<usize>,
     pub(super) gyro: [Option<usize>; 3],
     pub(super) accel: [Option<usize>; 3],
     /// Of the times, where these are times of day.

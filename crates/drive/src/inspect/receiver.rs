@@ -16,8 +16,11 @@ use undrift_nav::{
 };
 use undrift_results::inspect::{Known, Line};
 
-/// Integers of 1e-7 degrees.
+/// Integers of 1e-7 and 1e-6 degrees.
 const INTEGERS: &str = "LSB/1e7 deg";
+const MILLIONTHS: &str = "LSB/1e6 deg";
+/// Speeds in m/s, km/h and knots beside positions that were taken to be ten times finer than they are, over those of the positions.
+const TENFOLD: [f64; 3] = [10.0, 36.0, 19.44];
 /// Whole numbers from here on, as standard deviations of fixes, are mm or mm/s.
 const LARGE_STD: f64 = 50.0;
 /// Standard deviations of positions without a height, which is taken as that of the ellipsoid and does not follow the
@@ -26,6 +29,9 @@ const FLAT_STD: &str = "3, 3, 50 m";
 
 /// Northings of the band S, 32° to 40° north \[m\]: as southern ones they are at the end of South America.
 const BAND_S: std::ops::Range<f64> = 3.54e6..4.43e6;
+
+/// Whole heights beyond this are of millimetres \[m\].
+const HIGHEST: f64 = 20_000.0;
 
 /// Most that a speed in the right unit differs from that of the positions.
 const ALIKE: std::ops::Range<f64> = 0.7..1.4;
@@ -63,7 +69,10 @@ impl Columns {
                 lines.push(Line::new("position_unit", SEMICIRCLES, NAMES));
             }
             None if self.are_integers(place) => {
-                lines.push(Line::new("position_unit", INTEGERS, Known::Integers));
+                lines.push(match self.integer_unit(place) {
+                    INTEGERS => Line::new("position_unit", INTEGERS, Known::Integers),
+                    unit => Line::new("position_unit", unit, Known::Numbers { several: true }),
+                });
             }
             None if small && !angles.is_empty() => {
                 lines.push(Line::new("position_unit", "rad", Known::SmallPlaces));
@@ -113,9 +122,43 @@ impl Columns {
         match self.unit(place[2]) {
             Some(unit) if unit == "m" => None,
             Some(unit) => Some(Line::new("height_unit", unit, NAMES)),
-            None => self
-                .are_integers(place)
+            None => (self.are_integers(place) && self.are_millimetres(place[2]))
                 .then(|| Line::new("height_unit", "mm", Known::Integers)),
+        }
+    }
+
+    /// Whether whole heights are of millimetres: those of metres seldom differ by more than one from row to row.
+    fn are_millimetres(&self, height: usize) -> bool {
+        let heights = self.stamps(height);
+        let steps = heights.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+        let steps = Vec::from_iter(steps.filter(|step| *step > 0.0));
+        let large = steps.iter().filter(|step| **step > 1.0).count();
+        let high = heights.iter().any(|height| height.abs() > HIGHEST);
+        heights.iter().all(|height| height.fract() == 0.0) && (high || 2 * large >= steps.len())
+    }
+
+    /// The unit of latitudes and longitudes that are integers: by their size, else by the speeds beside them.
+    fn integer_unit(&self, place: [usize; 3]) -> &'static str {
+        let places = three_of(&self.table.rows, place);
+        let certain = places
+            .iter()
+            .any(|[lat, lon, _]| lat.abs() > 90e6 || lon.abs() > 180e6);
+        let speeds = match (self.found.polar[0], all(&self.found.velocity)) {
+            (Some(speed), _) => vec![speed],
+            (None, Some(velocity)) => vec![velocity[0], velocity[1]],
+            (None, None) => return INTEGERS,
+        };
+        let unit = self.unit(speeds[0]);
+        let factor = unit.and_then(|unit| unit_factor(&unit, Quantity::Velocity).ok());
+        let fine = unit_factor(INTEGERS, Quantity::Angle).unwrap_or_default();
+        let ratio = self.speed_by_positions(place, &speeds, fine);
+        let is_tenfold = |ratio: f64| match factor {
+            Some(factor) => ALIKE.contains(&(ratio * factor / TENFOLD[0])),
+            None => TENFOLD.iter().any(|of| ALIKE.contains(&(ratio / of))),
+        };
+        match !certain && ratio.is_some_and(is_tenfold) {
+            true => MILLIONTHS,
+            false => INTEGERS,
         }
     }
 
@@ -129,10 +172,11 @@ impl Columns {
         is_name && self.stamps(place[0]).iter().any(|lat| lat.abs() > 360.0)
     }
 
-    /// Whether latitudes and longitudes are integers of 1e-7 degrees, and heights integers too.
+    /// Whether latitudes and longitudes are integers of parts of a degree.
     fn are_integers(&self, place: [usize; 3]) -> bool {
         let places = three_of(&self.table.rows, place);
-        let whole = places.iter().flatten().all(|number| number.fract() == 0.0);
+        let angles = places.iter().flat_map(|place| place.iter().take(2));
+        let whole = angles.clone().all(|number| number.fract() == 0.0);
         let beyond = places
             .iter()
             .any(|[lat, lon, _]| lat.abs() > 360.0 || lon.abs() > 360.0);
@@ -178,7 +222,7 @@ impl Columns {
     }
 
     pub(super) fn gnss(&self, place: [usize; 3]) -> Vec<Line> {
-        let (mut lines, _) = self.time(FIX_STEP);
+        let (mut lines, _) = self.time(FIX_STEP, &place);
         lines.extend(self.place(place));
         if all(&self.found.place).is_some() {
             lines.extend(self.height_unit(place));
@@ -284,7 +328,7 @@ impl Columns {
         if let Some(unit) = self.unit(speed) {
             return line(&unit, NAMES);
         }
-        let by_positions = self.speed_by_positions(place, speed)?;
+        let by_positions = self.speed_by_positions(place, &[speed], self.degrees(place)?)?;
         let fits = |unit: &&'static str| {
             unit_factor(unit, Quantity::Velocity)
                 .is_ok_and(|factor| ALIKE.contains(&(factor * by_positions)))
@@ -295,25 +339,31 @@ impl Columns {
         line(unit, Known::Numbers { several: false })
     }
 
-    /// How many times as large the speeds are as those that the positions show \[m/s\].
-    fn speed_by_positions(&self, place: [usize; 3], speed: usize) -> Option<f64> {
-        let (lines, step) = self.time(FIX_STEP);
-        let time = lines.first().and(self.found.time)?;
-        let scale = step? / ordinary_step(&self.stamps(time))?;
-        let degrees = match self.unit(place[0]).as_deref() {
-            None if self.are_integers(place) => unit_factor(INTEGERS, Quantity::Angle).ok()?,
-            None if self.are_semicircles(place) => {
-                unit_factor(SEMICIRCLES, Quantity::Angle).ok()?
-            }
-            unit => unit_factor(unit.unwrap_or("deg"), Quantity::Angle).ok()?,
+    /// The factor from latitudes and longitudes to radians.
+    fn degrees(&self, place: [usize; 3]) -> Option<f64> {
+        let unit = match self.unit(place[0]) {
+            None if self.are_integers(place) => self.integer_unit(place).to_owned(),
+            None if self.are_semicircles(place) => SEMICIRCLES.to_owned(),
+            unit => unit.unwrap_or("deg".to_owned()),
         };
+        unit_factor(&unit, Quantity::Angle).ok()
+    }
+
+    /// How many times as large the speeds, of one column or along two axes, are as those that the positions show \[m/s\], where these
+    /// are angles by so much.
+    fn speed_by_positions(&self, place: [usize; 3], speeds: &[usize], degrees: f64) -> Option<f64> {
+        let (lines, step) = self.time(FIX_STEP, &place);
+        let time = lines.first().and(self.found.time)?;
+        let scale = step? / ordinary_step(&self.stamps_beside(time, &place))?;
         let packed = self.unit(place[0]).is_none() && self.are_degrees_minutes(place);
         let grid = self.is_grid();
         let fix = |row: &Vec<f64>| {
             let at = |k: usize| row.get(k).copied().filter(|number| number.is_finite());
+            let squares = speeds.iter().map(|k| Some(at(*k)?.powi(2)));
+            let speed = squares.sum::<Option<f64>>()?.sqrt();
             if grid {
                 let flat = Vector3::new(at(place[0])?, at(place[1])?, 0.0);
-                return Some((at(time)? * scale, flat, at(speed)?));
+                return Some((at(time)? * scale, flat, speed));
             }
             let [lat, lon] = [at(place[0])?, at(place[1])?].map(|angle| match packed {
                 true => of_degrees_minutes(angle) * degrees,
@@ -323,7 +373,7 @@ impl Columns {
             Some((
                 at(time)? * scale,
                 Geodetic { lat, lon, height }.to_ecef(),
-                at(speed)?,
+                speed,
             ))
         };
         let fixes: Vec<_> = self.table.rows.iter().filter_map(fix).collect();

@@ -106,6 +106,7 @@ impl FixColumns {
         let fixes = &format.fixes;
         let mut wanted = TableOptions {
             keep_not_finite: true,
+            of_one_sensor: true,
             ..TableOptions::finite(format.delimiter)
         };
         let date = format.date.as_ref();

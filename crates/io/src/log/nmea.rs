@@ -1,9 +1,9 @@
-//! NMEA 0183: fixes of GGA, GST, RMC and VTG, dates of RMC and ZDA, headings of HDT, THS, PASHR and PTNL,AVR, of any talker.
+//! NMEA 0183: fixes of GGA or GNS, GST, RMC and VTG, dates of RMC and ZDA, headings of HDT, THS, PASHR and PTNL,AVR, of any talker.
 //!
 //! The sentences with the same time of day make one fix. Its position is GGA's, the height above
 //! the ellipsoid being altitude plus geoid separation. Where a separation is missing, the last one
 //! known is taken; where there has been none, heights stay above sea level to the end of the file,
-//! which is said once. The covariance is made of GST's standard deviations, or of its error ellipse
+//! which is said once. Where neither GGA nor GNS comes, positions are RMC's, without a height. The covariance is made of GST's standard deviations, or of its error ellipse
 //! where only that is there.
 //!
 //! The velocity is that of RMC or VTG, speed and course over ground. NMEA has no vertical speed and
@@ -68,7 +68,7 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
 }
 
 pub(super) fn streams(source: Source) -> Result<Vec<Stream>, ReadError> {
-    const KINDS: [&[u8]; 5] = [b"GGA", b"GST", b"RMC", b"VTG", b"ZDA"];
+    const KINDS: [&[u8]; 6] = [b"GGA", b"GNS", b"GST", b"RMC", b"VTG", b"ZDA"];
     let mut lines = Lines::new(source);
     let (mut counts, mut messages) = ([0u64; KINDS.len()], 0);
     let mut headings = [0u64; HEADINGS.len()];
@@ -152,7 +152,7 @@ fn take(
         (Some(time), _) => time,
         // It has no time: it belongs to the sentences before it.
         (None, b"VTG") => None,
-        (None, b"GGA" | b"GST" | b"RMC" | b"ZDA") => Some(1),
+        (None, b"GGA" | b"GNS" | b"GST" | b"RMC" | b"ZDA") => Some(1),
         _ => return None,
     };
     match time.map(|time| sentence.field(time)) {

@@ -25,6 +25,11 @@ impl Delimiter {
             return other;
         }
         let usual = [b',', b';', b'\t'];
+        // `t; 48.1, 11.5; 520`: commas within fields.
+        let count = |of: u8| line.iter().filter(|byte| **byte == of).count();
+        if count(b';') >= FIELDS - 1 && count(b',') < count(b';') {
+            return Self::Byte(b';');
+        }
         let bars = line.split(|byte| *byte == b'|');
         let bars = bars.filter(|field| !field.trim_ascii().is_empty()).count();
         match usual.into_iter().find(|byte| line.contains(byte)) {
@@ -284,6 +289,7 @@ fn parse_any_row(
     let mut fields = Fields::new(line, delimiter);
     let mut column = 0;
     let mut last = f64::NAN;
+    let mut any = false;
     if let Some(stamps) = stamps.as_mut() {
         stamps.start();
     }
@@ -311,6 +317,9 @@ fn parse_any_row(
                         slot,
                     });
                 }
+                Some(Err(b"")) if !any && is_blank(line, delimiter, wanted, stamps.as_deref()) => {
+                    return Err(Defect::Blank { column: target + 1 });
+                }
                 Some(Err(b"")) if keep.keeps(slot) => f64::NAN,
                 Some(Err(b"")) => return Err(Defect::Empty { column: target + 1 }),
                 Some(Err(_)) if keep.optional(slot) => f64::NAN,
@@ -320,6 +329,7 @@ fn parse_any_row(
                 }
                 None => return Err(too_few(column, target)),
             };
+            any |= !last.is_nan() && !stamps.as_ref().is_some_and(|stamps| stamps.is_time(slot));
             column += 1;
         }
         if let Some(place) = out.get_mut(slot) {
@@ -327,6 +337,30 @@ fn parse_any_row(
         }
     }
     stamps.map_or(Ok(()), |stamps| stamps.finish(out))
+}
+
+/// Whether a row has nothing in all wanted columns but the times, and something in others: it is of another sensor in the same table.
+#[cold]
+fn is_blank(
+    line: &[u8],
+    delimiter: Delimiter,
+    wanted: &[(usize, usize)],
+    stamps: Option<&Stamps>,
+) -> bool {
+    let is_time = |slot| stamps.is_some_and(|stamps| stamps.is_time(slot));
+    let mut wanted = wanted.iter().peekable();
+    let mut others = false;
+    for (column, field) in Fields::new(line, delimiter).enumerate() {
+        let mut is_other = true;
+        while let Some((_, slot)) = wanted.next_if(|(target, _)| *target == column) {
+            is_other = false;
+            if !field.is_empty() && !is_time(*slot) {
+                return false;
+            }
+        }
+        others |= is_other && !field.is_empty();
+    }
+    others && wanted.next().is_none()
 }
 
 #[cold]
@@ -367,6 +401,7 @@ mod tests {
             ("19:34:18,749\t1\t2", Delimiter::Byte(b'\t')),
             ("19:34:18,749 1 2", Delimiter::Blanks),
             ("2025-07-08 19:34:18,1,2,3", comma),
+            ("1;48.1, 11.5;520", Delimiter::Byte(b';')),
             ("1,2;x,y;z", comma),
             ("1, 2, 3", comma),
             ("1,2 3,4", comma),

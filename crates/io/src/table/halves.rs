@@ -45,8 +45,13 @@ pub(crate) fn table(files: &[PathBuf; 2]) -> Result<impl Read + Send + 'static, 
     let [first, second] = [Half::open(&files[0])?, Half::open(&files[1])?];
     let own = |half: &Half| Vec::from_iter(half.names.iter().map(|name| name.to_lowercase()));
     let shared = own(&first).iter().any(|name| own(&second).contains(name));
-    let names =
-        |half: &Half| Vec::from_iter(half.names.iter().map(|name| half.name_of(name, shared)));
+    let names = |half: &Half| {
+        Vec::from_iter(
+            half.names
+                .iter()
+                .map(|name| qualified(&half.stem, name, shared)),
+        )
+    };
     let header = [vec![first.time_name.clone()], names(&first), names(&second)].concat();
     Ok(Halves {
         held: (header.join(",") + "\n").into_bytes().into(),
@@ -114,19 +119,6 @@ impl Half {
         Ok(half)
     }
 
-    /// The name of a column, behind that of the file where it is the same in both or that of an axis alone.
-    fn name_of(&self, name: &str, shared: bool) -> String {
-        let axis = name.trim_start().to_lowercase();
-        let mut letters = axis.chars();
-        let is_axis = matches!(letters.next(), Some('x'..='z'))
-            && letters.next().is_none_or(|next| !next.is_alphanumeric());
-        let name = plain(name);
-        match shared || is_axis {
-            true => format!("{}.{name}", plain(&self.stem)),
-            false => name,
-        }
-    }
-
     fn row(&mut self, line: &[u8]) -> Option<(f64, String, String)> {
         let mut cells =
             Vec::from_iter(Fields::new(line, self.delimiter).map(String::from_utf8_lossy));
@@ -151,8 +143,21 @@ impl Half {
     }
 }
 
+/// The name of a column, behind that of its table where it is the same in another or that of an axis alone.
+pub(super) fn qualified(table: &str, name: &str, shared: bool) -> String {
+    let axis = name.trim_start().to_lowercase();
+    let mut letters = axis.chars();
+    let is_axis = matches!(letters.next(), Some('x'..='z'))
+        && letters.next().is_none_or(|next| !next.is_alphanumeric());
+    let name = plain(name);
+    match shared || is_axis {
+        true => format!("{}.{name}", plain(table)),
+        false => name,
+    }
+}
+
 /// A name without what separates columns.
-fn plain(name: &str) -> String {
+pub(super) fn plain(name: &str) -> String {
     visible(name).replace([',', '"'], " ")
 }
 

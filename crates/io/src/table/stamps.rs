@@ -69,6 +69,11 @@ impl Stamps {
         self.signs = [f64::NAN; 2];
     }
 
+    /// Whether times, or what belongs to them, are in this place of the row read.
+    pub(super) fn is_time(&self, slot: usize) -> bool {
+        slot == self.time || Some(slot) == self.date
+    }
+
     /// What the dates count from, once there was one.
     pub(super) fn epoch(&self) -> Option<Epoch> {
         self.weeks.epoch(self.clock?)

@@ -410,3 +410,32 @@ fn objects_of_json_have_names() {
         assert_eq!(rows, [[1.0, 2.5], [2.0, 3.0]], "{text}");
     }
 }
+
+/// Rows of another sensor have blanks in all columns that are wanted: that is no defect.
+#[test]
+fn rows_without_anything_that_is_wanted_are_passed_over() {
+    let text = "t,a,b,lat\n1,2,3,\n2,,,48\n3,4,,\n4,,,49\n5,6,7,\n";
+    let mut wanted = named(&["t", "a", "b"]);
+    wanted.of_one_sensor = true;
+    wanted.stamp = Some(Stamp {
+        place: 0,
+        column: "t".into(),
+        scale: 1.0,
+        date: None,
+    });
+    let (found, skipped) = rows(text, &wanted);
+    assert_eq!(found, [(2, vec![1.0, 2.0, 3.0]), (6, vec![5.0, 6.0, 7.0])]);
+    assert_eq!(
+        (skipped.total(), skipped.count(SkipKind::MissingField)),
+        (1, 1)
+    );
+    let kept = TableOptions {
+        keep_not_finite: true,
+        ..wanted.clone()
+    };
+    let (found, skipped) = rows(text, &kept);
+    assert_eq!((found.len(), skipped.total()), (3, 0));
+    // Unless there is nothing else.
+    let error = message("t,a,b,lat\n1,,,3\n2,,,4\n", &wanted);
+    assert!(error.contains("2 rows with a missing field"), "{error}");
+}

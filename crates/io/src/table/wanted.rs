@@ -37,6 +37,8 @@ pub struct TableOptions {
     pub header_lines: u64,
     /// Hand on rows with NaN, infinity or an empty field (as NaN) instead of skipping them.
     pub keep_not_finite: bool,
+    /// Pass over rows, uncounted, that have nothing in all of the columns but a time, and something in others: of another sensor.
+    pub of_one_sensor: bool,
     /// The one of the columns that may have no number in a row: it is NaN there.
     pub optional: Option<usize>,
     /// Which of the columns has times, that may be text.
@@ -160,6 +162,10 @@ pub(crate) enum Defect {
     Empty {
         column: usize,
     },
+    /// Nothing but a time: of the columns wanted this is the first.
+    Blank {
+        column: usize,
+    },
     /// Its column's number, and its place in the row read.
     NotFinite {
         value: f64,
@@ -172,7 +178,7 @@ impl Defect {
     pub(crate) fn kind(&self) -> SkipKind {
         match self {
             Self::Text(_) => SkipKind::Text,
-            Self::TooFew { .. } | Self::Empty { .. } => SkipKind::MissingField,
+            Self::TooFew { .. } | Self::Empty { .. } | Self::Blank { .. } => SkipKind::MissingField,
             Self::NotFinite { .. } => SkipKind::NotFinite,
         }
     }
@@ -185,7 +191,9 @@ impl fmt::Display for Defect {
             Self::TooFew { fields, wanted } => {
                 write!(f, "{fields} fields, but column {wanted} is needed")
             }
-            Self::Empty { column } => write!(f, "column {column} is empty"),
+            Self::Empty { column } | Self::Blank { column } => {
+                write!(f, "column {column} is empty")
+            }
             Self::NotFinite { value, column, .. } => write!(f, "{value} in column {column}"),
         }
     }

@@ -104,6 +104,7 @@ fn tables_of_arbitrary_bytes() {
             delimiter: [None, Some(b','), Some(b' '), Some(b'"')][case % 4],
             header_lines: u64::from(case % 7 == 0),
             keep_not_finite: case % 2 == 0,
+            of_one_sensor: case % 4 < 2,
             optional: (case % 3 == 0).then_some(case % 2),
             angles: (case % 10 == 0).then_some(Angles {
                 place: case % 3,

@@ -31,7 +31,7 @@
 
 use super::{
     AXES, Arma, AxisModel, FORMAT, ImuModel, Line, MAX_PROCESSES, ModelError, Provenance,
-    Recording, VERSION, group,
+    Recording, VERSION, group, kalibr,
 };
 use crate::composite::GaussMarkov;
 use crate::presets;
@@ -128,7 +128,7 @@ fn not_a_model(what: &str, file: &str) -> ModelError {
 }
 
 /// Reads the text of a model file, which must state format and version.
-/// A log or a drive file is recognised, since it is given by mistake most often.
+/// A log or a drive file is recognised, since it is given by mistake most often; Kalibr's `imu.yaml` is read.
 ///
 /// `file` is the name that messages put before the line; nothing is read from the disk here.
 ///
@@ -136,6 +136,9 @@ fn not_a_model(what: &str, file: &str) -> ModelError {
 /// [`ModelError`] with file and line: text that is not TOML, a log or a drive file, `format` or
 /// `version` missing or of another program, and all that [`model`] refuses.
 pub(super) fn from_text(text: &str, file: &str) -> Result<ImuModel, ModelError> {
+    if let Some(model) = kalibr::as_model(text, file)? {
+        return from_text(&model, file);
+    }
     if is_log(text) {
         return Err(not_a_model("a log", file));
     }

@@ -493,3 +493,40 @@ fn sensors_under_each_others_names() {
     );
     ends_there(end);
 }
+
+/// Rows of an IMU and of a receiver in one file behind their names, without those of columns; and raw sentences in the place of
+/// the receiver's rows, with a clock of the board's own.
+#[test]
+fn rows_behind_the_names_of_their_sensors() {
+    let dir = folder("tagged");
+    drive(&dir, NAMED, super::row);
+    let lines = |file: &str| {
+        let text = fs::read_to_string(dir.join(file)).unwrap();
+        let rows = text.lines().skip(1).map(str::to_owned);
+        Vec::from_iter(rows.map(|row| {
+            let time: f64 = row.split(',').next().unwrap().parse().unwrap();
+            (time, row)
+        }))
+    };
+    let (imu, gnss) = (lines("imu.csv"), lines("gnss.csv"));
+    let tagged = |imu: &[(f64, String)], name: &str| {
+        let rows = imu
+            .iter()
+            .map(|(time, row)| (*time, format!("IMU,{row}\n")));
+        let fixes = gnss
+            .iter()
+            .map(|(time, row)| (*time, format!("{name},{row}\n")));
+        let mut all = Vec::from_iter(rows.chain(fixes));
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all.into_iter().map(|(_, row)| row).collect::<String>()
+    };
+    fs::write(dir.join("log.csv"), tagged(&imu, "GPS")).unwrap();
+    let (file, end) = navigated(&dir, &["log.csv"]);
+    assert_eq!(file.matches("file = \"log.csv\"").count(), 2, "{file}");
+    assert!(
+        file.contains("position = [\"lat\", \"lon\", \"alt\"]"),
+        "{file}"
+    );
+    ends_there(end);
+    fs::remove_dir_all(&dir).unwrap();
+}

@@ -416,6 +416,14 @@ fn models() -> Vec<Mistake> {
             "navigate drive.toml --model drive.toml",
         ),
         mistake("a log as the model", "navigate drive.toml --model imu.csv"),
+        mistake(
+            "Kalibr's imu.yaml lacks a number",
+            "navigate drive.toml --model imu.yaml",
+        )
+        .files(|case| {
+            let yaml = "accelerometer_noise_density: 2e-3\ngyroscope_noise_density: 2e-4\ngyroscope_random_walk: 3e-5\n";
+            case.put("imu.yaml", yaml.as_bytes());
+        }),
         mistake("a model file as the drive file", "navigate imu.toml")
             .files(|case| model(case, "format", "format")),
         mistake("a negative σ", by).files(|case| {

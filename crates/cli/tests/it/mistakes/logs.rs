@@ -132,6 +132,21 @@ pub fn logs() -> Vec<Mistake> {
                 }
             },
         ),
+        mistake("rows behind names of sensors", "navigate log.csv").files(|case| {
+            states_velocities(case);
+            let mut rows = Vec::new();
+            for (name, file) in [("IMU", "imu.csv"), ("GPS", "gnss.csv")] {
+                let text = case.read(file).unwrap();
+                let time = |row: &str| row.split(',').next().and_then(|t| t.parse::<f64>().ok());
+                let timed = text
+                    .lines()
+                    .filter_map(|row| Some((time(row)?, row.to_owned())));
+                rows.extend(timed.map(|(time, row)| (time, format!("{name},{row}\n"))));
+            }
+            rows.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let text: String = rows.into_iter().map(|(_, row)| row).collect();
+            case.put("log.csv", text.as_bytes());
+        }),
         logs("several numbers in a cell, no times", |case| {
             states_velocities(case);
             // Of 100 Hz every second row.

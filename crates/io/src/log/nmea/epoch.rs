@@ -18,7 +18,7 @@ const MAX_HELD: usize = 3600;
 /// Year, month, day.
 type Date = (i64, i64, i64);
 
-/// What GGA says.
+/// What GGA or GNS says.
 struct Gga {
     lat_deg: f64,
     lon_deg: f64,
@@ -37,6 +37,8 @@ pub(super) struct Epoch {
     /// UTC \[s\].
     pub(super) time_of_day: f64,
     gga: Option<Gga>,
+    /// Latitude and longitude of RMC \[deg\].
+    flat: Option<(f64, f64)>,
     covariance: Option<Matrix3>,
     /// Over ground, down 0 [m/s].
     velocity: Option<Vector3>,
@@ -66,6 +68,7 @@ impl Epoch {
         }
         match sentence.kind() {
             b"GGA" => self.gga(sentence),
+            b"GNS" => self.gns(sentence),
             b"GST" => {
                 self.covariance = covariance(sentence);
                 let given = (6..=8).any(|field| !sentence.field(field).is_empty());
@@ -78,6 +81,8 @@ impl Epoch {
                     sentence.field(2) != b"A" || matches!(mode, b"N" | b"E" | b"M" | b"S");
                 self.date = date(sentence.field(9)).or(self.date);
                 self.velocity = velocity(sentence, 7, 8).or(self.velocity);
+                let lat = sentence.angle(3, [b"N", b"S"]);
+                self.flat = lat.zip(sentence.angle(5, [b"E", b"W"])).or(self.flat);
                 Ok(())
             }
             b"VTG" => {
@@ -108,21 +113,29 @@ impl Epoch {
             }
             _ => FixQuality::Unknown,
         };
-        if [2, 4, 9]
-            .iter()
-            .any(|&field| sentence.field(field).is_empty())
-        {
-            return Err(SkipKind::MissingField);
+        self.gga = Some(place(sentence, 11, quality)?);
+        Ok(())
+    }
+
+    /// By the mode of each system: the best counts.
+    fn gns(&mut self, sentence: &Sentence) -> Result<(), SkipKind> {
+        let modes = sentence.field(6);
+        let has = |mode: u8| modes.contains(&mode);
+        let quality = if has(b'R') {
+            FixQuality::Fixed
+        } else if has(b'F') {
+            FixQuality::Float
+        } else if has(b'D') {
+            FixQuality::Differential
+        } else if has(b'A') || has(b'P') {
+            FixQuality::Single
+        } else {
+            self.no_fix = true;
+            return Ok(());
+        };
+        if self.gga.is_none() {
+            self.gga = Some(place(sentence, 10, quality)?);
         }
-        let lat_deg = sentence.angle(2, [b"N", b"S"]);
-        let lon_deg = sentence.angle(4, [b"E", b"W"]);
-        self.gga = Some(Gga {
-            lat_deg: lat_deg.ok_or(SkipKind::Text)?,
-            lon_deg: lon_deg.ok_or(SkipKind::Text)?,
-            altitude: sentence.number(9).ok_or(SkipKind::Text)?,
-            separation: sentence.number(11),
-            quality,
-        });
         Ok(())
     }
 
@@ -145,9 +158,9 @@ impl Epoch {
             ready.skip(self.at, SkipKind::NoFix, detail);
             return;
         }
-        let Some(place) = self.gga else { return };
-        let height = heights.above_ellipsoid(&place, self.at, ready);
-        let position = Geodetic::from_degrees(place.lat_deg, place.lon_deg, height);
+        let Some((position, quality)) = self.position(heights, ready) else {
+            return;
+        };
         let Some(position) = ready.usable(self.at, on_earth(position)) else {
             return;
         };
@@ -160,10 +173,45 @@ impl Epoch {
             position: Some((Position::Geodetic(position), self.covariance)),
             // No reference: half of it is missing.
             velocity: self.velocity.filter(|_| !times.poses).map(|v| (v, None)),
-            quality: place.quality,
+            quality,
         };
         times.give(self.at, What::Fix(fix), ready);
     }
+
+    /// The position, and how it was found: that of RMC, without a height, in a log in which no other sentence has one.
+    fn position(&self, heights: &mut Heights, ready: &mut Ready) -> Option<(Geodetic, FixQuality)> {
+        if let Some(place) = &self.gga {
+            heights.without = None;
+            let height = heights.above_ellipsoid(place, self.at, ready);
+            let position = Geodetic::from_degrees(place.lat_deg, place.lon_deg, height);
+            return Some((position, place.quality));
+        }
+        let (lat, lon) = self.flat?;
+        let before = heights.without.as_mut()?;
+        *before += 1;
+        if *before == FLAT {
+            let detail = "neither GGA nor GNS: the heights are 0";
+            ready.skip(self.at, SkipKind::MissingField, detail);
+        }
+        (*before >= FLAT).then(|| (Geodetic::from_degrees(lat, lon, 0.0), FixQuality::Unknown))
+    }
+}
+
+/// The place of GGA or GNS, with the separation in this field.
+fn place(sentence: &Sentence, separation: usize, quality: FixQuality) -> Result<Gga, SkipKind> {
+    let is_empty = |field: &usize| sentence.field(*field).is_empty();
+    if [2, 4, 9].iter().any(is_empty) {
+        return Err(SkipKind::MissingField);
+    }
+    let lat_deg = sentence.angle(2, [b"N", b"S"]);
+    let lon_deg = sentence.angle(4, [b"E", b"W"]);
+    Ok(Gga {
+        lat_deg: lat_deg.ok_or(SkipKind::Text)?,
+        lon_deg: lon_deg.ok_or(SkipKind::Text)?,
+        altitude: sentence.number(9).ok_or(SkipKind::Text)?,
+        separation: sentence.number(separation),
+        quality,
+    })
 }
 
 /// North-east-down [m/s] by the fields of speed \[kn\] and true course [°]; the vertical speed is
@@ -197,11 +245,26 @@ fn covariance(gst: &Sentence) -> Option<Matrix3> {
     Some(Matrix3::new(nn, ne, 0.0, ne, ee, 0.0, 0.0, 0.0, down))
 }
 
+/// Epochs with RMC and without a height that show that the log has none: its first may be cut.
+const FLAT: u32 = 4;
+
 /// Heights above the ellipsoid, as far as the file states them.
-#[derive(Default)]
 pub(super) struct Heights {
+    /// Epochs without one from the start of the log; `None` once there was one.
+    without: Option<u32>,
     separation: Option<f64>,
     above_sea: bool,
+}
+
+impl Default for Heights {
+    fn default() -> Self {
+        let (without, separation, above_sea) = (Some(0), None, false);
+        Self {
+            without,
+            separation,
+            above_sea,
+        }
+    }
 }
 
 impl Heights {

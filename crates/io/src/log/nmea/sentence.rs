@@ -39,7 +39,7 @@ fn whole_sentence(piece: &[u8]) -> Option<Sentence<'_>> {
 }
 
 fn looks_like_one(piece: &[u8]) -> bool {
-    let kinds = [&b"GGA,"[..], b"GST,", b"RMC,", b"ZDA,"];
+    let kinds = [&b"GGA,"[..], b"GNS,", b"GST,", b"RMC,", b"ZDA,"];
     piece.get(2..6).is_some_and(|kind| kinds.contains(&kind))
 }
 

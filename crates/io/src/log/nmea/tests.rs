@@ -255,3 +255,44 @@ fn known_by_its_sentences() {
     let found = crate::log::detect(&golden("ubx/drive.ubx"));
     assert_eq!(found, Some(crate::format::Format::Ubx));
 }
+
+/// Positions of RMC where no sentence has a height, once that is certain.
+#[test]
+fn rmc_and_gns_alone() {
+    let rmc = |second: u32| {
+        with_checksum(&format!(
+            "GPRMC,1235{second:02},A,4807.038,N,01131.000,W,022.4,084.4,230325,,,A"
+        ))
+    };
+    let text: String = (10..20).map(rmc).collect();
+    let (found, skipped) = fixes(entries, text.as_bytes());
+    assert_eq!((found.len(), skipped.count(SkipKind::MissingField)), (7, 1));
+    let at = place(&found[0]).0;
+    assert!((at.lat.to_degrees() - (48.0 + 7.038 / 60.0)).abs() < 1e-12);
+    assert!((at.lon.to_degrees() + (11.0 + 31.0 / 60.0)).abs() < 1e-12);
+    assert_eq!(at.height, 0.0);
+    assert!((found[0].velocity.unwrap().0.norm() - 22.4 * 1852.0 / 3600.0).abs() < 1e-12);
+    // One position without a height between others is none.
+    let gns = |second: u32, mode: &str| {
+        with_checksum(&format!(
+            "GNGNS,1235{second:02}.00,4807.038,N,01131.000,E,{mode},12,0.8,545.4,46.9,,"
+        ))
+    };
+    let text: String = (10..20)
+        .map(|second| {
+            rmc(second)
+                + &if second == 15 {
+                    String::new()
+                } else {
+                    gns(second, "AR")
+                }
+        })
+        .collect();
+    let (found, skipped) = fixes(entries, text.as_bytes());
+    assert_eq!((found.len(), skipped.total()), (9, 0));
+    assert!((place(&found[0]).0.height - 592.3).abs() < 1e-9);
+    assert!(found.iter().all(|fix| fix.quality == FixQuality::Fixed));
+    let (found, skipped) = fixes(entries, (gns(10, "NN") + &gns(11, "DN")).as_bytes());
+    assert_eq!((found.len(), skipped.count(SkipKind::NoFix)), (1, 1));
+    assert_eq!(found[0].quality, FixQuality::Differential);
+}

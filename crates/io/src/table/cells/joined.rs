@@ -349,8 +349,8 @@ fn compact(table: &Beginning, letters: &[String]) -> Vec<Joined> {
         digits(text) == 14 && parts.is_some_and(is_both)
     };
     let times = |place: usize| -> Option<Joined> {
-        let name = letters.get(place)?;
-        let is_utc = name.contains("utc") || name.contains("hhmmss");
+        let name = letters.get(place).map_or("", String::as_str);
+        let is_utc = name.contains("utc") && !name.contains("date") || name.contains("hhmmss");
         if all(place, &date_time) {
             return Some(joined(Kind::DateTime, place));
         }
@@ -363,7 +363,8 @@ fn compact(table: &Beginning, letters: &[String]) -> Vec<Joined> {
         let is = (is_utc && shows || name.contains("hhmmss")) && all(place, &is_time);
         is.then(|| joined(Kind::TimeOfDay, place))
     };
-    let time = (0..letters.len()).find_map(times);
+    let width = table.rows.first().map_or(0, Vec::len);
+    let time = (0..width).find_map(times);
     let date = (0..letters.len()).find_map(|place| {
         let name = letters.get(place).filter(|name| name.contains("date"))?;
         let year_first = |text: &str| digits(text) == 8 && dashed(text, true).is_some();

@@ -108,6 +108,28 @@ fn several_numbers_in_a_cell() {
 }
 
 #[test]
+fn latitude_and_longitude_in_a_cell() {
+    let expected = "48.125,11.5";
+    for (text, between) in [
+        ("t;position;alt\n1.5;48.125, 11.5;520\n", ';'),
+        ("t,latlon,alt\n1.5,48.125;11.5,520\n", ','),
+        ("t,coordinates,alt\n1.5,\"48.125,11.5\",520\n", ','),
+    ] {
+        let found = rows(text).unwrap_or_else(|| panic!("as usual: {text}"));
+        let between = between.to_string();
+        let end = format!("{between}{}", expected.replace(',', &between));
+        assert!(
+            found[0].ends_with(&format!("latitude{between}longitude")),
+            "{found:?}"
+        );
+        assert!(found[1].ends_with(&end), "{found:?}");
+    }
+    // Thousands.
+    let text = "t,range,alt\n1.5,\"1,234.5\",520\n";
+    assert!(rows(text).is_none_or(|rows| rows[0] == "t,range,alt"));
+}
+
+#[test]
 fn angles_in_several_columns() {
     expect(
         "t,lat_deg,lat_min,lat_sec,lon_deg,lon_min,lon_sec\n1,30,26,24.5,-114,28,11\n",

@@ -102,8 +102,10 @@ pub(super) fn numbers_of(cell: &[u8]) -> Option<(Vec<f64>, bool)> {
         matches!(pair, [b',' | b';', b' '])
             || pair[0] == b' ' && (pair[1].is_ascii_digit() || pair[1] == b'-')
     });
-    let commas = inside.iter().filter(|byte| **byte == b',').count();
-    if !(in_brackets || between || commas > 1) {
+    let count = |of: u8| inside.iter().filter(|byte| **byte == of).count();
+    // Numbers with points have no decimal commas; one point alone may follow thousands.
+    let points = count(b',') == 1 && count(b'.') == 2;
+    if !(in_brackets || between || points || count(b',') > 1 || count(b';') > 0) {
         return None;
     }
     let numbers: Option<Vec<f64>> = texts(inside).map(number::parse_finite).collect();
