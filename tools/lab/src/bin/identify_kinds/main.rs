@@ -27,6 +27,8 @@ struct Outcome {
     name: String,
     verdict: String,
     used_share: f64,
+    /// What was left out or subtracted.
+    said: Vec<String>,
     /// Drift over that of the true noise at each horizon, and real over predicted: by that ratio and what the true model predicts,
     /// so that the chance of the fresh series is not in it.
     drift: [f64; 3],
@@ -96,6 +98,13 @@ fn outcome(kind: &Kind, seed: u64, fresh: &[Vec<f64>], best: &[Drift]) -> Result
         candidates: candidates.collect(),
         name: axis.recommended().name.clone(),
         verdict: found.verdict.to_string(),
+        said: found
+            .identified
+            .used
+            .iter()
+            .flat_map(|used| &used.left_out)
+            .map(|one| format!("{:?} {:.0}-{:.0} s", one.why, one.start_s.0, one.end_s.0))
+            .collect(),
         used_share: axis.samples as f64 / (kind.seconds * kind.rate_hz),
         drift: std::array::from_fn(|h| drift[h].real / best[h].real),
         predicted: std::array::from_fn(|h| {
@@ -133,11 +142,12 @@ struct Total {
     /// Sums of the kinds' means at each horizon.
     drift: [f64; 3],
     inside: [usize; 2],
-    /// Series without a disturbance, those of them refused and those used with care.
+    /// Series without a disturbance, those of them refused, those used with care, and those of which something was left out.
     honest: usize,
     refused: usize,
     warned: usize,
-    /// Series with one, and those of them used without a word.
+    less: usize,
+    /// Series with one that is no noise, and those of them used whole.
     disturbed: usize,
     silent: usize,
 }
@@ -176,6 +186,7 @@ impl Total {
         let most = if kind.seconds < 1000.0 { 1.5 } else { 1.3 };
         let refused = outcomes.len() - good.len();
         let warned = good.iter().filter(|o| o.verdict != "usable").count();
+        let whole = good.iter().filter(|o| o.said.is_empty()).count();
         self.kinds += 1;
         self.series += outcomes.len();
         self.mean += usize::from(drift.iter().all(|x| *x <= 1.05));
@@ -189,9 +200,10 @@ impl Total {
             self.honest += outcomes.len();
             self.refused += refused;
             self.warned += warned;
-        } else {
+            self.less += good.len() - whole;
+        } else if kind.logger_hz.is_none() && !matches!(kind.disturbance, Disturbance::Engine(_)) {
             self.disturbed += outcomes.len();
-            self.silent += good.len() - warned;
+            self.silent += whole;
         }
         let failures = outcomes.iter().filter_map(|o| o.as_ref().err());
         let verdicts = good.iter().map(|o| o.verdict.as_str());
@@ -250,7 +262,13 @@ impl Total {
             self.honest,
         );
         share(
-            "disturbed and used without a word",
+            "honest noise of which something was left out or subtracted",
+            "at most 2 %",
+            self.less,
+            self.honest,
+        );
+        share(
+            "steps, warm-ups, cycles and bumps that were not found",
             "",
             self.silent,
             self.disturbed,
@@ -285,8 +303,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 match outcome {
                     Ok(o) => {
                         println!(
-                            "  {seed} {:.2?} {:.2?} {:.3} {:.2} {} {}",
-                            o.drift, o.predicted, o.white, o.used_share, o.name, o.verdict
+                            "  {seed} {:.2?} {:.2?} {:.3} {:.2} {} {} {:?}",
+                            o.drift, o.predicted, o.white, o.used_share, o.name, o.verdict, o.said
                         );
                         o.candidates.iter().for_each(|line| println!("    {line}"));
                     }
