@@ -331,7 +331,8 @@ async function preview() {
 for (const id of ["columns", "gyro-unit", "accel-unit"]) $(id).oninput = preview;
 
 const FORMATS = [["Kalibr", "kalibr", "imu.yaml"], ["PX4", "px4", "imu.params"], ["ROS", "ros", "imu-ros.yaml"], ["KF-GINS", "kf-gins", "kf-gins.yaml"], ["MATLAB", "matlab", "imu.m"],
-  ["VINS", "vins", "vins.yaml"], ["OpenVINS", "openvins", "kalibr_imu_chain.yaml"], ["Basalt", "basalt", "basalt.json"]];
+  ["VINS", "vins", "vins.yaml"], ["OpenVINS", "openvins", "kalibr_imu_chain.yaml"], ["Basalt", "basalt", "basalt.json"],
+  ["GTSAM", "gtsam", "imu_gtsam.py"], ["ArduPilot", "ardupilot", "imu.param"], ["Gazebo", "gazebo", "imu.sdf"]];
 
 // The model of a file for other programs.
 function offerFormats(model) {

@@ -18,7 +18,7 @@ use undrift::{
     results,
 };
 
-/// Write the noise model of an IMU for Kalibr, KF-GINS, ROS, PX4, MATLAB, VINS, OpenVINS or Basalt.
+/// Write the noise model of an IMU for Kalibr, KF-GINS, ROS, PX4, MATLAB, VINS, OpenVINS, Basalt, GTSAM, ArduPilot or Gazebo.
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift model adis16465 --to kalibr --rate 200 -o imu.yaml
@@ -33,10 +33,10 @@ pub struct Arguments {
     /// List the presets with their values; with --json, as model files
     #[arg(long, conflicts_with_all = ["model", "to", "rate", "outage"])]
     list: bool,
-    /// Format: kalibr, kf-gins, ros, px4, matlab, vins, openvins, basalt, or undrift for the model file with every value in it
+    /// Format: kalibr, kf-gins, ros, px4, matlab, vins, openvins, basalt, gtsam, ardupilot, gazebo, or undrift for the model file with every value in it
     #[arg(long, value_name = "NAME", required_unless_present_any = ["json", "list"])]
     to: Option<ModelFormat>,
-    /// Sample rate [Hz]; for px4, the rate of EKF2's predictions. Default: that of the identified recording
+    /// Sample rate [Hz]; for px4 and ardupilot, that of the filter's predictions. Default: that of the identified recording
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
     /// Length of an outage [s]: where the program's bias is a random walk, it is the best one for this

@@ -10,6 +10,9 @@
 //! | `vins` | noise of a configuration of VINS-Mono or VINS-Fusion | rad/s, m/s², rad/s², m/s³ |
 //! | `openvins` | `kalibr_imu_chain.yaml` of OpenVINS | as `kalibr` |
 //! | `basalt` | noise of Basalt's calibration | rad/s/√Hz, rad/s²/√Hz; m/s²/√Hz, m/s³/√Hz |
+//! | `gtsam` | `PreintegrationCombinedParams` of GTSAM, Python | squares of those of `kalibr` |
+//! | `ardupilot` | parameters of ArduPilot's EKF3 | rad/s, m/s², rad/s², m/s³ |
+//! | `gazebo` | the `imu` element of a sensor in SDF | rad/s, m/s², rad/s/√s, m/s²/√s, s |
 //! | `undrift` | the model file | see [`crate::model_file`] |
 //!
 //! Other programs know white noise and one slow process at most; comments of the
@@ -30,6 +33,7 @@ mod equivalent;
 mod formats;
 mod outage;
 mod poles;
+mod text;
 
 use crate::bias_model::HORIZON;
 use crate::model_file::{ImuModel, ModelError};
@@ -62,13 +66,19 @@ pub enum ModelFormat {
     OpenVins,
     /// Noise of Basalt's calibration, JSON.
     Basalt,
+    /// Parameters of GTSAM's combined IMU factor, Python.
+    Gtsam,
+    /// Parameters of ArduPilot's EKF3.
+    ArduPilot,
+    /// Noise of an IMU in Gazebo, SDF.
+    Gazebo,
     /// The model file of this project.
     Undrift,
 }
 
 impl ModelFormat {
     /// Every format, in the order of help texts.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 12] = [
         Self::Kalibr,
         Self::KfGins,
         Self::Ros,
@@ -77,6 +87,9 @@ impl ModelFormat {
         Self::Vins,
         Self::OpenVins,
         Self::Basalt,
+        Self::Gtsam,
+        Self::ArduPilot,
+        Self::Gazebo,
         Self::Undrift,
     ];
 
@@ -91,6 +104,9 @@ impl ModelFormat {
             Self::Vins => "vins",
             Self::OpenVins => "openvins",
             Self::Basalt => "basalt",
+            Self::Gtsam => "gtsam",
+            Self::ArduPilot => "ardupilot",
+            Self::Gazebo => "gazebo",
             Self::Undrift => "undrift",
         }
     }
@@ -101,7 +117,7 @@ impl ModelFormat {
 /// The name as it was given.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown format {0:?}; available: kalibr, kf-gins, ros, px4, matlab, vins, openvins, basalt, undrift"
+    "unknown format {0:?}; available: kalibr, kf-gins, ros, px4, matlab, vins, openvins, basalt, gtsam, ardupilot, gazebo, undrift"
 )]
 pub struct UnknownModelFormat(pub String);
 
@@ -118,7 +134,7 @@ impl std::str::FromStr for ModelFormat {
 
 impl ImuModel {
     /// The text of this model in `format`, for outages of 30 s: [`Self::export_for`]. `rate_hz` is the rate of the samples \[Hz\], of PX4's
-    /// prediction for [`ModelFormat::Px4`] (100 Hz if not given); without it the rate of the record
+    /// prediction for [`ModelFormat::Px4`] (100 Hz if not given) and [`ModelFormat::ArduPilot`] (83 Hz); without it the rate of the record
     /// that the model was identified from is taken.
     ///
     /// # Errors
@@ -176,6 +192,11 @@ impl ImuModel {
             ModelFormat::Vins => formats::vins(&imu, rate()?),
             ModelFormat::OpenVins => formats::openvins(&imu, rate()?),
             ModelFormat::Basalt => formats::basalt(&imu, rate()?),
+            ModelFormat::Gtsam => formats::gtsam(&imu),
+            ModelFormat::ArduPilot => {
+                formats::ardupilot(&imu, rate_hz.unwrap_or(formats::ARDUPILOT_RATE))
+            }
+            ModelFormat::Gazebo => formats::gazebo(&imu, rate()?),
             ModelFormat::Undrift => self.to_toml(),
         })
     }

@@ -22,7 +22,7 @@ def test_presets_save_and_export_as_the_terminal(
     path = tmp_path / "imu.toml"
     model.save(path)
     assert NoiseModel.load(path).to_toml() == model.to_toml()
-    for format in ("kalibr", "kf-gins", "ros", "px4", "matlab", "vins", "openvins", "basalt"):
+    for format in ("kalibr", "kf-gins", "ros", "px4", "matlab", "vins", "openvins", "basalt", "gtsam", "ardupilot", "gazebo"):
         printed = terminal("model", name, "--to", format, "--rate", 200).stdout
         assert model.export(format, 200.0).rstrip() == printed.rstrip()
     assert set(model.axes) == {"gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"}

@@ -231,8 +231,8 @@ pub(crate) fn block_average_of_share(
 
 /// Shortest block that the slow terms are fitted to \[s\], and the longest that a memory asks for.
 const BLOCK_S: [f64; 2] = [0.25, 1.0];
-/// A block is so many correlation times of the fast part.
-const MEMORIES: f64 = 10.0;
+/// A block is so many correlation times of the fast part: it and its neighbours are correlated by half a time over the block's.
+const MEMORIES: f64 = 20.0;
 /// Fewest blocks of a record.
 const FEWEST: usize = 1000;
 /// Samples that the memory is taken from.
@@ -326,17 +326,17 @@ mod tests {
     }
 
     #[test]
-    fn a_block_is_ten_memories_of_the_fast_part() {
+    fn a_block_is_twenty_memories_of_the_fast_part() {
         let drawn = |filter: &ShapingFilter| {
             let mut record = vec![0.0; 60_000];
             crate::synthesis::NoiseGenerator::new(filter, 1).fill(&mut record);
             record
         };
         let t = 0.01;
-        // White noise has none: a quarter of a second, of 25 samples. AR(1) of 60 ms: 1/e at six samples.
+        // White noise has none: a quarter of a second, of 25 samples. AR(1) of 30 ms: 1/e at three samples.
         let white = drawn(&ShapingFilter::white(0.1, t).unwrap());
         assert_eq!(block_beyond_memory(&[&white], t, 1), 25);
-        let ar = drawn(&ShapingFilter::gauss_markov(1.0, 0.06, t).unwrap());
+        let ar = drawn(&ShapingFilter::gauss_markov(1.0, 0.03, t).unwrap());
         let block = block_beyond_memory(&[&ar], t, 1);
         assert!((40..=60).contains(&block), "{block}");
         // A thousand blocks at least, and never below what is asked for.

@@ -31,6 +31,8 @@ const SHORT_MEMORY: f64 = 0.05;
 
 /// Standard errors within which the white density of the full rate is that of the blocks.
 const SAME_WHITE: f64 = 3.0;
+/// Standard errors within which the variance of a scale is that of the terms.
+const SAME_SCALE: f64 = 4.0;
 /// Relative error above which the blocks' white density is too uncertain to be compared.
 const KNOWN: f64 = 0.1;
 
@@ -162,7 +164,7 @@ impl CompositeFit {
 /// its block averages, whose model is that of the terms exactly ([`block_average`](super::block_average)); NaN is a
 /// missing sample. A record of `max_points` or fewer is taken as it is. Else the white density is
 /// that of the full rate (`white_full_rate`) where the two agree within three standard errors and
-/// no short memory shows; and quantisation, which blocks lose sight of, is found with the white
+/// no scale shorter than a block shows a short memory; and quantisation, which blocks lose sight of, is found with the white
 /// noise by likelihood from the first samples at the full rate, the slow terms held.
 ///
 /// # Errors
@@ -282,7 +284,14 @@ pub(crate) fn fit_marginal(
     if (ratio - 1.0).abs() > SHORT_MEMORY.max(of_chance) {
         flags.push(Flag::ShortMemory(ratio));
     } else if blocks_know && (white_full_rate / terms.white).ln().abs() < SAME_WHITE * error {
-        terms.white = white_full_rate;
+        let of_full_rate = CompositeTerms {
+            white: white_full_rate,
+            ..terms
+        };
+        // A filter near half the rate takes little of it, but more than the blocks' white density is uncertain by.
+        if is_white_within(&curve, block, &of_full_rate) {
+            terms = of_full_rate;
+        }
     }
     let parameters = set.parameters() + records.len();
     let points: usize = found.iter().map(|l| l.observations).sum();
@@ -440,6 +449,15 @@ fn full_rate_ratio(curve: &WaveletVariance, terms: &CompositeTerms) -> f64 {
         Some(point) => point.variance / model_variance(terms, point.m, curve.interval),
         None => 1.0,
     }
+}
+
+/// Whether all scales shorter than a block have the variance that the terms say, but for chance.
+fn is_white_within(curve: &WaveletVariance, block: usize, terms: &CompositeTerms) -> bool {
+    let mut shorter = curve.points.iter().filter(|point| point.m < block);
+    shorter.all(|point| {
+        let ratio = point.variance / model_variance(terms, point.m, curve.interval);
+        ratio.ln().abs() < SAME_SCALE * (2.0 / point.edf).sqrt()
+    })
 }
 
 /// White density that the wavelet variance at one sample leaves beside the other terms [unit·√s].

@@ -95,6 +95,16 @@ pub(super) struct EquivalentAxis {
     pub walk: f64,
 }
 
+impl EquivalentAxis {
+    /// The one Gauss-Markov process that its bias is.
+    pub fn alone(&self) -> Option<&GaussMarkov> {
+        match self.slow.processes[..] {
+            [ref one] if self.slow.walk.unwrap_or(0.0) == 0.0 => Some(one),
+            _ => None,
+        }
+    }
+}
+
 impl Equivalent {
     /// The equivalent of each axis, with the random walk for an outage of `outage_s` \[s\] where `format` knows
     /// no other bias.
@@ -114,7 +124,7 @@ impl Equivalent {
             let record = length(model);
             // What a number is of, the first axis of it, and all of them.
             let groups: Vec<(_, _, &mut [EquivalentAxis])> = match format {
-                ModelFormat::Basalt => AXES
+                ModelFormat::Basalt | ModelFormat::Gtsam => AXES
                     .into_iter()
                     .zip(gyro.iter_mut().chain(&mut accel))
                     .map(|(name, axis)| (name, name, std::slice::from_mut(axis)))
@@ -144,6 +154,9 @@ impl Equivalent {
         if has_only_a_walk(format) {
             let named = AXES.into_iter().zip(gyro.iter_mut().chain(&mut accel));
             for (name, axis) in named {
+                if format == ModelFormat::Gazebo && axis.alone().is_some() {
+                    continue;
+                }
                 let filter = WalkFilter::new(axis.white, &axis.slow);
                 axis.walk = filter.best(outage_s);
                 if axis.slow.processes.is_empty() {
@@ -167,15 +180,16 @@ impl Equivalent {
     }
 }
 
-/// Whether a format's bias is a random walk and nothing else.
+/// Whether a format's bias is a random walk and nothing else; of Gazebo's where it is not one Gauss-Markov process.
 fn has_only_a_walk(format: ModelFormat) -> bool {
-    matches!(format, ModelFormat::Px4) || must_walk(format)
+    use ModelFormat::{ArduPilot, Gazebo, Px4};
+    matches!(format, Px4 | ArduPilot | Gazebo) || must_walk(format)
 }
 
 /// Whether a program divides by the variance of a bias's step, so that its random walk must not be 0.
 fn must_walk(format: ModelFormat) -> bool {
-    use ModelFormat::{Basalt, Kalibr, OpenVins, Vins};
-    matches!(format, Kalibr | Vins | OpenVins | Basalt)
+    use ModelFormat::{Basalt, Gtsam, Kalibr, OpenVins, Vins};
+    matches!(format, Kalibr | Vins | OpenVins | Basalt | Gtsam)
 }
 
 /// Length of the record that a model was identified from \[s\].

@@ -13,6 +13,9 @@
 //! | Kalibr, OpenVINS, Basalt | N | K |
 //! | VINS-Mono, VINS-Fusion | N √(2/T) | K/√T |
 //! | PX4 EKF2 | N/√T, T of its prediction (100 Hz) | K/√T |
+//! | ArduPilot EKF3 | N/√T, T of its prediction (12 ms) | K/√T |
+//! | GTSAM | N² | K² |
+//! | Gazebo | N/√T | a Gauss-Markov process of σ √(2/τ) and τ, from the turn-on |
 //! | ROS `sensor_msgs/Imu` | variance N²/T | – |
 //! | KF-GINS | N in deg/√h, m/s/√h | Gauss-Markov of one τ, driven by 2σ²/τ |
 //! | MATLAB `imuSensor` | N | K, and a Gauss-Markov process |
@@ -22,12 +25,14 @@
 //! fitting. What a format cannot hold (quantisation, lines, several processes) is in the remarks of
 //! [`Equivalent`], which every text has as comments at its head.
 
-use super::comments::comment;
 use super::equivalent::{Equivalent, EquivalentAxis, common_tau, driven, rms};
+use super::text::{Text, number, row};
 use undrift_nav::earth::STANDARD_GRAVITY;
 
 /// EKF2's prediction, EKF2_PREDICT_US = 10000 unless changed \[Hz\].
 pub(super) const PX4_RATE: f64 = 100.0;
+/// EKF3's predictions, EKF_TARGET_DT = 12 ms \[Hz\].
+pub(super) const ARDUPILOT_RATE: f64 = 1.0 / 0.012;
 /// 1 mGal [m/s²].
 const MILLIGAL: f64 = 1e-5;
 /// One hour \[s\].
@@ -200,12 +205,13 @@ pub(super) fn kf_gins(imu: &Equivalent) -> String {
 /// first place where there is no such measurement.
 ///
 /// A message has no field for biases: a filter that uses these covariances alone underestimates its
-/// drift.
+/// drift. robot_localization is such a one: `RosFilter::imuCallback` takes the covariances of the message, none of its fifteen
+/// states (`filter_common.hpp`) is a bias.
 pub(super) fn ros(imu: &Equivalent, rate_hz: f64) -> String {
     let mut out = Text::about(imu, "#");
     let rate = number(rate_hz);
     out.comment(&format!(
-        "Covariances of one sample at {rate} Hz, N² rate on the diagonal, without biases. They are the same in forward-left-up (REP 103) and forward-right-down axes."
+        "Covariances of one sample at {rate} Hz, N² rate on the diagonal, without biases; robot_localization takes them from the message and has no states for biases. They are the same in forward-left-up (REP 103) and forward-right-down axes."
     ));
     out.body += "imu:\n  ros__parameters:\n";
     for (quantity, axes, unit) in [
@@ -267,18 +273,131 @@ pub(super) fn px4(imu: &Equivalent, rate_hz: f64) -> String {
         if name.ends_with("INIT") && value == 0.0 {
             continue;
         }
-        let mut note = format!("{name} [{unit}]");
-        if !(least..=most).contains(&value) {
-            note += &format!(
-                ": outside of PX4's range, {} to {}",
-                number(least),
-                number(most)
-            );
-        }
-        out.comment(&note);
+        out.comment(&ranged(name, unit, value, [least, most], "PX4"));
         out.body += &format!("1\t1\t{name}\t{}\t9\n", number(value));
     }
     out.finish()
+}
+
+/// ArduPilot's EKF3, `NavEKF3_core::CovariancePrediction` of `AP_NavEKF3_core.cpp`: a prediction over dt adds (noise dt)² to angle
+/// and velocity and (bias noise dt²)² to biases that are angles and velocities of a step, so (bias noise dt)² to those of
+/// rates: a density N is N/√dt, a random walk K is K/√dt. Ranges: the comments beside `AP_GROUPINFO` of `AP_NavEKF3.cpp`.
+///
+/// One number for three axes, as `NAME,VALUE`. Values outside of ArduPilot's range are written as they are, with a comment.
+pub(super) fn ardupilot(imu: &Equivalent, rate_hz: f64) -> String {
+    let mut out = Text::about(imu, "#");
+    let rate = number(rate_hz);
+    out.comment(&format!(
+        "Each number is the root mean square of the three axes, as a standard deviation per prediction of EKF3 at {rate} Hz, N/√dt (EKF_TARGET_DT, 12 ms). A noise model does not include vibration, which ArduPilot's defaults allow for."
+    ));
+    let root = rate_hz.sqrt();
+    let white = |axes| rms(axes, |axis| axis.white * root);
+    let walk = |axes| rms(axes, |axis| axis.walk * root);
+    let (gyro, accel) = (&imu.gyro, &imu.accel);
+    for (name, value, range, unit) in [
+        ("EK3_GYRO_P_NSE", white(gyro), [1e-4, 0.1], "rad/s"),
+        ("EK3_ACC_P_NSE", white(accel), [0.01, 1.0], "m/s²"),
+        ("EK3_GBIAS_P_NSE", walk(gyro), [1e-5, 1e-3], "rad/s²"),
+        ("EK3_ABIAS_P_NSE", walk(accel), [1e-5, 0.02], "m/s³"),
+    ] {
+        out.comment(&ranged(name, unit, value, range, "ArduPilot"));
+        out.body += &format!("{name},{}\n", number(value));
+    }
+    out.finish()
+}
+
+/// A parameter's name and unit, and the range of a program that its value is outside of.
+fn ranged(name: &str, unit: &str, value: f64, [least, most]: [f64; 2], program: &str) -> String {
+    let note = format!("{name} [{unit}]");
+    match (least..=most).contains(&value) {
+        true => note,
+        false => format!(
+            "{note}: outside of {program}'s range, {} to {}",
+            number(least),
+            number(most)
+        ),
+    }
+}
+
+/// GTSAM, `PreintegratedCombinedMeasurements::integrateMeasurement` of `gtsam/navigation/CombinedImuFactor.cpp`: a sample over dt adds
+/// covariance/dt to its rate and force and covariance × dt to the biases, so that covariances are the squares of densities.
+/// The factor inverts what comes out: a walk must not be 0. Up to 4.2 `biasAccOmegaInit` is divided by dt, too, and so
+/// is more white noise of each sample; it is 0 here, since the identity that it has otherwise hides a sensor's noise. Later versions have none.
+///
+/// Python, one number an axis.
+pub(super) fn gtsam(imu: &Equivalent) -> String {
+    let mut out = Text::about(imu, "#");
+    out.comment(
+        "Squares of continuous-time densities of the axes x, y, z, in the axes of the samples.",
+    );
+    out.comment(
+        "biasAccOmegaInit counts as white noise of each sample; the uncertainty of the first bias belongs to its prior.",
+    );
+    let squares = |axes: &[EquivalentAxis; 3], of: &dyn Fn(&EquivalentAxis) -> f64| {
+        row(axes.iter().map(|axis| of(axis).powi(2)))
+    };
+    let gravity = number(STANDARD_GRAVITY);
+    out.body += &format!(
+        "import gtsam\nimport numpy as np\n\nparams = gtsam.PreintegrationCombinedParams.MakeSharedU({gravity})  # z up; MakeSharedD: down\n"
+    );
+    let white = |axis: &EquivalentAxis| axis.white;
+    let walk = |axis: &EquivalentAxis| axis.walk;
+    type OfAxis<'a> = &'a dyn Fn(&EquivalentAxis) -> f64;
+    let covariances: [(_, _, OfAxis, _); 4] = [
+        ("Accelerometer", &imu.accel, &white, "(m/s²)²/Hz"),
+        ("Gyroscope", &imu.gyro, &white, "(rad/s)²/Hz"),
+        ("BiasAcc", &imu.accel, &walk, "(m/s³)²/Hz"),
+        ("BiasOmega", &imu.gyro, &walk, "(rad/s²)²/Hz"),
+    ];
+    for (name, axes, of, unit) in covariances {
+        let squares = squares(axes, of);
+        out.body += &format!("params.set{name}Covariance(np.diag({squares}))  # {unit}\n");
+    }
+    out.finish()
+        + "if hasattr(params, \"setBiasAccOmegaInit\"):  # up to GTSAM 4.2\n    params.setBiasAccOmegaInit(np.zeros((6, 6)))\nparams.setIntegrationCovariance(1e-8 * np.eye(3))  # not of the sensor\n"
+}
+
+/// Gazebo, `GaussianNoiseModel::ApplyImpl` of gz-sensors' `src/GaussianNoiseModel.cc`: white noise of `stddev` a sample, and a bias that
+/// starts at `bias_stddev` and is a Gauss-Markov process driven by `dynamic_bias_stddev` [unit/√s]: σ √(2/τ).
+///
+/// The `imu` element of a sensor in SDF. An axis whose bias is not one process has the random walk for an outage, with a
+/// correlation time of an hour.
+pub(super) fn gazebo(imu: &Equivalent, rate_hz: f64) -> String {
+    let mut out = Text::about(imu, "");
+    let rate = number(rate_hz);
+    out.comment(&format!(
+        "For samples at {rate} Hz, the update_rate of the sensor: stddev is N √rate, dynamic_bias_stddev σ √(2/τ)."
+    ));
+    let mut body = String::from("<imu>\n");
+    for (quantity, axes) in [
+        ("angular_velocity", &imu.gyro),
+        ("linear_acceleration", &imu.accel),
+    ] {
+        body += &format!("  <{quantity}>\n");
+        for (name, axis) in ["x", "y", "z"].into_iter().zip(axes) {
+            let alone = axis.alone();
+            let (drive, tau) = alone.map_or((axis.walk, HOUR), |of| (of.drive(), of.tau_s));
+            body += &format!("    <{name}>\n      <noise type=\"gaussian\">\n");
+            for (key, value) in [
+                ("mean", 0.0),
+                ("stddev", axis.white * rate_hz.sqrt()),
+                ("bias_mean", 0.0),
+                ("bias_stddev", axis.turn_on),
+                ("dynamic_bias_stddev", drive),
+                ("dynamic_bias_correlation_time", tau),
+            ] {
+                body += &format!("        <{key}>{}</{key}>\n", number(value));
+            }
+            body += &format!("      </noise>\n    </{name}>\n");
+        }
+        body += &format!("  </{quantity}>\n");
+    }
+    // Two hyphens would end a comment.
+    let comments = out.comments.iter().map(|line| {
+        let line = line.replace("--", "- -");
+        format!("<!-- {} -->\n", line.trim_end_matches('-'))
+    });
+    String::from_iter(comments) + &body + "</imu>\n"
 }
 
 /// MATLAB's `imuSensor` with single-sided noise, at which a sample's white noise has the standard
@@ -329,76 +448,4 @@ pub(super) fn matlab(imu: &Equivalent, rate_hz: f64) -> String {
             "imu = imuSensor('accel-gyro', 'SampleRate', {}, 'Gyroscope', gyro, 'Accelerometer', accel);\n",
             number(rate_hz)
         )
-}
-
-/// A text under comments.
-///
-/// `mark` begins a comment line: `#`, `%`, or nothing where comments are strings of JSON.
-struct Text {
-    mark: &'static str,
-    comments: Vec<String>,
-    body: String,
-}
-
-impl Text {
-    /// Begins with what the numbers are of.
-    fn about(imu: &Equivalent, mark: &'static str) -> Self {
-        let mut text = Self {
-            mark,
-            comments: Vec::new(),
-            body: String::new(),
-        };
-        text.comment(match imu.name.as_str() {
-            "" => "Inertial sensor",
-            name => name,
-        });
-        if !imu.source.is_empty() {
-            text.comment(&format!("Source: {}", imu.source));
-        }
-        let remarks = imu.remarks.iter();
-        remarks.for_each(|remark| text.comment(&comment(remark)));
-        text
-    }
-
-    /// One comment of one line, whatever the text.
-    fn comment(&mut self, text: &str) {
-        let is_break =
-            |c: char| c.is_control() || matches!(c, '\u{2028}' | '\u{2029}' | '\u{feff}');
-        let words: Vec<&str> = text
-            .split(|c: char| c.is_whitespace() || is_break(c))
-            .filter(|word| !word.is_empty())
-            .collect();
-        self.comments.push(words.join(" "));
-    }
-
-    /// The whole text, comments first.
-    fn finish(self) -> String {
-        let lines = self.comments.iter();
-        let comments = lines.map(|line| format!("{} {line}\n", self.mark));
-        String::from_iter(comments) + &self.body
-    }
-}
-
-/// Numbers between brackets, as YAML and MATLAB take them.
-///
-/// Comma-separated, each by [`number`].
-fn row(values: impl Iterator<Item = f64>) -> String {
-    let items: Vec<String> = values.map(number).collect();
-    format!("[{}]", items.join(", "))
-}
-
-/// Nine digits, with the point and the sign of the exponent that YAML 1.1 asks of a number.
-///
-/// `1e-5` becomes `1.0e-5` and `1e16` `1.0e+16`: YAML 1.1 takes the short forms for text.
-fn number(value: f64) -> String {
-    let rounded: f64 = format!("{value:.8e}").parse().unwrap_or(value);
-    let text = format!("{rounded:?}");
-    match text.split_once('e') {
-        None => text,
-        Some((mantissa, exponent)) => {
-            let point = if mantissa.contains('.') { "" } else { ".0" };
-            let sign = if exponent.starts_with('-') { "" } else { "+" };
-            format!("{mantissa}{point}e{sign}{exponent}")
-        }
-    }
 }

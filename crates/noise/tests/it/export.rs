@@ -111,6 +111,9 @@ fn golden(format: ModelFormat) -> PathBuf {
         ModelFormat::Vins => "imu.vins.yaml",
         ModelFormat::OpenVins => "imu.openvins.yaml",
         ModelFormat::Basalt => "imu.basalt.json",
+        ModelFormat::Gtsam => "imu.gtsam.py",
+        ModelFormat::ArduPilot => "imu.ardupilot.param",
+        ModelFormat::Gazebo => "imu.gazebo.sdf",
         ModelFormat::Undrift => "imu.toml",
     };
     let folder = concat!(

@@ -234,7 +234,7 @@ class NoiseModel:
     def export(self, format: str, rate: float | None = None) -> str:
         """The model as another program reads it (docs/export.md).
 
-        ``format``: ``kalibr``, ``kf-gins``, ``ros``, ``px4``, ``matlab``, ``vins``, ``openvins``, ``basalt``, ``undrift``.
+        ``format``: ``kalibr``, ``kf-gins``, ``ros``, ``px4``, ``matlab``, ``vins``, ``openvins``, ``basalt``, ``gtsam``, ``ardupilot``, ``gazebo``, ``undrift``.
         ``rate`` [Hz] is the rate of the samples, if not that of the identified record.
         """
         return self._model.export(format, rate)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Reads what the writers wrote beside this file with readers of others.
 
-pip install numpy pyyaml opencv-python-headless pynmeagps gpxpy lxml fastkml geojson shapely
+pip install numpy pyyaml opencv-python-headless gtsam pynmeagps gpxpy lxml fastkml geojson shapely
 
 The files come from the tests `equal_to_what_was_checked` of undrift-noise (tests/it/export.rs) and undrift-io
 (tests/it/written.rs) with UNDRIFT_BLESS=1; without it they hold that the writers still write the same bytes.
@@ -109,7 +109,45 @@ def models():
     close(rms(basalt["gyro_bias_std"]), imu["gyroscope_random_walk"], relative=2e-8)
     close(basalt["accel_bias_std"], [1e-4] * 3)
     close(basalt["imu_update_rate"], 100.0)
-    print("models: kalibr, kf-gins, ros (PyYAML), px4, vins, openvins (OpenCV) and basalt hold what the model says")
+    # GTSAM itself integrates a second at 100 Hz at rest; angle, position, velocity, biases of accelerometer and gyro.
+    import gtsam
+    import numpy
+
+    names = {}
+    exec((HERE / "imu.gtsam.py").read_text(encoding="utf-8"), names)
+    factor = gtsam.PreintegratedCombinedMeasurements(names["params"], gtsam.imuBias.ConstantBias())
+    for _ in range(100):
+        factor.integrateMeasurement(numpy.array([0, 0, 9.80665]), numpy.zeros(3), 0.01)
+    variances = numpy.diag(factor.preintMeasCov())
+    walks = numpy.array(basalt["gyro_bias_std"]) ** 2
+    close(list(variances[:3]), list(numpy.array(WHITE) ** 2 + walks / 3), relative=1e-3)
+    close([variances[8]], [1e-6 + 1e-8 / 3], relative=1e-3)
+    close(list(variances[9:]), [1e-8] * 3 + list(walks), relative=4e-8)
+
+    # EKF3 adds (noise dt)² and, to biases that are angles of a step, (noise dt²)²: over a second at 100 Hz N² and K².
+    lines = (HERE / "imu.ardupilot.param").read_text(encoding="utf-8").splitlines()
+    pilot = {name: float(value) for name, value in (line.split(",") for line in lines if not line.startswith("#"))}
+    close([(pilot["EK3_GYRO_P_NSE"] * 0.01) ** 2 * 100], [rms(WHITE) ** 2], relative=2e-8)
+    close([(pilot["EK3_ACC_P_NSE"] * 0.01) ** 2 * 100], [1e-6], relative=2e-8)
+    close([(pilot["EK3_GBIAS_P_NSE"] * 0.01**2 / 0.01) ** 2 * 100], [imu["gyroscope_random_walk"] ** 2], relative=4e-8)
+    close([(pilot["EK3_ABIAS_P_NSE"] * 0.01**2 / 0.01) ** 2 * 100], [1e-8], relative=2e-8)
+
+    # A step of Gazebo's bias: φ = exp(−dt/τ), variance σ_b² τ/2 (1 − φ²), so that of the process is σ_b² τ/2.
+    from xml.etree import ElementTree
+
+    root = ElementTree.parse(HERE / "imu.gazebo.sdf").getroot()
+    assert root.tag == "imu" and [child.tag for child in root] == ["angular_velocity", "linear_acceleration"]
+    for axis, white, turn_on in zip("xyz", WHITE, [0, 0, TURN_ON_Z]):
+        noise = root.find(f"angular_velocity/{axis}/noise")
+        assert noise.get("type") == "gaussian"
+        value = {child.tag: float(child.text) for child in noise}
+        close(value["stddev"], white * 10)
+        tau = value["dynamic_bias_correlation_time"]
+        close([tau, value["dynamic_bias_stddev"] ** 2 * tau / 2], [200.0, (9 * DEG / 3600) ** 2], relative=2e-8)
+        close(value["bias_stddev"], turn_on)
+    value = {child.tag: float(child.text) for child in root.find("linear_acceleration/y/noise")}
+    close([value["stddev"], value["dynamic_bias_stddev"], value["dynamic_bias_correlation_time"]], [0.01, 1e-4, 3600.0])
+    print("models: kalibr, kf-gins, ros (PyYAML), px4, vins, openvins (OpenCV), basalt, gtsam (GTSAM), ardupilot and gazebo hold what the model says")
 
 
 # The track of crates/io/tests/it/written.rs: row k of 241, 20 a second, without GNSS from 80 to 160.

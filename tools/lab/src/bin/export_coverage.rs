@@ -20,7 +20,7 @@ type Failure = Box<dyn std::error::Error>;
 
 const RATE_HZ: f64 = 20.0;
 const SAMPLES: usize = 72_000;
-const FORMATS: [ModelFormat; 8] = [
+const FORMATS: [ModelFormat; 11] = [
     ModelFormat::Kalibr,
     ModelFormat::Vins,
     ModelFormat::OpenVins,
@@ -29,6 +29,9 @@ const FORMATS: [ModelFormat; 8] = [
     ModelFormat::Ros,
     ModelFormat::KfGins,
     ModelFormat::Matlab,
+    ModelFormat::Gtsam,
+    ModelFormat::ArduPilot,
+    ModelFormat::Gazebo,
 ];
 /// Shares of the true value that a number is to be within.
 const NEAR: [f64; 2] = [0.1, 0.25];
@@ -109,6 +112,18 @@ fn read(axis: &AxisModel, format: ModelFormat) -> Result<Read, Failure> {
         ModelFormat::Px4 => Read {
             white: of("\tEKF2_GYR_NOISE\t")? / root,
             walk: Some(of("\tEKF2_GYR_B_NOISE\t")? / root),
+        },
+        ModelFormat::Gtsam => Read {
+            white: of("setGyroscopeCovariance(np.diag(")?.sqrt(),
+            walk: Some(of("setBiasOmegaCovariance(np.diag(")?.sqrt()),
+        },
+        ModelFormat::ArduPilot => Read {
+            white: of("EK3_GYRO_P_NSE,")? / root,
+            walk: Some(of("EK3_GBIAS_P_NSE,")? / root),
+        },
+        ModelFormat::Gazebo => Read {
+            white: of("<stddev>")? / root,
+            walk: Some(of("<dynamic_bias_stddev>")?),
         },
         ModelFormat::KfGins => {
             let tau = of("corrtime:")? * 3600.0;

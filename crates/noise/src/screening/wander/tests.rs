@@ -1,9 +1,12 @@
 //! Disturbances of known size, and noise without any.
 
+use super::noise::{dot, normalised};
+use super::search::Whitened;
 use super::*;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use std::f64::consts::TAU;
 
 struct Draw(Xoshiro256PlusPlus);
 
@@ -213,9 +216,9 @@ fn a_shape_of_averages_is_that_of_the_values() {
     assert_eq!(step.in_values(5), Shape::Step { from: 30, to: 40 });
     assert_eq!(Shape::WarmUp(3.0).in_values(5), Shape::WarmUp(15.0));
     assert_eq!(Shape::Cycle(8.0).in_values(5), Shape::Cycle(40.0));
-    assert_eq!(step.enough(), 32.0);
-    assert_eq!(Shape::WarmUp(3.0).enough(), 25.0);
-    assert_eq!(Shape::Cycle(3.0).enough(), 25.0);
+    assert_eq!(step.enough(), 19.0);
+    assert_eq!(Shape::WarmUp(3.0).enough(), 17.0);
+    assert_eq!(Shape::Cycle(3.0).enough(), 17.0);
     assert_eq!(step.nearby(0.1), [step]);
     let near = |found: f64, exact: f64| assert!((found / exact - 1.0).abs() < 1e-12, "{found}");
     let (warm_ups, cycles) = (
@@ -272,10 +275,12 @@ fn under_white_noise_a_shape_explains_what_least_squares_do() {
     let series: Vec<f64> = (0..count)
         .map(|k| (k * 37 % 19) as f64 + if k < 30 { 0.0 } else { 20.0 })
         .collect();
-    let search = Search {
+    let search = |known| Search {
         averages: &series,
         present: count as f64,
+        known,
         noises: vec![Noise::new(0.0, f64::INFINITY, &vec![true; count])],
+        tried: vec![Shape::WarmUp(9.0)],
     };
     let level = [vec![1.0; count]];
     let of = |from: usize, to: usize| {
@@ -284,25 +289,29 @@ fn under_white_noise_a_shape_explains_what_least_squares_do() {
         (mean, part.iter().map(|x| (x - mean).powi(2)).sum::<f64>())
     };
     let ((_, all), (before, a), (after, b)) = (of(0, count), of(0, 30), of(30, count));
-    let whitened = search.whitened(&search.noises[0], &level);
+    let beside_level = search(&level);
+    let noise = &beside_level.noises[0];
+    let whitened = Whitened::new(noise, &series, &level);
     assert!((whitened.squares / all - 1.0).abs() < 1e-12);
-    let (at, explained) = likeliest_step(&search.noises[0], &whitened);
+    let (at, explained) = whitened.likeliest_step(noise);
     assert_eq!(at, 30);
     assert!(
         (explained / (all - a - b) - 1.0).abs() < 1e-9,
         "{explained}"
     );
-    let cost = search.cost(&search.noises[0], all, all - a - b);
+    let cost = beside_level.cost(noise, all - explained);
     assert!((cost - 80.0 * ((a + b) / 80.0).ln()).abs() < 1e-9);
     // The fall of −2 ln likelihood, and the height of the step beside the level.
-    let (shape, fall) = search.best(&level, &[Shape::WarmUp(9.0)], true).unwrap();
+    let [(shape, fall)] = beside_level.shapes()[..] else {
+        panic!()
+    };
     assert_eq!(shape, Shape::Step { from: 30, to: 30 });
     assert!((fall - 80.0 * (all / (a + b)).ln()).abs() < 1e-9, "{fall}");
-    let columns = [level[0].clone(), shape.columns(count)[0].clone()];
-    let found = search.coefficients(&columns);
-    assert!((found[0] - before).abs() < 1e-9 && (found[1] - (after - before)).abs() < 1e-9);
+    let found = beside_level.coefficients(&[shape]);
+    assert!(found.len() == 1 && (found[0] - (after - before)).abs() < 1e-9);
     // What is known explains it all: no shape is enough.
-    assert_eq!(search.best(&columns, &[Shape::WarmUp(9.0)], true), None);
+    let columns = [level[0].clone(), shape.columns(count)[0].clone()];
+    assert_eq!(search(&columns).shapes(), []);
     // A column of what is known already is no column.
     assert!(normalised(level[0].clone(), &[whitened.basis[0].clone()]).is_none());
     let free = normalised(columns[1].clone(), &whitened.basis).unwrap();
@@ -312,20 +321,38 @@ fn under_white_noise_a_shape_explains_what_least_squares_do() {
 #[test]
 fn a_step_is_not_looked_for_where_it_is_an_outlier() {
     let count = 80;
+    let noise = Noise::new(0.0, f64::INFINITY, &vec![true; count]);
     let step_at = |place: usize| {
         let series: Vec<f64> = (0..count)
             .map(|k| (k * 37 % 19) as f64 + if k < place { 0.0 } else { 2000.0 })
             .collect();
-        let search = Search {
-            averages: &series,
-            present: count as f64,
-            noises: vec![Noise::new(0.0, f64::INFINITY, &vec![true; count])],
-        };
-        let whitened = search.whitened(&search.noises[0], &[vec![1.0; count]]);
-        likeliest_step(&search.noises[0], &whitened).0
+        Whitened::new(&noise, &series, &[]).likeliest_step(&noise).0
     };
     assert_eq!((step_at(1), step_at(2), step_at(3)), (2, 2, 3));
     assert_eq!((step_at(78), step_at(79)), (78, 78));
+}
+
+/// A gyro that re-zeroes itself three times: beside one of the steps alone the others are a walk.
+#[test]
+fn steps_up_and_down_are_found_together() {
+    let levels = [0.0, 1.5, -0.6, 0.75];
+    let all_found = (700..720).filter(|seed| {
+        let mut series = noise(&[], 1200, *seed);
+        for (k, value) in series.iter_mut().enumerate() {
+            *value += levels[k / 324];
+        }
+        let found = disturbances(&series, &[]);
+        let steps = found.iter().filter_map(|one| match one.shape {
+            Shape::Step { from, to } => Some((from + to) / 2),
+            _ => None,
+        });
+        let mut places = Vec::from_iter(steps);
+        places.sort_unstable();
+        let near = |(place, exact): (&usize, usize)| place.abs_diff(exact) <= 40;
+        places.len() == 3 && places.iter().zip([324, 648, 972]).all(near)
+    });
+    // 48 of 50 had all three with the thresholds as they are, 2 of 10 by one step at a time.
+    assert!(all_found.count() >= 17);
 }
 
 #[test]

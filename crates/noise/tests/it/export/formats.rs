@@ -307,3 +307,78 @@ fn a_walk_of_zero_is_refused_by_each_axis_that_has_a_number() {
         model.provenance.samples = None;
     }
 }
+
+#[test]
+fn gtsam_has_squares_of_densities_of_each_axis() {
+    let text = model().export(ModelFormat::Gtsam, None).unwrap();
+    let value = |key: &str| numbers(&text, key);
+    let x = (0.3 * DEG / 60.0).powi(2);
+    close(&value("setGyroscopeCovariance"), &[x, x, 4.0 * x]);
+    close(&value("setAccelerometerCovariance"), &[1e-6; 3]);
+    close(&value("setBiasAccCovariance"), &[1e-8; 3]);
+    // The mean of the three is the square of Kalibr's.
+    let walks = value("setBiasOmegaCovariance");
+    let mean = walks.iter().sum::<f64>() / 3.0;
+    assert!((mean.sqrt() / kalibr_walks(200.0)[1] - 1.0).abs() < 2e-8);
+    assert!(text.contains("MakeSharedU(9.80665)") && text.contains("Init(np.zeros((6, 6)))"));
+    // It inverts the covariance of the biases.
+    let mut model = model();
+    (model.accel[2].instability, model.accel[2].random_walk) = (Vec::new(), None);
+    let error = model.export(ModelFormat::Gtsam, None).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("accel_z: the gtsam model needs a bias that moves"),
+        "{error}"
+    );
+}
+
+#[test]
+fn ardupilot_has_standard_deviations_of_a_prediction() {
+    let text = model().export(ModelFormat::ArduPilot, None).unwrap();
+    let value = |name: &str| numbers(&text, name);
+    let root = (1f64 / 0.012).sqrt();
+    close(&value("EK3_GYRO_P_NSE,"), &[gyro_white() * root]);
+    close(&value("EK3_ACC_P_NSE,"), &[1e-3 * root]);
+    near(value("EK3_GBIAS_P_NSE,")[0], kalibr_walks(100.0)[1] * root);
+    close(&value("EK3_ABIAS_P_NSE,"), &[1e-4 * root]);
+    let fast = model().export(ModelFormat::ArduPilot, Some(400.0)).unwrap();
+    close(&numbers(&fast, "EK3_ACC_P_NSE,"), &[0.02]);
+    // 1e-3 √83.3 is 0.0091 m/s², below the range; 0.02 is in it.
+    let outside = "EK3_ACC_P_NSE [m/s²]: outside of ArduPilot's range, 0.01 to 1.0";
+    assert!(text.contains(outside) && !fast.contains(outside));
+}
+
+#[test]
+fn gazebo_has_the_process_of_each_axis() {
+    let text = model().export(ModelFormat::Gazebo, Some(100.0)).unwrap();
+    let of = |key: &str| {
+        let mark = format!("<{key}>");
+        let values = text.split(&mark).skip(1);
+        Vec::from_iter(values.map(|rest| rest.split('<').next().unwrap().parse::<f64>().unwrap()))
+    };
+    let x = 0.3 * DEG / 60.0 * 10.0;
+    close(&of("stddev"), &[x, x, 2.0 * x, 0.01, 0.01, 0.01]);
+    let turn_on = 12.0 * DEG / 3600.0;
+    close(&of("bias_stddev"), &[0.0, 0.0, turn_on, 0.0, 0.0, 0.0]);
+    // The process itself, and a walk of an hour.
+    let (gyro, accel) = (GYRO_DRIVE, 1e-4);
+    let drives = [gyro, gyro, gyro, accel, accel, accel];
+    close(&of("dynamic_bias_stddev"), &drives);
+    let taus = [200.0, 200.0, 200.0, 3600.0, 3600.0, 3600.0];
+    close(&of("dynamic_bias_correlation_time"), &taus);
+    assert!(!text.contains("for an outage"), "{text}");
+    // Beside a walk the process is the walk that Kalibr has.
+    let mut model = model();
+    model.gyro[0].random_walk = Some(1e-6);
+    model.source = "a -- b ---".to_owned();
+    let text = model.export(ModelFormat::Gazebo, Some(100.0)).unwrap();
+    let kalibr = model.export(ModelFormat::Basalt, Some(100.0)).unwrap();
+    let file: serde_json::Value = serde_json::from_str(&kalibr).unwrap();
+    let walk = file["value0"]["gyro_bias_std"][0].as_f64().unwrap();
+    assert!(text.contains(&format!(
+        "<dynamic_bias_stddev>{walk:?}</dynamic_bias_stddev>"
+    )));
+    assert!(text.contains("gyro_x: its bias is not a random walk"));
+    assert!(text.contains("<!-- Source: a - - b -  -->\n"), "{text}");
+}

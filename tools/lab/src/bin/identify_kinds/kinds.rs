@@ -4,6 +4,7 @@ use crate::judge::System;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use std::f64::consts::{PI, TAU};
+use undrift_noise::composite::Parameter;
 
 /// White noise density of all kinds [rad/√s], 0.005 °/s/√Hz; amplitudes below are in multiples of it.
 pub const WHITE: f64 = 8.727e-5;
@@ -254,6 +255,30 @@ impl Kind {
         }
     }
 
+    /// The recommended model's name where it is of the true kind, and the true parameters, of kinds that have one.
+    pub fn truth(&self) -> Option<(&'static str, Vec<(Parameter, f64)>)> {
+        let known = |part: &Part| match part {
+            Part::White(n) => Some(vec![(Parameter::White, n * WHITE)]),
+            Part::LowPass(_) => Some(vec![(Parameter::White, WHITE)]),
+            Part::Walk(k) => Some(vec![(Parameter::RandomWalk, k * WHITE)]),
+            Part::Flicker(b) => Some(vec![(Parameter::Flicker, b * WHITE)]),
+            Part::Process(sigma, tau) => Some(vec![
+                (Parameter::Sigma(0), sigma * WHITE),
+                (Parameter::Tau(0), *tau),
+            ]),
+            _ => None,
+        };
+        let name = match self.parts[..] {
+            [Part::White(_) | Part::LowPass(_)] => "white",
+            [_, Part::Walk(_)] => "white + random walk",
+            [_, Part::Flicker(_)] => "white + flicker",
+            [_, Part::Process(..)] => "white + Gauss-Markov",
+            _ => return None,
+        };
+        let parameters = self.parts.iter().map(known).collect::<Option<Vec<_>>>()?;
+        Some((name, parameters.concat()))
+    }
+
     /// The record of a seed, as it is logged, and its rate [Hz].
     pub fn record(&self, seed: u64) -> (Vec<f64>, f64) {
         let mut series = self.fresh(self.seconds, seed);
@@ -291,8 +316,12 @@ pub fn kinds() -> Vec<Kind> {
     add("white-10min", 100.0, 10.0, &[white], Nothing);
     add("walk", 100.0, 20.0, &[white, walk], Nothing);
     add("walk-10min", 100.0, 10.0, &[white, walk], Nothing);
+    add("white-60min", 100.0, 60.0, &[white], Nothing);
+    add("walk-60min", 100.0, 60.0, &[white, walk], Nothing);
     add("gm100", 100.0, 20.0, &[white, gm100], Nothing);
+    add("gm100-60min", 100.0, 60.0, &[white, gm100], Nothing);
     add("flicker", 100.0, 20.0, &[white, flicker], Nothing);
+    add("flicker-60min", 100.0, 60.0, &[white, flicker], Nothing);
     add(
         "flicker-strong",
         100.0,
@@ -329,23 +358,16 @@ pub fn kinds() -> Vec<Kind> {
         &[white, Telegraph(0.3, 60.0)],
         Nothing,
     );
-    for (filter, rate) in [
-        (5.0, 100.0),
-        (5.0, 400.0),
-        (10.0, 200.0),
-        (20.0, 100.0),
-        (42.0, 200.0),
-        (42.0, 1000.0),
-        (98.0, 400.0),
-    ] {
-        let minutes = if rate > 500.0 { 10.0 } else { 20.0 };
-        add(
-            &format!("walk-{filter}@{rate}"),
-            rate,
-            minutes,
-            &[LowPass(filter), walk],
-            Nothing,
-        );
+    // White noise and a walk behind every filter that the rate lets pass.
+    for filter in [5.0, 10.0, 20.0, 42.0, 98.0] {
+        for rate in [100.0, 200.0, 400.0, 1000.0] {
+            for minutes in [10.0, 20.0, 60.0] {
+                if 2.0 * filter < rate {
+                    let name = format!("walk-{filter}@{rate}-{minutes}min");
+                    add(&name, rate, minutes, &[LowPass(filter), walk], Nothing);
+                }
+            }
+        }
     }
     add("white-20@100", 100.0, 20.0, &[LowPass(20.0)], Nothing);
     add(
@@ -360,13 +382,6 @@ pub fn kinds() -> Vec<Kind> {
         100.0,
         20.0,
         &[LowPass(20.0), flicker],
-        Nothing,
-    );
-    add(
-        "walk-5@100-10min",
-        100.0,
-        10.0,
-        &[LowPass(5.0), walk],
         Nothing,
     );
     add(
