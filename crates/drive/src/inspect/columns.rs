@@ -373,7 +373,7 @@ impl Columns {
 
     /// A magnetometer, where its columns have the strength of a field in some unit, or their names state one, and there are times.
     fn field(&self, places: [usize; 3]) -> Option<Part> {
-        let (mut lines, _) = self.time(IMU_STEP);
+        let (mut lines, _) = self.time(IMU_STEP, &places);
         let by_size = || units::field(&three_of(&self.table.rows, places));
         let (unit, known) = match self.unit(places[0]) {
             Some(unit) => (unit, NAMES),
