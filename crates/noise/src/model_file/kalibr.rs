@@ -58,12 +58,11 @@ pub(super) fn as_model(text: &str, file: &str) -> Result<Option<String>, ModelEr
     model += "source = \"densities in continuous time, as stated for Kalibr\"\n";
     let mut table = "";
     for (key, of, ours, unit) in KEYS {
-        let missing =
-            "missing: Kalibr's imu.yaml has four numbers, of noise density and random walk";
+        let missing = "missing: add it; Kalibr's imu.yaml has noise densities and random walks";
         let (line, value) = find(key).ok_or_else(|| error(None, key, missing))?;
         let number: Option<f64> = value.parse().ok();
         let number = number.filter(|number| number.is_finite() && *number > 0.0);
-        let number = number.ok_or_else(|| error(Some(line), key, "must be a number above zero"))?;
+        let number = number.ok_or_else(|| error(Some(line), key, "write a number above zero"))?;
         if table != of {
             table = of;
             model += &format!("[{of}]\n");
