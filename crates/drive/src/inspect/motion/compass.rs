@@ -14,6 +14,10 @@ const APART: f64 = 0.1;
 const GAP: f64 = 1.0;
 /// Most pairs that are looked at.
 const PAIRS: usize = 30_000;
+/// A hard iron that is larger is that of wrong axes \[T\].
+const MOST_IRON: f64 = 60e-6;
+/// Square of a reading's noise in a usual hard iron, 1 µT in 20 µT.
+const SMALL_IRON: f64 = 2.5e-3;
 /// Least turn of all pairs together \[rad\].
 const LEAST_TURN: f64 = 6.0;
 /// Axes fit where they leave so little of what the field turns by, in squares …
@@ -96,12 +100,15 @@ fn left(pairs: &[Pair], rotation: &Matrix3) -> f64 {
         right += row.tr_mul(&off);
         all += off.norm_squared();
     }
-    // About one axis alone the hard iron along it does not show.
-    normal += Matrix3::identity() * (1e-9 * normal.trace()).max(f64::MIN_POSITIVE);
+    // About one axis alone the hard iron along it does not show: it is taken for small.
+    normal += Matrix3::identity() * SMALL_IRON;
     let iron = normal
         .try_inverse()
         .map_or(Vector3::zeros(), |inverse| inverse * right);
-    (all - iron.dot(&right)).max(0.0)
+    match iron.norm() < MOST_IRON {
+        true => (all - iron.dot(&right)).max(0.0),
+        false => f64::INFINITY,
+    }
 }
 
 /// Readings of the drive with the turns between them.
