@@ -31,15 +31,19 @@ fn std() -> InitialStd {
     }
 }
 
-/// Models of so many states together with the nine of navigation; beyond what six axes hold with all parameters but those of poses.
+/// Models of so many states together with the nine of navigation; beyond what six axes hold with all parameters but those of poses and magnetometers.
 fn models(states: usize) -> ([ShapingFilter; AXES], Parameters) {
     let axes = AXES * undrift_nav::shaping::MAX_ORDER;
     let mut parameters = Parameters::none();
     if states - NAV > axes {
-        let of_poses = [Parameter::MarkerRotation, Parameter::FrameTilt];
+        let without = [
+            Parameter::MarkerRotation,
+            Parameter::FrameTilt,
+            Parameter::HardIron,
+        ];
         for kind in Parameter::ALL
             .into_iter()
-            .filter(|kind| !of_poses.contains(kind))
+            .filter(|kind| !without.contains(kind))
         {
             parameters = parameters.with(kind, Prior::constant(0.1));
         }

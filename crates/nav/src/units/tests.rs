@@ -132,7 +132,7 @@ fn raw_counts_are_a_unit_of_columns() {
 
 /// Names of units and their definition in SI: Le Système international d'unités, 9th edition (BIPM 2019), where nothing
 /// else is said.
-const DEFINITIONS: [(&str, Quantity, f64); 44] = [
+const DEFINITIONS: [(&str, Quantity, f64); 50] = [
     ("s sec secs second seconds", Time, 1.0),
     ("ms msec", Time, 1e-3),
     ("us \u{b5}s \u{3bc}s usec", Time, 1e-6),
@@ -178,6 +178,12 @@ const DEFINITIONS: [(&str, Quantity, f64); 44] = [
     ("mph", Velocity, 5280.0 * 0.3048 / 3600.0),
     // The international nautical mile of 1929.
     ("kn kt kts knot knots", Velocity, 1852.0 / 3600.0),
+    ("T tesla", MagneticField, 1.0),
+    ("mT", MagneticField, 1e-3),
+    ("uT \u{b5}T \u{3bc}T", MagneticField, 1e-6),
+    ("nT", MagneticField, 1e-9),
+    ("G Gs gauss Gauss", MagneticField, 1e-4),
+    ("mG mGs mgauss mGauss", MagneticField, 1e-7),
     ("%", Dimensionless, 1e-2),
     ("ppm", Dimensionless, 1e-6),
     // Of these the change with temperature of an angular rate.
