@@ -292,12 +292,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     let mut total = Total::default();
-    for kind in kinds() {
-        if !wanted.is_empty() && !wanted.contains(&kind.name) {
-            continue;
-        }
-        let outcomes = outcomes(&kind, first..first + count);
-        println!("{}", total.row(&kind, &outcomes));
+    let mut all = kinds();
+    all.retain(|kind| wanted.is_empty() || wanted.contains(&kind.name));
+    let found: Vec<_> = all
+        .par_iter()
+        .map(|kind| outcomes(kind, first..first + count))
+        .collect();
+    for (kind, outcomes) in all.iter().zip(found) {
+        println!("{}", total.row(kind, &outcomes));
         if std::env::var_os("NOTES").is_some() {
             for (seed, outcome) in (first..).zip(&outcomes) {
                 match outcome {
