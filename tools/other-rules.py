@@ -14,6 +14,7 @@ Simulated gyros of known noise at 100 Hz: a table in Markdown, as docs/lab/ident
   gyr_w its least value, which configurations of VINS take for the walk.
 """
 
+import itertools
 import json
 import subprocess
 import sys
@@ -111,7 +112,10 @@ def undrift(command, samples, folder):
     subprocess.run([command, "identify", str(record), *options], check=True, stdout=subprocess.DEVNULL)
     axis = json.loads(result.read_text())["axes"]["gyro_x"]
     chosen = axis["chosen"]
-    return chosen["white"], min(axis["allan"]["adev"]) / B_FLOOR, chosen["random_walk"], chosen["name"]
+    # The floor as the table of the command has it: where the upper end of the 68 % interval is within half of the deviation.
+    points = zip(axis["allan"]["adev"], axis["allan"]["upper"])
+    known = list(itertools.takewhile(lambda point: point[1] <= 1.5 * point[0], points))
+    return chosen["white"], min(known)[0] / B_FLOOR, chosen["random_walk"], chosen["name"]
 
 
 def main():
