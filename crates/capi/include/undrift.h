@@ -40,7 +40,7 @@
 /**
  * Kinds of parameters.
  */
-#define UNDRIFT_PARAMETERS 14
+#define UNDRIFT_PARAMETERS 15
 
 /**
  * Bytes of a filter beside its covariance and estimates, at most; see UNDRIFT_FILTER_BYTES.
@@ -242,6 +242,10 @@ enum undrift_event_kind
      * Headings by two antennas were rejected; `value` is what the last of them was off by [rad].
      */
     UNDRIFT_EVENT_KIND_HEADINGS_REJECTED = 13,
+    /**
+     * The magnetic field was disturbed and not used; `value` is what it was off by at most [T].
+     */
+    UNDRIFT_EVENT_KIND_FIELD_DISTURBED = 14,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -317,6 +321,10 @@ enum undrift_parameter
      * Direction of the second antenna in the body, from forward to right, beyond the one given [rad].
      */
     UNDRIFT_PARAMETER_HEADING_OFFSET = 13,
+    /**
+     * Hard iron of a magnetometer, body axes [T]; three states.
+     */
+    UNDRIFT_PARAMETER_HARD_IRON = 14,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -715,6 +723,15 @@ typedef struct {
      */
     double heading_baseline;
     /**
+     * Standard deviation of errors of a magnetometer that last for some seconds [T]; its hard iron is the prior
+     * UNDRIFT_PARAMETER_HARD_IRON.
+     */
+    double magnetometer_lasting;
+    /**
+     * Year with its fraction, for the Earth's magnetic field; 0: about now.
+     */
+    double year;
+    /**
      * Factors on the noise that vibration adds, gyro and accelerometer x, y, z; all 0: the noise is the model's throughout.
      */
     double vibration[UNDRIFT_AXES];
@@ -925,6 +942,27 @@ undrift_status undrift_update_heading(undrift_filter *filter,
                                       undrift_update *done);
 
 /**
+ * Updates with a magnetic field, three numbers in body axes, with standard deviation `std` each; `earth` is the Earth's field north,
+ * east, down of undrift_magnetic_field(), all in [T]. The hard iron is UNDRIFT_PARAMETER_HARD_IRON.
+ */
+undrift_status undrift_update_magnetometer(undrift_filter *filter,
+                                           const double *field,
+                                           double std,
+                                           const double *earth,
+                                           const undrift_gate *gate,
+                                           undrift_update *done);
+
+/**
+ * The Earth's magnetic field north, east, down [T], three numbers to `earth`, at a place [rad, rad, m] in a year with its fraction:
+ * the World Magnetic Model 2025, made for 2025 to 2030.
+ */
+undrift_status undrift_magnetic_field(double latitude,
+                                      double longitude,
+                                      double height,
+                                      double year,
+                                      double *earth);
+
+/**
  * Number of states in use; 0 for what is no filter.
  */
 size_t undrift_states(const undrift_filter *filter);
@@ -1006,6 +1044,15 @@ undrift_status undrift_navigator_scalar(undrift_navigator *navigator,
                                         double time,
                                         double value,
                                         double std);
+
+/**
+ * Pushes a magnetic field, three numbers in body axes [T], with the standard deviation of its white noise, in the manner of
+ * undrift_navigator_fix().
+ */
+undrift_status undrift_navigator_magnetometer(undrift_navigator *navigator,
+                                              double time,
+                                              const double *field,
+                                              double std);
 
 /**
  * The solution, its attitude that of the vehicle's axes where the mounting is estimated. UNDRIFT_STATUS_NOT_ALIGNED, and nothing is

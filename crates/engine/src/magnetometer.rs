@@ -10,7 +10,7 @@
 //!   strength or dip are not the Earth's: neither depends on the heading;
 //! * where they are not for a minute and do not change, the hard iron has become another one and is made unknown again;
 //! * a field that agrees with the heading shows that a course that does not is a way to move, and no wrong heading;
-//! * while the vehicle stands nothing else shows its heading: what fixes and rests say of it are errors of the gyros;
+//! * at rest nothing else shows its heading: what fixes and rests say of it are errors of the gyros;
 //! * strength and dip say nothing of the heading, and a heading that is far off makes them seem wrong: the second order of its error is
 //!   added to the noise.
 
@@ -371,7 +371,7 @@ fn is_not_earths(
     let mut variance: Matrix2<f64> = axes.transpose() * predicted * axes;
     variance += Matrix2::identity() * (mean.white + lasting);
     variance[(0, 0)] += second_order(filter, field);
-    // Of a covariance that is none the filter is checked elsewhere.
+    // Whether it is a covariance is checked elsewhere.
     let inverse = variance.try_inverse().unwrap_or_default();
     off.dot(&(inverse * off)) > NOT_EARTHS
 }

@@ -15,7 +15,7 @@ use undrift_nav::{
     sample::{ImuSample, MagneticField},
 };
 
-/// Standard deviation from which on a heading is none \[rad\].
+/// Standard deviation from which on a direction is no heading \[rad\].
 const UNKNOWN: f64 = 0.4;
 /// Fewest readings of a mean.
 const LEAST: u32 = 2;

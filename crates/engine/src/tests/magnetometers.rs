@@ -86,7 +86,7 @@ fn the_first_heading_and_those_in_motion_are_honest() {
     assert!((0.7..1.4).contains(&rest) && (0.7..1.4).contains(&motion) && worst < 16.0);
 }
 
-/// A magnet of 30 µT passes by: while the vehicle stands before the start, while it stands after it, in motion, and in motion without GNSS.
+/// A magnet of 30 µT passes by: at rest before the start, at rest after it, in motion, and in motion without GNSS.
 #[test]
 fn a_magnet_that_passes_by_harms_nothing() {
     const SEEDS: u64 = 12;

@@ -191,7 +191,7 @@ fn crates_only_depend_downwards() {
 fn only_a_feature_brings_dds() {
     let command = include_str!("../../../cli/Cargo.toml");
     for line in [
-        "default = [\"parquet\"]",
+        "default = [\"parquet\", \"xlsx\"]",
         "ros2 = [\"dep:undrift-ros2\", \"undrift-ros2/dds\"]",
         "undrift-ros2 = { workspace = true, optional = true }",
     ] {

@@ -535,7 +535,7 @@ fn semicircles_are_known_by_the_names_of_fit() {
         unit("position_lat", "position_long").as_deref(),
         Some("LSB/11930464.7111 deg")
     );
-    assert_eq!(unit("lat", "lon"), None);
+    assert_eq!(unit("lat", "lon").as_deref(), Some("LSB/1e7 deg"));
     assert_eq!(unit("lat_e6", "lon_e6").as_deref(), Some("LSB/1e6 deg"));
 }
 

@@ -151,7 +151,7 @@ struct Judged {
 }
 
 impl Judged {
-    /// Whether the fixes are likelier than with the guess, within the standard deviations, and the drift is none the worse.
+    /// Whether the fixes are likelier than with the guess, within the standard deviations, and the drift is not larger but by chance.
     fn is_better_than(&self, guess: &Self) -> bool {
         self.likelihood - guess.likelihood > GAIN.0.max(GAIN.1 * guess.spans as f64)
             && self.inside >= INSIDE

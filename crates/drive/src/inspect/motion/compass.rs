@@ -200,7 +200,7 @@ mod tests {
         for (name, _) in every() {
             assert_eq!(axes(&drive(true, name)).as_deref(), Ok(name));
         }
-        // About the vertical alone the usual axes fit, others cannot be told apart.
+        // About the vertical alone the usual axes fit, others cannot be distinguished.
         assert_eq!(axes(&drive(false, "x,y,z")).as_deref(), Ok("x,y,z"));
         assert!(axes(&drive(false, "x,-y,-z")).is_err());
     }

@@ -272,7 +272,7 @@ fn rmc_and_gns_alone() {
     assert!((at.lon.to_degrees() + (11.0 + 31.0 / 60.0)).abs() < 1e-12);
     assert_eq!(at.height, 0.0);
     assert!((found[0].velocity.unwrap().0.norm() - 22.4 * 1852.0 / 3600.0).abs() < 1e-12);
-    // One position without a height between others is none.
+    // One position without a height between others is not used.
     let gns = |second: u32, mode: &str| {
         with_checksum(&format!(
             "GNGNS,1235{second:02}.00,4807.038,N,01131.000,E,{mode},12,0.8,545.4,46.9,,"

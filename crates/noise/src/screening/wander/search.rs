@@ -4,12 +4,13 @@ use super::{
     noise::{Noise, dot, normalised, orthogonal},
     shape::Shape,
 };
+use std::mem::discriminant;
 
 /// Powers of 2 by which times are varied about the likeliest of them.
 const NEARBY: [f64; 2] = [1.0 / 6.0, 1.0 / 36.0];
 /// More than this is noise.
 const MOST_FOUND: usize = 16;
-/// What the first shape takes more than each by itself, to be found: most records have none.
+/// What the first shape of a kind takes more than each by itself, to be found: most records have none.
 pub(super) const FIRST: f64 = 8.0;
 /// How often each shape is looked for again beside the others.
 const ROUNDS: usize = 3;
@@ -37,6 +38,19 @@ pub(super) struct Whitened {
 
 /// A shape, and −2 ln likelihood with it and what it takes to be found.
 type Priced = (Shape, f64);
+
+/// What a shape takes to be found beside others.
+fn price(shape: &Shape, beside: &[Shape]) -> f64 {
+    let kind = discriminant(shape);
+    let is_first = beside.iter().all(|other| discriminant(other) != kind);
+    shape.enough() + if is_first { FIRST } else { 0.0 }
+}
+
+/// What shapes take to be found together.
+fn price_of(shapes: &[Shape]) -> f64 {
+    let prices = shapes.iter().enumerate();
+    prices.map(|(at, shape)| price(shape, &shapes[..at])).sum()
+}
 
 impl Whitened {
     pub(super) fn new(noise: &Noise, series: &[f64], known: &[Vec<f64>]) -> Self {
@@ -130,12 +144,12 @@ impl Search<'_> {
             .map_or(f64::INFINITY, |(_, cost)| cost)
     }
 
-    /// The shape that lowers a cost most under a noise, after what it takes to be found.
-    fn best(&self, noise: &Noise, of: &Whitened) -> Priced {
+    /// The shape that lowers a cost most under a noise, after what it takes to be found beside others.
+    fn best(&self, noise: &Noise, of: &Whitened, beside: &[Shape]) -> Priced {
         let count = self.averages.len();
         let priced = |shape: Shape, explained: f64| {
             let left = (of.squares - explained).max(1e-12 * of.squares);
-            (shape, self.cost(noise, left) + shape.enough())
+            (shape, self.cost(noise, left) + price(&shape, beside))
         };
         let try_one = |shape: Shape| priced(shape, of.explained(noise, &shape.columns(count)));
         let least = |a: Priced, b: Priced| if b.1 < a.1 { b } else { a };
@@ -145,7 +159,7 @@ impl Search<'_> {
             return step;
         };
         // What is not nearly enough is not better nearby.
-        let is_near = other.1 - self.cost(noise, of.squares) < 0.5 * other.0.enough();
+        let is_near = other.1 - self.cost(noise, of.squares) < 0.5 * price(&other.0, beside);
         for power in NEARBY.into_iter().filter(|_| is_near) {
             let nearby = other.0.nearby(power).into_iter();
             other = nearby.map(try_one).fold(other, least);
@@ -157,11 +171,11 @@ impl Search<'_> {
     /// many, or would be before it is as low as the `least` of other noises.
     fn under(&self, noise: &Noise, least: f64) -> (Vec<Shape>, f64) {
         let mut whitened = Whitened::new(noise, self.averages, self.known);
-        let (mut shapes, mut price) = (Vec::new(), FIRST);
+        let (mut shapes, mut taken) = (Vec::new(), 0.0);
         let mut own = self.cost(noise, whitened.squares);
         loop {
-            let (shape, cost) = self.best(noise, &whitened);
-            let fall = own - cost - price;
+            let (shape, cost) = self.best(noise, &whitened, &shapes);
+            let fall = own - cost - taken;
             if fall <= 0.0 {
                 return (shapes, own);
             }
@@ -170,8 +184,8 @@ impl Search<'_> {
             if own - more as f64 * fall > least {
                 return (Vec::new(), f64::INFINITY);
             }
-            own = cost + price;
-            price += shape.enough();
+            own = cost + taken;
+            taken += price(&shape, &shapes);
             whitened.add(noise, &shape.columns(self.averages.len()));
             shapes.push(shape);
         }
@@ -188,8 +202,9 @@ impl Search<'_> {
                 let one = shapes.remove(at);
                 let others = self.whitened(noise, &shapes);
                 let explained = others.explained(noise, &one.columns(self.averages.len()));
-                let (shape, cost) = self.best(noise, &others);
-                let is_better = cost < self.cost(noise, others.squares - explained) + one.enough();
+                let (shape, cost) = self.best(noise, &others, &shapes);
+                let own = self.cost(noise, others.squares - explained) + price(&one, &shapes);
+                let is_better = cost < own;
                 shapes.insert(at, if is_better { shape } else { one });
             }
             if shapes == before {
@@ -213,17 +228,18 @@ impl Search<'_> {
         let mut shapes = self.refined(least.0);
         loop {
             let cost = self.cost_of(&shapes);
-            let price: f64 = shapes.iter().map(|shape| shape.enough()).sum();
-            if cost + price + FIRST >= nothing {
+            let taken = price_of(&shapes);
+            if cost + taken >= nothing {
                 return Vec::new();
             }
             let without = |at: usize| {
                 let mut others = shapes.clone();
                 others.remove(at);
-                self.cost_of(&others) - cost
+                others
             };
-            let falls = Vec::from_iter((0..shapes.len()).map(without));
-            let spared = |at: &usize| falls[*at] - shapes[*at].enough();
+            let falls = (0..shapes.len()).map(|at| self.cost_of(&without(at)) - cost);
+            let falls = Vec::from_iter(falls);
+            let spared = |at: &usize| falls[*at] + price_of(&without(*at)) - taken;
             let weakest = (0..shapes.len()).min_by(|a, b| spared(a).total_cmp(&spared(b)));
             match weakest.filter(|at| spared(at) < 0.0) {
                 Some(at) => shapes.remove(at),
