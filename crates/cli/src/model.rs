@@ -18,7 +18,7 @@ use undrift::{
     results,
 };
 
-/// Write the noise model of an IMU for Kalibr, KF-GINS, ROS, PX4, MATLAB, VINS, OpenVINS, Basalt, GTSAM, ArduPilot or Gazebo.
+/// Write the noise model of an IMU for Kalibr, PX4, ROS, VINS, GTSAM, Gazebo and others.
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift model adis16465 --to kalibr --rate 200 -o imu.yaml

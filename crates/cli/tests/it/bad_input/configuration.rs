@@ -90,7 +90,7 @@ fn mistakes_in_the_drive_file() {
             "model =",
             "modell =",
             &[
-                "drive.toml line 1, modell: unknown key; did you mean model? known here: barometer, epoch, gnss, heading, imu, initial, local, model, odometer, poses, span, states, truth, vehicle",
+                "drive.toml line 1, modell: unknown key; did you mean model? known here: barometer, epoch, gnss, heading, imu, initial, local, magnetometer, model, odometer, poses, span, states, truth, vehicle",
             ],
         ),
         (
