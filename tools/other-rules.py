@@ -4,7 +4,7 @@
     pip install numpy scipy
     python3 tools/other-rules.py [COMMAND] [HOURS] [SEED]
 
-Simulated gyros of known noise at 100 Hz: a table in Markdown, as docs/lab/identify.md has it. Rules, written anew from:
+Simulated gyros of known noise at 100 Hz: a table in Markdown, as docs/lab/identify.md has it. Rules, from:
 
 * MATLAB, "Inertial Sensor Noise Analysis Using Allan Variance": overlapping, 100 times; at the pair whose slope is nearest to -1/2, 1/2, 0
   a line of that slope, read at 1 s (N), 3 s (K), divided by 0.664 (B).

@@ -125,8 +125,8 @@ pub(crate) struct Aligner {
     level: Quaternion,
     /// Headings by two antennas against that frame.
     antennas: Recent,
-    /// Readings of a magnetometer since the body stands, what they were at the last rest, and whether they say nothing.
-    readings: field::Readings,
+    /// Readings of a magnetometer since a rest began, their mean over the last rest, and whether they are ignored.
+    field_so_far: field::AtRest,
     field_at_rest: Option<field::FieldAtRest>,
     ignores_field: bool,
     /// The last rest.
@@ -199,7 +199,7 @@ impl Aligner {
             self.level = tilt * self.level;
             self.level.renormalize();
             self.rested = Some((self.level, self.rest.mean_force, self.rest.span(), until));
-            self.field_at_rest = self.readings.mean();
+            self.field_at_rest = self.field_so_far.mean();
         }
     }
 

@@ -246,12 +246,16 @@ pub trait Estimator: Send + Sync {
     fn antenna_velocity(&self, lever_b: &Vector3) -> Vector3;
     /// Velocity over ground of the point at `lever_b` [m, body axes, from the IMU], in vehicle axes: forward, right, down [m/s].
     fn vehicle_velocity(&self, lever_b: &Vector3) -> Vector3;
+    /// Place of a parameter's first state; `None` where it is not estimated.
+    fn parameter_start(&self, kind: Parameter) -> Option<usize> {
+        let start = self.parameters().start(kind)?;
+        Some(self.sensors().states() + start)
+    }
     /// Attitude of the vehicle's axes `q_nv`, and its standard deviations about north, east and down \[rad\]: the body's where
     /// the mounting is not estimated.
     fn vehicle_attitude(&self) -> (Quaternion, [f64; 3]) {
         let (q_nb, p) = (&self.nav().q_nb, self.covariance());
-        let mounting = self.parameters().start(Parameter::Mounting);
-        let at = mounting.map(|start| self.sensors().states() + start);
+        let at = self.parameter_start(Parameter::Mounting);
         let mounted = at.map(|at| (at, [self.estimates()[at], self.estimates()[at + 1]]));
         vehicle_attitude(q_nb, mounted, |i, j| p[(i, j)])
     }

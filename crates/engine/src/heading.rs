@@ -186,8 +186,7 @@ impl Headings {
 /// Standard deviation of a predicted heading of level antennas \[rad\].
 fn predicted_std(filter: &dyn Estimator) -> f64 {
     let p = filter.covariance();
-    let offset = filter.parameters().start(Parameter::HeadingOffset);
-    let at = offset.map(|start| filter.sensors().states() + start);
+    let at = filter.parameter_start(Parameter::HeadingOffset);
     let offset = at.map_or(0.0, |at| p[(at, at)] + 2.0 * p[(8, at)]);
     (p[(8, 8)] + offset).max(0.0).sqrt()
 }

@@ -75,6 +75,7 @@ mod navigator;
 mod not_aligned;
 mod observer;
 mod plausible;
+mod readings;
 mod receiver;
 mod rest;
 mod run;

@@ -17,6 +17,7 @@
 use crate::{
     aid::Aiding,
     estimator::Estimator,
+    readings::Readings,
     settings::Settings,
     summary::{MOST_EVENTS, Summary},
 };
@@ -37,7 +38,7 @@ const GATE: Gate = Gate {
     weaken: 12.0,
     reject: 36.0,
 };
-/// Readings closer than this to the one before are left out \[s\].
+/// Readings closer than this to the one before are skipped \[s\].
 const APART: f64 = 0.018;
 /// Readings are averaged for so long \[s\], or until the body has turned by so much \[rad\].
 const WINDOW: f64 = 1.0;
@@ -79,11 +80,7 @@ struct Window {
     q_nb: Quaternion,
     /// The Earth's field, north, east, down.
     field: Vector3,
-    count: u32,
-    sum: Vector3,
-    squares: f64,
-    /// Sum of the stated variances.
-    white: f64,
+    readings: Readings,
 }
 
 /// A mean, north, east, down.
@@ -155,14 +152,11 @@ impl Compass {
             last: reading.time,
             q_nb: nav.q_nb,
             field: settings.magnetometer.field(&nav.position),
-            count: 0,
-            sum: Vector3::zeros(),
-            squares: 0.0,
-            white: 0.0,
+            readings: Readings::default(),
         };
         let window = match &mut self.window {
             Some(window) if reading.time - window.last < GAP => {
-                if window.count == 0 {
+                if window.readings.count == 0 {
                     *window = fresh(window.start);
                 }
                 window
@@ -179,26 +173,23 @@ impl Compass {
             return;
         };
         window.last = reading.time;
-        window.count += 1;
-        window.sum += off;
-        window.squares += off.norm_squared();
-        window.white += reading.std * reading.std;
+        window.readings.add(&off, reading.std);
         let turned = window.q_nb.angle_to(&nav.q_nb);
         if reading.time - window.start < WINDOW && turned < TURN {
             return;
         }
         let span = reading.time - window.start;
-        let (window, n) = (window.clone(), f64::from(window.count));
-        let mean = window.sum / n;
-        let scatter = match window.count {
+        let window = window.clone();
+        let readings = &window.readings;
+        let scatter = match readings.count {
             ..4 => 0.0,
-            _ => ((window.squares - n * mean.norm_squared()) / (3.0 * (n - 1.0))).max(0.0),
+            _ => readings.scatter() / (3.0 * (readings.number() - 1.0)),
         };
         let seen = Mean {
             time: reading.time,
             q_nb: nav.q_nb,
-            off: nav.q_nb * mean,
-            white: (window.white / n).max(scatter) / n,
+            off: nav.q_nb * readings.mean(),
+            white: readings.white_of_mean(scatter),
         };
         let moves = nav.v_n.norm() > MOVES || turned > TURNS;
         if moves {
@@ -210,7 +201,7 @@ impl Compass {
         // The next mean begins where this one ends.
         self.window = Some(Window {
             start: window.last,
-            count: 0,
+            readings: Readings::default(),
             ..window
         });
     }
@@ -327,16 +318,11 @@ fn second_order(filter: &dyn Estimator, field: &Vector3) -> f64 {
     0.75 * heading.powi(4) * field.xy().norm_squared()
 }
 
-/// Place of the first state of the hard iron.
-fn hard_iron(filter: &dyn Estimator) -> Option<usize> {
-    let start = filter.parameters().start(Parameter::HardIron)?;
-    Some(filter.sensors().states() + start)
-}
-
 /// Mean variance of the three components of the hard iron.
 fn hard_iron_variance(filter: &dyn Estimator) -> f64 {
     let p = filter.covariance();
-    hard_iron(filter).map_or(0.0, |at| {
+    let at = filter.parameter_start(Parameter::HardIron);
+    at.map_or(0.0, |at| {
         (p[(at, at)] + p[(at + 1, at + 1)] + p[(at + 2, at + 2)]) / 3.0
     })
 }
@@ -345,7 +331,7 @@ fn hard_iron_variance(filter: &dyn Estimator) -> f64 {
 fn covariance(filter: &dyn Estimator, field: &Vector3) -> Matrix3 {
     let p = filter.covariance();
     let turn = -skew(field);
-    let Some(at) = hard_iron(filter) else {
+    let Some(at) = filter.parameter_start(Parameter::HardIron) else {
         return turn * p.fixed_view::<3, 3>(6, 6) * turn.transpose();
     };
     let mut rows = SMatrix::<f64, 3, 6>::zeros();

@@ -25,6 +25,19 @@ use undrift_nav::{
 };
 use undrift_simulate::{GnssNoise, Simulation, Trajectory, simulate};
 
+/// Half a minute at rest, then two and a half of driving with turns.
+fn rest_then_turns(seed: u64) -> Trajectory {
+    let mut motion = Trajectory::rest(180.0);
+    motion.course = seed as f64;
+    motion.speed.step_to(30.0, 8.0, 12.0);
+    for k in 0..6 {
+        let start = 45.0 + 22.0 * f64::from(k);
+        motion.turn_rate.step_to(start, 2.0, 0.15);
+        motion.turn_rate.step_to(start + 8.0, 2.0, 0.0);
+    }
+    motion
+}
+
 /// Rate of the inertial samples \[Hz\].
 pub(super) const RATE: f64 = 50.0;
 /// What is known of the attitude at the start about each axis \[rad\].

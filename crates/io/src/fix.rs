@@ -88,10 +88,14 @@ pub fn quality_of_rtklib(q: f64) -> FixQuality {
     }
 }
 
+/// Whether a number can be a standard deviation: above zero, and so is its square.
+pub(crate) fn is_usable_std(std: f64) -> bool {
+    std > 0.0 && (std * std).is_normal()
+}
+
 /// The covariance of independent components, or `None` where a standard deviation is unusable.
 pub(crate) fn independent(std: &Vector3) -> Option<Matrix3> {
-    let usable = |s: &f64| s.is_finite() && *s > 0.0 && (s * s).is_normal();
-    let usable = std.iter().all(usable);
+    let usable = std.iter().all(|std| is_usable_std(*std));
     usable.then(|| Matrix3::from_diagonal(&std.component_mul(std)))
 }
 

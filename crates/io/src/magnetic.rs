@@ -6,6 +6,7 @@ use undrift_nav::{Matrix3, Vector3, sample::MagneticField};
 
 use crate::ReadError;
 use crate::entry::{Entry, Wanted, What};
+use crate::fix::is_usable_std;
 use crate::format::Format;
 use crate::gaps::{Gap, GapSummary, GapWatch};
 use crate::opened::Memory;
@@ -180,7 +181,7 @@ impl Kind for Fields {
             skipped.add(SkipKind::OutOfRange, row.line, detail);
             return Ok(None);
         }
-        if !(std.is_finite() && std > 0.0 && (std * std).is_normal()) {
+        if !is_usable_std(std) {
             skipped.add(SkipKind::Uncertainty, row.line, std);
             return Ok(None);
         }

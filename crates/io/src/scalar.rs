@@ -11,6 +11,7 @@ use undrift_nav::sample::Scalar;
 
 use crate::ReadError;
 use crate::entry::{Entry, Wanted, What};
+use crate::fix::is_usable_std;
 use crate::format::Format;
 use crate::gaps::{Gap, GapSummary, GapWatch};
 use crate::opened::Memory;
@@ -254,7 +255,7 @@ impl Scalars {
             skipped.add(SkipKind::OutOfRange, row.line, read);
             return None;
         }
-        if !(std.is_finite() && std > 0.0 && (std * std).is_normal()) {
+        if !is_usable_std(std) {
             skipped.add(SkipKind::Uncertainty, row.line, std);
             return None;
         }

@@ -3,7 +3,7 @@
 mod utf16;
 
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
@@ -64,6 +64,20 @@ impl Read for Failing {
     fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
         self.0.take().map_or(Ok(0), Err)
     }
+}
+
+/// The longest stream that is held to be converted \[bytes\].
+pub(crate) const LONGEST_HELD: u64 = 256 << 20;
+
+/// A stream as the text that `convert` makes of what is held of it, and as it is where it makes none.
+pub(crate) fn converted(source: Source, convert: impl FnOnce(&[u8]) -> Option<String>) -> Source {
+    let mut start = Vec::new();
+    let mut source = source.take(LONGEST_HELD);
+    let failure = source.read_to_end(&mut start).err();
+    let text = convert(&start);
+    let read = Cursor::new(text.map_or(start, String::into_bytes));
+    let rest = BufReader::new(Failing(failure)).chain(source.into_inner());
+    Box::new(read.chain(rest))
 }
 
 /// Opens a file.

@@ -51,8 +51,8 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         }
         return Motion::default();
     };
-    let found = in_vehicle(inspections, imu, gnss, beside);
     let logs = logs(inspections, Path::new(""));
+    let found = in_vehicle(inspections, &logs, imu, gnss, beside);
     accuracy::write(inspections, [imu, gnss], logs, found);
     found
 }
@@ -63,6 +63,7 @@ type At = (usize, usize);
 /// Says how the IMU sits in its vehicle, and how two antennas and a magnetometer sit where there are such, as far as the motion shows it.
 fn in_vehicle(
     inspections: &mut [Inspection],
+    logs: &Logs,
     imu: At,
     gnss: At,
     [antennas, field]: [Option<At>; 2],
@@ -71,7 +72,6 @@ fn in_vehicle(
     if let Some(fixes) = fixes {
         rate_of_rows(&mut inspections[imu.0].parts[imu.1], &fixes);
     }
-    let logs = logs(inspections, Path::new(""));
     let read_parts = |inspections: &[Inspection], parts: &[At]| {
         let of = |(file, part): &At| (&*inspections[*file].file, &inspections[*file].parts[*part]);
         let parts: Vec<_> = parts.iter().map(of).collect();

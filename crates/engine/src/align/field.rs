@@ -3,6 +3,7 @@
 use super::{Aligner, HeadingSource, prior_std, rest::BLOCK, seen::Seen};
 use crate::{
     estimator::{Aiding, Estimator},
+    readings::Readings,
     settings::Settings,
 };
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -22,15 +23,12 @@ const LEAST: u32 = 2;
 /// Standard deviation of the readings of a rest from which on something moves nearby \[T\].
 const RESTLESS: f64 = 5e-6;
 
-/// Sums of the readings since the body stands.
+/// The readings since a rest began.
 #[derive(Clone, Copy, Default)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Readings {
+pub(super) struct AtRest {
     start: f64,
-    count: u32,
-    sum: Vector3,
-    squares: f64,
-    white: f64,
+    readings: Readings,
 }
 
 /// What a rest shows of the field: the mean, body axes \[T\], and the variance of its white noise.
@@ -41,16 +39,15 @@ pub(super) struct FieldAtRest {
     white: f64,
 }
 
-impl Readings {
+impl AtRest {
     /// The mean, of enough readings that agree.
     pub(super) fn mean(&self) -> Option<FieldAtRest> {
-        let n = f64::from(self.count);
-        let mean = self.sum / n;
-        let scatter = (self.squares / n - mean.norm_squared()) / 3.0;
-        let enough = self.count >= LEAST && scatter < RESTLESS * RESTLESS;
+        let readings = &self.readings;
+        let scatter = readings.scatter() / (3.0 * readings.number());
+        let enough = readings.count >= LEAST && scatter < RESTLESS * RESTLESS;
         enough.then(|| FieldAtRest {
-            mean,
-            white: (self.white / n).max(scatter) / n,
+            mean: readings.mean(),
+            white: readings.white_of_mean(scatter),
         })
     }
 }
@@ -67,17 +64,13 @@ impl Aligner {
     pub fn magnetometer(&mut self, reading: &MagneticField, sample: &ImuSample) {
         self.advance(sample, reading.time);
         // A block that does not agree with those before begins another span.
-        if self.readings.start < reading.time - self.rest.span() - 2.0 * BLOCK {
-            self.readings = Readings {
+        if self.field_so_far.start < reading.time - self.rest.span() - 2.0 * BLOCK {
+            self.field_so_far = AtRest {
                 start: reading.time,
-                ..Readings::default()
+                readings: Readings::default(),
             };
         }
-        let readings = &mut self.readings;
-        readings.count += 1;
-        readings.sum += reading.field;
-        readings.squares += reading.field.norm_squared();
-        readings.white += reading.std * reading.std;
+        self.field_so_far.readings.add(&reading.field, reading.std);
     }
 
     /// Goes on beside a solution that began with the field: without it, to see whether motion shows the same heading.

@@ -421,6 +421,7 @@ impl<const N: usize> Estimator for Erased<N> {
     fn isolate_heading(&mut self) {
         self.filter.isolate_heading();
     }
+
     fn renew(&mut self, kind: Parameter, std: f64) {
         self.filter.renew(kind, std);
     }

@@ -12,8 +12,6 @@ pub(super) struct LogProgress {
     pub(super) first_sample: Option<f64>,
     /// Stamps of the fixes read so far.
     pub(super) stamps: Option<Stamps>,
-    /// Fixes within the samples.
-    ///
     /// Fixes since the first sample, withheld ones too.
     pub(super) fixes: u64,
     /// The sample before, for bridging a gap.

@@ -1,6 +1,6 @@
 //! Two antennas: the start at rest, wrong numbers of wavelengths, antennas that lie otherwise than stated.
 
-use super::{DEG, Navigated, Scenario, imu, receiver};
+use super::{DEG, Navigated, Scenario, imu, receiver, rest_then_turns};
 use crate::align::{AttitudeSource, HeadingSource};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
@@ -82,14 +82,7 @@ fn half_a_minute_of_wrong_headings_harms_nothing() {
     const SEEDS: u64 = 20;
     let (mut sums, mut count) = ([0.0; 2], 0.0);
     for seed in 0..SEEDS {
-        let mut motion = Trajectory::rest(180.0);
-        motion.course = seed as f64;
-        motion.speed.step_to(30.0, 8.0, 12.0);
-        for k in 0..6 {
-            let start = 45.0 + 22.0 * f64::from(k);
-            motion.turn_rate.step_to(start, 2.0, 0.15);
-            motion.turn_rate.step_to(start + 8.0, 2.0, 0.0);
-        }
+        let motion = rest_then_turns(seed);
         let off = 1.0 * DEG * normal(seed, SEEDS);
         let mut scenario = scenario(&motion, seed, off, 1.0 * DEG);
         let sound = scenario.navigate();

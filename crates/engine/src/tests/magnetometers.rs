@@ -1,6 +1,6 @@
 //! A magnetometer: the start at rest, a magnet that passes by, hard iron that is other than stated.
 
-use super::{DEG, Navigated, Scenario, imu, receiver};
+use super::{DEG, Navigated, Scenario, imu, receiver, rest_then_turns};
 use crate::{
     align::{AttitudeSource, HeadingSource},
     settings::magnetometer::Magnetometer as Known,
@@ -32,19 +32,6 @@ fn nees(seen: &Navigated, time: f64) -> f64 {
     (error / std).powi(2)
 }
 
-/// Half a minute at rest, then driving with turns.
-fn drive(seed: u64) -> Trajectory {
-    let mut motion = Trajectory::rest(180.0);
-    motion.course = seed as f64;
-    motion.speed.step_to(30.0, 8.0, 12.0);
-    for k in 0..6 {
-        let start = 45.0 + 22.0 * f64::from(k);
-        motion.turn_rate.step_to(start, 2.0, 0.15);
-        motion.turn_rate.step_to(start + 8.0, 2.0, 0.0);
-    }
-    motion
-}
-
 /// The same drive without the sensor.
 fn without(scenario: &Scenario) -> Navigated {
     let mut without = Scenario {
@@ -64,7 +51,7 @@ fn the_first_heading_and_those_in_motion_are_honest() {
     const IN_MOTION: [f64; 6] = [33.0, 50.0, 75.0, 100.0, 140.0, 175.0];
     let (mut rest, mut motion, mut worst) = (0.0, 0.0, 0.0_f64);
     for seed in 0..SEEDS {
-        let seen = scenario(&drive(seed), seed, Magnetometer::default()).navigate();
+        let seen = scenario(&rest_then_turns(seed), seed, Magnetometer::default()).navigate();
         let alignment = seen.summary.alignment.unwrap();
         let AttitudeSource::Rest { heading, .. } = alignment.source else {
             panic!("seed {seed}")
@@ -109,13 +96,13 @@ fn a_magnet_that_passes_by_harms_nothing() {
                 magnet: Some(magnet),
                 ..Magnetometer::default()
             };
-            let mut scenario = scenario(&drive(seed), seed, sensor);
+            let mut scenario = scenario(&rest_then_turns(seed), seed, sensor);
             if let Some((start, end)) = outage {
                 scenario = scenario.withhold(start, end);
             }
             let disturbed = scenario.navigate();
             scenario.fields = Magnetometer::default()
-                .measure(&drive(seed), seed)
+                .measure(&rest_then_turns(seed), seed)
                 .unwrap()
                 .collect();
             let sound = scenario.navigate();
@@ -147,7 +134,7 @@ fn hard_iron_that_is_other_than_stated_is_mended_in_motion() {
             hard_iron_std: 25e-6,
             ..Magnetometer::default()
         };
-        let scenario = scenario(&drive(seed), seed, sensor);
+        let scenario = scenario(&rest_then_turns(seed), seed, sensor);
         let seen = scenario.navigate();
         let source = seen.summary.alignment.unwrap().source;
         starts += u64::from(source.is_by(HeadingSource::Magnetometer));

@@ -3,15 +3,11 @@
 //! rows of arrays or by their index.
 
 use std::collections::HashMap;
-use std::io::{BufReader, Cursor, Read};
 
 use serde_json::Value;
 
 use super::json;
-use crate::source::{Failing, Source, without_byte_order_mark};
-
-/// The longest text that is read so, since it is held \[bytes\].
-const LONGEST: u64 = 256 << 20;
+use crate::source::{Source, converted, without_byte_order_mark};
 
 /// Whether a text begins as such a one, but has no objects that are rows.
 pub(crate) fn may_be(start: &[u8]) -> bool {
@@ -26,13 +22,7 @@ pub(crate) fn may_be(start: &[u8]) -> bool {
 
 /// The table as text; the text itself where it has no columns.
 pub(crate) fn table(source: Source, _: &[u8]) -> Source {
-    let mut text = Vec::new();
-    let mut source = source.take(LONGEST);
-    let failure = source.read_to_end(&mut text).err();
-    let rows = rows_of(&text);
-    let read = Cursor::new(rows.map_or(text, String::into_bytes));
-    let rest = BufReader::new(Failing(failure)).chain(source.into_inner());
-    Box::new(read.chain(rest))
+    converted(source, rows_of)
 }
 
 fn rows_of(text: &[u8]) -> Option<String> {
@@ -120,6 +110,7 @@ fn put(values: Vec<Value>, name: &str, names: &[String], columns: &mut Vec<(Stri
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::{Cursor, Read};
 
     #[test]
     fn columns_of_every_layout_are_a_table() {

@@ -187,7 +187,7 @@ impl Timed {
         2.0 * both >= own.min(other) && 3.0 * own.min(other) >= own.max(other)
     }
 
-    /// The names of all columns, made where there are none.
+    /// The names of all columns; of a table without names those that its sensor and its numbers suggest.
     fn names(&self) -> Vec<String> {
         if !self.part.names.is_empty() {
             let mut names = self.part.names.clone();

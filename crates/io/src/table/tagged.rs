@@ -3,16 +3,12 @@
 //!
 //! The names of columns are in a line of their own for each sensor or for all, or in comments; without any they are made.
 
-use std::io::{BufReader, Cursor, Read};
-
 use super::fields::{Delimiter, Fields};
 use super::parts::{Part, joined};
 use super::wanted::starts_a_row;
 use crate::number;
-use crate::source::{Failing, Source, without_byte_order_mark};
+use crate::source::{Source, converted, without_byte_order_mark};
 
-/// The longest text that is read so, since it is held \[bytes\].
-const LONGEST: u64 = 256 << 20;
 /// Places of the names in rows.
 const PLACES: usize = 3;
 /// Sensors in a file, and the letters of their names.
@@ -43,15 +39,10 @@ pub(crate) fn between_sentences(source: Source, _: &[u8]) -> Source {
 
 /// The table of so many sensors at least.
 fn table_of(source: Source, least: usize) -> Source {
-    let mut text = Vec::new();
-    let mut source = source.take(LONGEST);
-    let failure = source.read_to_end(&mut text).err();
-    let parts = place_of_tags(&text).map(|place| parts(&text, place));
-    let parts = parts.filter(|parts| parts.len() >= least);
-    let rows = parts.and_then(joined);
-    let read = Cursor::new(rows.map_or(text, String::into_bytes));
-    let rest = BufReader::new(Failing(failure)).chain(source.into_inner());
-    Box::new(read.chain(rest))
+    converted(source, |text| {
+        let parts = parts(text, place_of_tags(text)?);
+        (parts.len() >= least).then(|| joined(parts))?
+    })
 }
 
 /// Where the names of sensors are in the rows, and the delimiter.
@@ -191,6 +182,7 @@ fn without_comment(line: &[u8]) -> &[u8] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::{Cursor, Read};
 
     fn read(text: &str) -> Option<Vec<String>> {
         if !may_be(text.as_bytes()) {

@@ -3,17 +3,15 @@
 //!
 //! A date is written as such, a time of day as h:m:s, a duration in seconds.
 
-use std::io::{BufReader, Cursor, Read};
+use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use calamine::{Data, ExcelDateTime, ExcelDateTimeType, Reader, Xls, Xlsx};
 
 use super::parts::{Part, joined};
 use crate::number;
-use crate::source::{Failing, Source};
+use crate::source::{LONGEST_HELD, Source, converted};
 
-/// The longest file that is read so, and the longest text that it becomes \[bytes\].
-const LONGEST: usize = 256 << 20;
 /// Columns of a sheet.
 const COLUMNS: u32 = 1024;
 /// Rows that show whether a sheet is a table, and numbers in one of them.
@@ -27,15 +25,11 @@ pub(crate) fn may_be(start: &[u8]) -> bool {
 
 /// The table as text; the file itself where it is no workbook or has no table.
 pub(crate) fn table(source: Source, _: &[u8]) -> Source {
-    let mut bytes = Vec::new();
-    let mut source = source.take(LONGEST as u64);
-    let failure = source.read_to_end(&mut bytes).err();
-    // Damaged files can make the crate panic.
-    let read = || text_of(&bytes);
-    let text = catch_unwind(AssertUnwindSafe(read)).ok().flatten();
-    let read = Cursor::new(text.map_or(bytes, String::into_bytes));
-    let rest = BufReader::new(Failing(failure)).chain(source.into_inner());
-    Box::new(read.chain(rest))
+    converted(source, |bytes| {
+        // Damaged files can make the crate panic.
+        let read = || text_of(bytes);
+        catch_unwind(AssertUnwindSafe(read)).ok().flatten()
+    })
 }
 
 fn text_of(bytes: &[u8]) -> Option<String> {
@@ -45,12 +39,14 @@ fn text_of(bytes: &[u8]) -> Option<String> {
     };
     let tables = Vec::from_iter(sheets.into_iter().filter_map(Sheet::table));
     let first = tables.first()?;
-    let alone = || {
-        let lines = std::iter::once(first.names.join(",")).filter(|line| !line.is_empty());
-        let rows = first.rows.iter().map(|(_, row)| row.clone());
-        lines.chain(rows).map(|line| line + "\n").collect()
-    };
-    let alone: String = alone();
+    let names = first.names.join(",");
+    let rows = first.rows.iter().map(|(_, row)| row.as_str());
+    let lines = Some(names.as_str()).filter(|names| !names.is_empty());
+    let alone: String = lines
+        .into_iter()
+        .chain(rows)
+        .flat_map(|line| [line, "\n"])
+        .collect();
     Some(joined(tables).unwrap_or(alone))
 }
 
@@ -87,7 +83,7 @@ impl Sheet {
             }
             cells[column as usize] = text;
         }
-        self.bytes < LONGEST
+        self.bytes < LONGEST_HELD as usize
     }
 
     /// The table that it is, if most of its rows have numbers: what is above them are words, and the last of it names.
@@ -204,6 +200,7 @@ fn text_of_time(time: &ExcelDateTime, later: bool) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::Read;
     use std::path::Path;
 
     fn golden(name: &str) -> Vec<u8> {

@@ -1,13 +1,13 @@
 //! How accurate positions are that do not say so, by how well the solution predicts withheld ones.
 
-use super::{Inspection, Line, Motion, Wheels, beginning, drive_of};
+use super::{At, Inspection, Line, Motion, Wheels, beginning, drive_of};
 use crate::{
     align::Heading,
     drive::{Drive, Logs as Files},
     inspect::{POSITION_STD, Part},
     navigate::{Hindsight, settings},
     outages::{Logs, OutageErrors, Schedule, run},
-    replay::{Measurement, Settings},
+    replay::Measurement,
     vehicle::Profile,
 };
 use std::path::Path;
@@ -36,19 +36,14 @@ const WORSE: f64 = 1.2;
 const KEPT: f64 = 0.8;
 
 /// Puts the accuracy that withheld positions show in place of a guessed one.
-pub(super) fn write(
-    inspections: &mut [Inspection],
-    places: [(usize, usize); 2],
-    logs: Files,
-    motion: Motion,
-) {
+pub(super) fn write(inspections: &mut [Inspection], places: [At; 2], logs: Files, motion: Motion) {
     let [_, (file, part)] = places;
     let guessed =
         |line: &Line| line.key == "position_std" && line.value.as_str() == Some(POSITION_STD);
     if !inspections[file].parts[part].lines.iter().any(guessed) {
         return;
     }
-    let of = |(file, part): (usize, usize)| -> (&Path, &Part) {
+    let of = |(file, part): At| -> (&Path, &Part) {
         (&inspections[file].file, &inspections[file].parts[part])
     };
     let Ok(mut drive) = drive_of(&places.map(of), logs, None) else {
@@ -63,11 +58,8 @@ pub(super) fn write(
     let Some((share, spans)) = beginning(drive, LONGEST).and_then(|drive| likeliest(&drive)) else {
         return;
     };
-    let line = inspections[file].parts[part]
-        .lines
-        .iter_mut()
-        .find(|line| guessed(line));
-    if let Some(line) = line {
+    let mut lines = inspections[file].parts[part].lines.iter_mut();
+    if let Some(line) = lines.find(|line| guessed(line)) {
         let [across, up] = [3.0, 6.0].map(|guess: f64| (10.0 * share * guess).round() / 10.0);
         *line = Line::new(
             "position_std",
@@ -82,23 +74,18 @@ pub(super) fn write(
 fn likeliest(drive: &Drive) -> Option<(f64, usize)> {
     let logs = Logs::load(drive, Hindsight::Causal).ok()?;
     let settings = settings(&logs.drive, BiasModel::Arma).ok()?;
-    let mut models = Vec::new();
-    for start in STARTS {
+    let withheld = |start: f64| {
+        let (every, count) = (EVERY, None);
         let plan = Schedule::Every {
             start,
-            every: EVERY,
-            count: None,
+            every,
+            count,
         };
-        let outages = logs.plan(&plan, LENGTH).ok()?;
-        let settings = settings.clone();
-        models.push((
-            String::new(),
-            Settings {
-                outages,
-                ..settings
-            },
-        ));
-    }
+        let mut settings = settings.clone();
+        settings.outages = logs.plan(&plan, LENGTH).ok()?;
+        Some((String::new(), settings))
+    };
+    let models: Vec<_> = STARTS.into_iter().map(withheld).collect::<Option<_>>()?;
     let runs: Vec<Vec<OutageErrors>> = parallel::map(SHARES.len(), |k| {
         let aiding = logs.aiding.iter().map(|one| scaled(*one, SHARES[k]));
         let aiding: Vec<_> = aiding.collect();
@@ -110,9 +97,8 @@ fn likeliest(drive: &Drive) -> Option<(f64, usize)> {
     let ends = |one: &OutageErrors| one.end.0[0].is_finite() && one.end.0[1].is_finite();
     let ended = |run: &[OutageErrors]| run.iter().filter(|one| ends(one)).count();
     let enough = KEPT * ended(&runs[0]) as f64;
-    let tried: Vec<_> = runs.iter().zip(SHARES).collect();
+    let tried = runs.iter().zip(SHARES);
     let tried: Vec<_> = tried
-        .into_iter()
         .filter(|(run, _)| ended(run) as f64 >= enough)
         .collect();
     let in_all = |one: &&OutageErrors| {

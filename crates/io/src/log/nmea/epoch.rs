@@ -7,7 +7,7 @@ use undrift_nav::{Matrix3, Vector3};
 use super::sentence::{Sentence, date};
 use crate::entry::{Fix, Heading, Wanted, What};
 use crate::epoch::ClockSource;
-use crate::fix::on_earth;
+use crate::fix::{is_usable_std, on_earth};
 use crate::log::receiver::Ready;
 use crate::skipped::SkipKind;
 use crate::time::{DAY, WeekClock};
@@ -229,10 +229,7 @@ fn velocity(sentence: &Sentence, speed: usize, course: usize) -> Option<Vector3>
 /// North-east-down \[m²\] by GST: standard deviations of latitude, longitude and altitude, or
 /// semi-axes and the direction of the major one [°] from north with that of altitude.
 fn covariance(gst: &Sentence) -> Option<Matrix3> {
-    let std = |field: usize| {
-        gst.number(field)
-            .filter(|std| (std * std).is_normal() && *std > 0.0)
-    };
+    let std = |field: usize| gst.number(field).filter(|std| is_usable_std(*std));
     let down = std(8)?.powi(2);
     if !(gst.field(6).is_empty() && gst.field(7).is_empty()) {
         let variances = Vector3::new(std(6)?.powi(2), std(7)?.powi(2), down);

@@ -27,7 +27,7 @@ struct Outcome {
     name: String,
     verdict: String,
     used_share: f64,
-    /// What was left out or subtracted.
+    /// Spans excluded and disturbances subtracted.
     said: Vec<String>,
     /// Drift over that of the true noise at each horizon, and real over predicted: by that ratio and what the true model predicts,
     /// so that the chance of the fresh series is not in it.
@@ -142,7 +142,7 @@ struct Total {
     /// Sums of the kinds' means at each horizon.
     drift: [f64; 3],
     inside: [usize; 2],
-    /// Series without a disturbance, those of them refused, those used with care, and those of which something was left out.
+    /// Series without a disturbance, those of them refused, those used with care, and those with a span excluded or a disturbance subtracted.
     honest: usize,
     refused: usize,
     warned: usize,
@@ -262,7 +262,7 @@ impl Total {
             self.honest,
         );
         share(
-            "honest noise of which something was left out or subtracted",
+            "honest noise with a span excluded or a disturbance subtracted",
             "at most 2 %",
             self.less,
             self.honest,
