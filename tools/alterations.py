@@ -45,6 +45,7 @@ class Table:
         self.lat, self.lon = (of(r"^lat") + of(r"^lon") + [None, None])[:2]
         self.height = (of(r"^(height|alt)") + [None])[0]
         self.velocity = of(r"^v[nedu](_mps)?$")
+        self.true_time = self[self.time].copy()
 
     def __getitem__(self, name):
         return self.columns[name]
@@ -58,6 +59,7 @@ class Table:
 
     def keep(self, rows):
         self.columns = {name: values[rows] for name, values in self.columns.items()}
+        self.true_time = self.true_time[rows]
 
     def move(self, north, east, down=0.0):
         """Moves the positions by metres."""
@@ -442,6 +444,147 @@ def carried(speed):
 
     return alter
 
+def unit_changes(axis, factor):
+    """One axis is in another unit or range from the middle on."""
+
+    def alter(imu, gnss, rng):
+        name = (imu.gyro if axis < 3 else imu.accel)[axis % 3]
+        imu[name] = np.where(imu.t > 0.5 * imu.t[-1], factor, 1.0) * imu[name]
+
+    return alter
+
+
+def copied(source, target):
+    def alter(imu, gnss, rng):
+        names = imu.gyro + imu.accel
+        imu[names[target]] = imu[names[source]].copy()
+
+    return alter
+
+
+def wraps(axis, limit):
+    """Counts of too few bits: what is beyond the limit comes back from the other side."""
+
+    def alter(imu, gnss, rng):
+        names, unit = (imu.gyro, gyro_unit(imu)) if axis < 3 else (imu.accel, accel_unit(imu))
+        name, span = names[axis % 3], limit * unit
+        imu[name] = (imu[name] + span) % (2 * span) - span
+
+    return alter
+
+
+def turned_while_driving(degrees):
+    """The IMU is turned about its z axis in the middle."""
+
+    def alter(imu, gnss, rng):
+        after = imu.t > 0.5 * imu.t[-1]
+        cos, sin = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+        for x, y, _ in (imu.gyro, imu.accel):
+            old = imu[x].copy(), imu[y].copy()
+            imu[x] = np.where(after, cos * old[0] + sin * old[1], old[0])
+            imu[y] = np.where(after, -sin * old[0] + cos * old[1], old[1])
+
+    return alter
+
+
+def receiver_filter(tau):
+    """The receiver's own filter: its positions and velocities follow with a time constant."""
+
+    def alter(imu, gnss, rng):
+        for name in (gnss.lat, gnss.lon, gnss.height, *gnss.velocity):
+            values = gnss[name].copy()
+            for k in range(1, len(values)):
+                gain = 1.0 - np.exp(-(gnss.t[k] - gnss.t[k - 1]) / tau)
+                values[k] = values[k - 1] + gain * (values[k] - values[k - 1])
+            gnss[name] = values
+
+    return alter
+
+
+def velocity_scale(factor):
+    def alter(imu, gnss, rng):
+        for name in gnss.velocity:
+            gnss[name] = factor * gnss[name]
+
+    return alter
+
+
+def differenced(step):
+    """Velocities are differences of the positions over some fixes, stamped with the last of them."""
+
+    def alter(imu, gnss, rng):
+        metres = np.radians(1.0) * EARTH
+        north, east = metres * gnss[gnss.lat], metres * np.cos(np.radians(gnss[gnss.lat][0])) * gnss[gnss.lon]
+        up = gnss[gnss.height] * (1.0 if gnss.velocity[2].startswith("vu") else -1.0)
+        interval = np.maximum(gnss.t[step:] - gnss.t[:-step], 1e-3)
+        for name, moved in zip(gnss.velocity, (north, east, up)):
+            values = gnss[name].copy()
+            values[step:] = (moved[step:] - moved[:-step]) / interval
+            gnss[name] = values
+
+    return alter
+
+
+def held_when_slow(speed):
+    """The receiver holds its position, with a velocity of zero, below a speed."""
+
+    def alter(imu, gnss, rng):
+        slow = np.hypot(gnss[gnss.velocity[0]], gnss[gnss.velocity[1]]) < speed
+        for k in np.flatnonzero(slow):
+            if k == 0:
+                continue
+            for name in (gnss.lat, gnss.lon, gnss.height):
+                gnss[name][k] = gnss[name][k - 1]
+            for name in gnss.velocity:
+                gnss[name][k] = 0.0
+
+    return alter
+
+
+def height_wanders(std, tau):
+    def alter(imu, gnss, rng):
+        gnss.move(0.0, 0.0, ar1(rng, gnss.t, std, tau)[2])
+
+    return alter
+
+
+def understated(factor):
+    """White errors of so many times the stated standard deviation."""
+
+    def alter(imu, gnss, rng):
+        names = [name for name in gnss.columns if re.match(r"sd[neu]$|pos_std", name)]
+        std = np.median(gnss[names[0]]) if names else 0.2
+        gnss.move(*rng.normal(0, factor * std, (3, len(gnss.t))))
+
+    return alter
+
+
+def canyon(std, stated_std):
+    """Three minutes between high buildings: errors of a few seconds to tens, a third of the fixes missing, and a modest σ."""
+
+    def alter(imu, gnss, rng):
+        deep = spans(gnss, evenly(gnss, 3, 120.0), 60.0)
+        gnss.move(*(ar1(rng, gnss.t, std, 8.0) * deep))
+        for name in gnss.columns:
+            if re.match(r"sd[neu]$|pos_std", name):
+                gnss[name] = np.where(deep, stated_std, gnss[name])
+        gnss.keep(~deep | (rng.random(len(gnss.t)) > 0.3))
+
+    return alter
+
+
+def appended(length):
+    """Two logs appended: what lies between them is cut out, and the clock goes on."""
+
+    def alter(imu, gnss, rng):
+        middle = 0.5 * (imu[imu.time][0] + imu[imu.time][-1]) % 86400
+        for table in (imu, gnss):
+            time = table[table.time] % 86400
+            table[table.time] = np.where(time >= middle + length, table[table.time] - length, table[table.time])
+            table.keep((time < middle) | (time >= middle + length))
+
+    return alter
+
 
 ALTERATIONS = {
     "none": lambda imu, gnss, rng: None,
@@ -493,4 +636,60 @@ ALTERATIONS = {
     **{f"a second receiver takes over, {x:g} m": switching(x) for x in (1.0, 5.0, 10.0)},
     **{f"at rest on a ferry that reaches {x:g} m/s": carried(x) for x in (1.0, 3.0, 6.0)},
     "no fixes for 300 s": no_fixes(1, 300.0),
+    **{f"gyro z counts {x:g} times from the middle on": unit_changes(2, x) for x in (0.5, 2.0, 57.3)},
+    **{f"accelerometer x counts {x:g} times from the middle on": unit_changes(3, x) for x in (0.5, 2.0, 9.81)},
+    "gyro y copied into gyro z": copied(1, 2),
+    "gyro z copied into gyro x": copied(2, 0),
+    "accelerometer x copied into accelerometer y": copied(3, 4),
+    **{f"gyro z wraps at {x:g} deg/s": wraps(2, x) for x in (10.0, 20.0, 30.0)},
+    **{f"accelerometer z wraps at {x:g} m/s2": wraps(5, x) for x in (10.3, 11.0, 12.0)},
+    **{f"IMU turned by {x:g} deg while driving": turned_while_driving(x) for x in (10.0, 30.0, 90.0)},
+    **{f"receiver's filter of {x:g} s": receiver_filter(x) for x in (0.3, 1.0, 3.0)},
+    **{f"velocities {x:g} times": velocity_scale(x) for x in (0.9, 1.05, 1.2)},
+    **{f"velocities are differences over {x} fixes": differenced(x) for x in (1, 2, 5)},
+    **{f"position held below {x:g} m/s": held_when_slow(x) for x in (0.5, 1.0, 2.0)},
+    **{f"height wanders by {x:g} m": height_wanders(x, 100.0) for x in (1.0, 3.0, 10.0)},
+    **{f"standard deviation {x:g} times too small": understated(x) for x in (5.0, 15.0, 50.0)},
+    **{f"urban canyon of {x:g} m": canyon(x, 0.3 * x) for x in (5.0, 15.0, 30.0)},
+    **{f"two logs appended, {x:g} s apart": appended(x) for x in (10.0, 60.0, 120.0)},
+}
+
+# What names the cause of an alteration in the first line, by words in its name: any of these is right. What is not here has
+# no cause that a user could mend: noise, gaps, accuracies that are stated.
+CAUSES = {
+    r"one gyro z sample|ten gyro z samples|one accelerometer x": r"replaced \d+ samples? of (gyro z|accelerometer x)",
+    r"saturated": r"(gyro z|accelerometer x) stays at .*saturated|saturated",
+    r"frozen|dead": r"(gyro z|accelerometer y) (stays at|repeats|is constant)",
+    r"gyro z bias|gyro z counts": r"vertical gyro|gyro z",
+    r"gyros read|gyro z reads": r"gyro scale|gyro_unit|scale of the (vertical )?gyro",
+    r"accelerometers read": r"accelerometers? (measure|scale)|accel_unit",
+    r"accelerometer x (bias|counts)": r"accelerometer x|accel(erometer)?s?'? (bias|scale|unit)|specific force",
+    r"clock steps back": r"clock steps back",
+    r"IMU clock": r"clock",
+    r"outliers|% of positions|position \d+ m off|wrong integer": r"rejected|positions of the fixes jump|reflections|multipath",
+    r"repeated": r"repeat",
+    r"rounded": r"rounded",
+    r"jitter|varying": r"jitter|stamp|late",
+    r"late, velocities": r"late|early|time offset|time_offset",
+    r"velocity north": r"velocit(y|ies) .*(differ|disagree|wrong)|positions and velocities disagree",
+    r"height reference": r"height of the fixes jumps",
+    r"accelerometers \S+ s late": r"accelerometers? .*late|late .*accelerometer",
+    r"low-pass|Hz IMU log": r"low-pass|samples a second|late",
+    r"rocks": r"rock|loose|mount|IMU was moved|lever arm or the axes",
+    r"crabs": r"side slip|across its forward axis|course",
+    r"lever arm": r"lever arm",
+    r"vertical velocity always": r"vertical velocity of the fixes is always 0",
+    r"two receivers|second receiver": r"two receivers|another base or receiver|another receiver",
+    r"ferry": r"at rest|stands? .*(moves|carried)|ferry",
+    r"copied": r"copie?s?d?|same (values|column)|check imu\.(gyro|accel|axes)|turns? of the GNSS course|axes",
+    r"wraps": r"wraps?|range|saturated|replaced|bits",
+    r"turned by": r"IMU was (moved|turned)|turned|imu\.mounting|imu\.axes",
+    r"receiver's filter": r"receiver'?s? (own )?(filter|smooth)|low-pass|late|lag",
+    r"velocities \S+ times": r"velocit(y|ies) .*(scale|times|unit|disagree)",
+    r"differences over": r"velocit(y|ies) .*(late|early|differences)|time offset",
+    r"held below": r"repeat|held|rejected .*repeated",
+    r"height wanders": r"height",
+    r"too small": r"stated|scatter",
+    r"canyon": r"rejected|reflections|multipath|scatter|disagree .*positions|positions of the fixes disagree",
+    r"appended": r"appended|positions of the fixes jump|two logs|clock|gap",
 }

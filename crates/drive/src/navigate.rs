@@ -32,7 +32,7 @@ use crate::{
 use recorder::Recorder;
 use undrift_io::{
     ReadError,
-    held::Held,
+    axis_faults::AxisFaults,
     imu::{GapSummary, ThermalSummary},
     skipped::Skipped,
     write::solution::SolutionRow,
@@ -81,8 +81,8 @@ pub struct Report {
     pub thermal: Option<ThermalSummary>,
     /// Gaps of the inertial log: number and length.
     pub gaps: GapSummary,
-    /// Axes of the IMU that held a value for long, as a logger that repeats its last sample leaves them.
-    pub held: Vec<Held>,
+    /// What the axes of the IMU show without any model, as values that a logger repeats.
+    pub axis_faults: AxisFaults,
     /// Curves of the run over time, where [`Wanted::recording`] asks for them.
     pub recording: Option<Box<Recording>>,
     /// The solution at every sample, where [`Wanted::rows`] asks for it.
@@ -418,7 +418,7 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
         truth_skipped: seen.truth_skipped,
         thermal: imu.thermal(),
         gaps: imu.gaps(),
-        held: imu.held(),
+        axis_faults: imu.axis_faults(),
         sensors: aids.sensors_read(),
     })
 }

@@ -70,6 +70,23 @@ impl FixStudy {
     }
 }
 
+impl FixStudy {
+    /// Of these errors those that a few fixes show: a scatter beyond what they state. `None` without.
+    fn of_scatter(self) -> Option<Self> {
+        let FixErrors {
+            position_factor,
+            height_factor,
+            ..
+        } = self.errors;
+        let errors = FixErrors {
+            position_factor,
+            height_factor,
+            ..FixErrors::default()
+        };
+        (errors != FixErrors::default()).then_some(Self { errors, ..self })
+    }
+}
+
 /// Median of χ² with one degree of freedom.
 const MEDIAN: f64 = 0.455;
 /// Ratio of the standard deviation to the median absolute deviation of normal values.
@@ -222,8 +239,13 @@ fn study_track(track: &Track) -> Option<FixStudy> {
         });
     }
     let white = (one - from_velocities[axis]).max(0.0);
+    let of_position = white.max(1.0).sqrt();
+    let of_height = (axes[2] - from_velocities.z).max(0.0).sqrt() / of_position;
+    if of_height > FACTOR {
+        errors.height_factor = of_height;
+    }
     if white > FACTOR * FACTOR {
-        errors.position_factor = white.sqrt();
+        errors.position_factor = of_position;
     } else if one < WHITE_SHARE {
         errors.correlated = differences.correlated(one, jitter > 0.0);
     }

@@ -12,12 +12,15 @@
 //! | turns: scale, axis, late, none | regression of the course's turns on those of the gyros, at lags of −30 to 30 s |
 //! | pushes | regression of accelerations over ground on specific force along forward and right |
 //! | velocity | displacements against integrated velocity, and which of eleven mistakes explains the difference |
+//! | changed | the same regressions on either side of some time |
+//! | velocity scale | displacements against integrated velocity: a multiple beyond chance |
 //! | alternates | changes of the slope of positions that alternate: two receivers in one log |
 //!
 //! Each needs enough of what it judges by (turns, accelerations, ways); without it says nothing. None changes
 //! the solution: they are named beside it.
 
 mod alternation;
+mod changes;
 mod moves;
 mod turns;
 
@@ -50,6 +53,9 @@ const LEAST_SHARE: f64 = 0.1;
 const STEADY: f64 = 0.0225;
 /// Cosine of the angle between gravity and body down below which axes are not forward, right, down.
 const DOWN: f64 = 0.5;
+
+/// Cosine of that angle from which the two others are level enough for their accelerations to be compared.
+const LEVEL: f64 = 0.9;
 
 /// Whether body axes are promised to be forward, right, down.
 fn promises_level(settings: &Settings) -> bool {
@@ -190,13 +196,19 @@ impl Plausible {
                 found.push(Implausible::Down(down.into()));
             }
         }
-        if let Some(wrong) = self.moves.finding() {
+        if let Some(wrong) = self.moves.scale().or_else(|| self.moves.finding()) {
             // Then the course is no measure of the sensors.
             found.push(wrong);
         } else if let Some(down) = down {
-            found.extend(self.turns.turns(&down));
-            if self.level && down.z > DOWN {
-                found.extend(self.turns.pushes());
+            // What changes is neither right nor wrong in the whole log.
+            let changed = self.turns.change(down.z.abs() > LEVEL);
+            if let Some(changed) = changed {
+                found.push(Implausible::Changed(changed));
+            } else {
+                found.extend(self.turns.turns(&down));
+                if self.level && down.z > DOWN {
+                    found.extend(self.turns.pushes());
+                }
             }
         }
         found

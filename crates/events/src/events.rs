@@ -216,6 +216,37 @@ pub enum Implausible {
     Velocity(Option<FixMend>),
     /// The positions alternate between two places so far apart, horizontally \[m\]: two receivers in one log.
     Alternates(f64),
+    /// From some time on a sensor measures the motion over ground otherwise than before.
+    Changed(SensorChange),
+    /// The velocities are this multiple of the changes of position, with its standard deviation [–].
+    VelocityScale([f64; 2]),
+}
+
+/// A sensor that measures the motion over ground otherwise than before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SensorChange {
+    /// Between which times it changed \[s\].
+    pub between: [f64; 2],
+    /// What it does otherwise.
+    pub what: ChangeOf,
+}
+
+/// What a sensor does otherwise than before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum ChangeOf {
+    /// The vertical gyro measures this multiple of what it measured before, of the same turns [–].
+    TurnScale(f64),
+    /// The gyros do not measure the turns any more.
+    NoTurn,
+    /// The sensor is turned about the vertical by this angle, positive clockwise seen from above \[rad\].
+    Turned(f64),
+    /// The accelerometer along body forward (0) or right (1) measures this multiple of what it measured before [–].
+    ForceScale(usize, f64),
 }
 
 /// Change that makes positions and velocities of the fixes agree.

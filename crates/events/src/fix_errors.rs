@@ -97,6 +97,8 @@ impl Default for FromFixes {
 pub struct FixErrors {
     /// Factor on the stated standard deviations of the position [–].
     pub position_factor: f64,
+    /// Factor on that of the height, beside the one of the position [–]: receivers find heights in another way.
+    pub height_factor: f64,
     /// Factors on the stated standard deviations of the velocity, north, east, down [–]; of a pose the first is that of the attitude.
     pub velocity_factor: Vector3,
     /// The time-correlated part of the position's error.
@@ -117,6 +119,7 @@ impl Default for FixErrors {
     fn default() -> Self {
         Self {
             position_factor: 1.0,
+            height_factor: 1.0,
             velocity_factor: Vector3::repeat(1.0),
             correlated: None,
             velocity_correlated: None,
@@ -148,15 +151,20 @@ impl FixErrors {
         self.scaled(&stated.factors)
     }
 
+    /// Factors on the standard deviations of the position, north, east, down.
+    fn position_factors(&self) -> Vector3 {
+        self.position_factor * Vector3::new(1.0, 1.0, self.height_factor)
+    }
+
     /// What a filter estimates of the lasting parts of position and velocity, whose fixes were taken to be wrong by `before`
     /// and state `position` \[m²\].
     pub fn lasting(&self, before: &Self, position: &Matrix3) -> [Option<Lasting>; 2] {
         let parts = [
             (
                 self.correlated,
-                Vector3::repeat(self.position_factor),
+                self.position_factors(),
                 before.correlated,
-                Vector3::repeat(before.position_factor),
+                before.position_factors(),
             ),
             (
                 self.velocity_correlated,
@@ -206,7 +214,8 @@ impl FixErrors {
             *covariance *= factor * factor;
         }
         if let Some((_, covariance)) = &mut fix.position {
-            *covariance *= self.position_factor * self.position_factor;
+            let factors = self.position_factors();
+            *covariance = covariance.component_mul(&(factors * factors.transpose()));
             // Of a value rounded to steps the error is uniform.
             *covariance += Matrix3::from_diagonal(&self.step.map(|step| step * step / 12.0));
             if let Some(v) = velocity {

@@ -23,10 +23,10 @@ use undrift_nav::Vector3;
 use undrift_nav::sample::ImuSample;
 
 use crate::ReadError;
+use crate::axis_faults::{AxisFaults, AxisWatch};
 use crate::entry::{Entry, Wanted, What};
 use crate::gaps::{GAP_INTERVALS, GapWatch};
 pub use crate::gaps::{Gap, GapSummary};
-use crate::held::{Held, HeldWatch};
 use crate::log::JoinedRows;
 use crate::opened::Memory;
 use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
@@ -51,7 +51,7 @@ pub type ImuReader = Reader<Imu>;
 pub struct Imu {
     format: ImuFormat,
     gaps: GapWatch,
-    held_values: HeldWatch,
+    axes: AxisWatch,
     given: bool,
     gaps_in_a_row: u32,
     /// Temperature of the last sample given out [°C], NaN where it has none.
@@ -82,9 +82,9 @@ impl Reader<Imu> {
         self.kind().gaps.summary()
     }
 
-    /// The axes that held a value for long among the samples given out so far.
-    pub fn held(&self) -> Vec<Held> {
-        self.kind().held_values.held()
+    /// What the axes show without any model, of the samples given out so far.
+    pub fn axis_faults(&self) -> AxisFaults {
+        self.kind().axes.faults()
     }
 
     /// Temperature of the sample given out last [°C]; NaN where it has none.
@@ -133,7 +133,7 @@ impl Kind for Imu {
         let kind = Self {
             format: format.clone(),
             gaps: GapWatch::default(),
-            held_values: HeldWatch::default(),
+            axes: AxisWatch::default(),
             given: false,
             gaps_in_a_row: 0,
             temperature_c: f64::NAN,
@@ -311,7 +311,7 @@ impl Kind for Imu {
         self.given = true;
         let [gx, gy, gz] = row.values.gyro.into();
         let [ax, ay, az] = row.values.accel.into();
-        self.held_values.add(row.time, [gx, gy, gz, ax, ay, az]);
+        self.axes.add(row.time, [gx, gy, gz, ax, ay, az]);
         Ok(Some(sample))
     }
 

@@ -8,6 +8,7 @@
 //! north-east-down and forward-right-down; whatever a file has is scaled and rotated on reading.
 
 pub mod angle;
+pub mod axis_faults;
 pub mod epoch;
 pub mod foreign;
 pub mod format;

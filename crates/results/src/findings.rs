@@ -3,11 +3,10 @@
 mod implausible;
 mod kinds;
 mod weight;
-
-pub use kinds::{Log, NoError, Severity, WhyLeftOut};
+pub use kinds::{FarParameter, Log, NoError, Severity, TemperatureUse, WhyLeftOut, WrappedAxis};
 pub use weight::{is_doubtful, is_jump, ranked, verdict};
 
-use undrift_events::{Contradiction, FixMend, Lean, Part, RestartCause, WindowPart};
+use undrift_events::{Contradiction, FixMend, Lean, Part, RestartCause, SensorChange, WindowPart};
 
 /// One thing found.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -36,18 +35,7 @@ pub enum Finding {
         gaps: u64,
     },
     /// The bias over temperature of the model could not be taken out of all samples, or only by extrapolation.
-    Temperature {
-        /// Samples that were corrected.
-        corrected: u64,
-        /// Samples that were not, for want of a temperature.
-        without: u64,
-        /// Time of the first of those \[s\].
-        without_from: Option<f64>,
-        /// Samples at temperatures that the model's recording did not cover.
-        beyond: u64,
-        /// Lowest and highest temperature of the drive [°C].
-        seen_c: Option<[f64; 2]>,
-    },
+    Temperature(TemperatureUse),
     /// Gaps between samples were too long to be bridged by interpolation.
     LongGaps {
         /// How many.
@@ -119,6 +107,25 @@ pub enum Finding {
         samples: u64,
         /// Whether it is the gyro that measures the turns of the vehicle.
         vertical: bool,
+    },
+    /// Heights scatter more than they state.
+    NoisyHeights {
+        /// Times the stated standard deviation.
+        factor: f64,
+    },
+    /// Two axes of the IMU have the same values from end to end.
+    Copied {
+        /// 0 to 2 for the sensor's gyros x, y, z, 3 to 5 for its accelerometers.
+        axes: [usize; 2],
+    },
+    /// An axis of the IMU jumps from one end of its range to the other: its counts have too few bits.
+    Wrapped(WrappedAxis),
+    /// From some time on a sensor measures the motion otherwise than before.
+    SensorChanged(SensorChange),
+    /// Velocities are a multiple of the changes of position.
+    VelocityScale {
+        /// Which, and its standard deviation [–].
+        ratio: [f64; 2],
     },
     /// The mean specific force is not gravity.
     WrongGravity {
@@ -480,14 +487,7 @@ pub enum Finding {
         log: [f64; 2],
     },
     /// An estimated parameter is far from what was known of it.
-    FarParameter {
-        /// Which.
-        parameter: String,
-        /// Its estimate, in its own unit.
-        value: f64,
-        /// By how many prior standard deviations.
-        sigmas: f64,
-    },
+    FarParameter(FarParameter),
     /// The stamps of a static recording are not evenly spaced.
     Uneven {
         /// Gaps between them.

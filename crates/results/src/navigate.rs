@@ -173,6 +173,8 @@ pub struct FixErrors {
     pub from: Number,
     /// Factor on the stated standard deviations of the positions.
     pub position_factor: Number,
+    /// Factor on that of the heights, beside the one of the positions.
+    pub height_factor: Number,
     /// Factors on those of the velocities north, east, down.
     pub velocity_factor: [Number; 3],
     /// Share of the position's variance that lasts, and its correlation time \[s\], where it has one.

@@ -11,15 +11,17 @@ use crate::{
 };
 use undrift_engine::DisturbedField;
 use undrift_io::{
-    held::Held,
     imu::ThermalSummary,
     skipped::{SetBack, SkipKind, Skipped},
 };
 use undrift_nav::{Matrix3, Vector3, covariance::AXES};
 use undrift_noise::screening::Timing;
+use undrift_results::findings::{FarParameter, TemperatureUse};
 
 /// Spans without a usable fix longer than this are reported \[s\].
 pub const WITHOUT_GNSS: f64 = 5.0;
+/// Jitter of the stamps below which nobody has to know of it \[s\].
+const LEAST_JITTER: f64 = 1e-3;
 /// Relative change of the fixes' standard deviations above which it is reported.
 const LEAST_CHANGE: f64 = 0.05;
 /// Rate of the inertial samples below which they miss the motion between them \[Hz\].
@@ -32,8 +34,6 @@ const MOST_DELAY: f64 = 2.0;
 const LISTED: usize = 3;
 /// Rows out of time order from which on a log is unsorted; fewer are single rows that came late.
 const LEAST_UNSORTED: u64 = 10;
-/// Share of the vertical in the axis of the gyro that is nearest to it.
-const VERTICAL: f64 = 0.7;
 /// Autocorrelation from one update to the next above which innovations are correlated: then it is not the accuracy of the fixes that is
 /// wrong.
 const CORRELATED: f64 = 0.5;
@@ -90,49 +90,15 @@ pub fn of_health(summary: &Summary) -> Vec<Finding> {
 /// Samples that should have been corrected for temperature and were not, or were by extrapolation.
 pub fn of_temperature(seen: Option<ThermalSummary>) -> Option<Finding> {
     let seen = seen.filter(|seen| seen.without > 0 || seen.beyond > 0);
-    seen.map(|seen| Finding::Temperature {
-        corrected: seen.corrected,
-        without: seen.without,
-        without_from: seen.without_from,
-        beyond: seen.beyond,
-        seen_c: seen.seen_c,
+    seen.map(|seen| {
+        Finding::Temperature(TemperatureUse {
+            corrected: seen.corrected,
+            without: seen.without,
+            without_from: seen.without_from,
+            beyond: seen.beyond,
+            seen_c: seen.seen_c,
+        })
     })
-}
-
-/// Axes of the IMU that held a value, where `rotation` is from the sensor's axes to the body's; a frozen log is one finding.
-pub fn of_held(held: &[Held], rotation: &Matrix3) -> Vec<Finding> {
-    match held {
-        [first, _, _, _, _, _]
-            if held
-                .iter()
-                .all(|of| of.start == first.start && !of.saturated) =>
-        {
-            vec![Finding::Frozen {
-                start: first.start,
-                length: first.length,
-                samples: first.samples,
-            }]
-        }
-        _ => held
-            .iter()
-            .map(|of| match of.constant {
-                true => Finding::Constant {
-                    axis: of.axis,
-                    value: of.value,
-                    samples: of.samples,
-                    vertical: of.axis < 3 && rotation[(2, of.axis)].abs() > VERTICAL,
-                },
-                false => Finding::Held {
-                    axis: of.axis,
-                    value: of.value,
-                    start: of.start,
-                    length: of.length,
-                    samples: of.samples,
-                    saturated: of.saturated,
-                },
-            })
-            .collect(),
-    }
 }
 
 /// The findings with what mends wrong axes, where `rotation` is from the sensor's axes to the body's.
@@ -217,16 +183,13 @@ pub fn of_disagreement(summary: &Summary) -> Vec<Finding> {
     let length = |field: &DisturbedField| field.end - field.start;
     let longest = fields.iter().max_by(|a, b| length(a).total_cmp(&length(b)));
     found.extend(longest.map(|longest| Finding::DisturbedField(*longest)));
-    found.extend(
-        summary
-            .far
-            .iter()
-            .map(|(parameter, value, sigmas)| Finding::FarParameter {
-                parameter: format!("{parameter:?}"),
-                value: *value,
-                sigmas: *sigmas,
-            }),
-    );
+    found.extend(summary.far.iter().map(|(parameter, value, sigmas)| {
+        Finding::FarParameter(FarParameter {
+            parameter: format!("{parameter:?}"),
+            value: *value,
+            sigmas: *sigmas,
+        })
+    }));
     let late = &summary.late_samples;
     // A solution that has diverged has a diverged time offset.
     let is_delay = late.delay.0.abs() < MOST_DELAY;
@@ -287,7 +250,7 @@ pub fn of_fixes(study: &FixStudy, errors: &FixErrors) -> Vec<Finding> {
         let step = errors.step.max();
         found.push(Finding::RoundedFixes { step });
     }
-    if errors.jitter > 0.0 {
+    if errors.jitter > LEAST_JITTER {
         let std = errors.jitter;
         found.push(Finding::FixJitter { std });
     }
@@ -301,6 +264,10 @@ pub fn of_fixes(study: &FixStudy, errors: &FixErrors) -> Vec<Finding> {
     if errors.position_factor - 1.0 > LEAST_CHANGE {
         let factor = errors.position_factor;
         found.push(Finding::NoisyFixes { factor });
+    }
+    if errors.height_factor - 1.0 > LEAST_CHANGE {
+        let factor = errors.position_factor * errors.height_factor;
+        found.push(Finding::NoisyHeights { factor });
     }
     found
 }

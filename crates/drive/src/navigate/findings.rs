@@ -21,7 +21,7 @@ impl Report {
             found.extend(findings::of_fixes(study, &self.fix_errors));
         }
         found.extend(findings::of_health(s));
-        found.extend(findings::of_held(&self.held, &self.rotation));
+        found.extend(findings::of_axes(&self.axis_faults, &self.rotation));
         let interval = self.study.as_ref().map_or(0.0, |study| study.interval);
         let samples = s.samples + s.align_samples;
         let logs = [
@@ -200,7 +200,7 @@ mod tests {
             truth_skipped: Default::default(),
             thermal: None,
             gaps: Default::default(),
-            held: Vec::new(),
+            axis_faults: Default::default(),
             recording: None,
             rows: Vec::new(),
             rejected: Default::default(),

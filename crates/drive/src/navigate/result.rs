@@ -80,6 +80,7 @@ fn fix_errors((time, errors): &(f64, fix_errors::FixErrors)) -> FixErrors {
     FixErrors {
         from: Number(*time),
         position_factor: Number(errors.position_factor),
+        height_factor: Number(errors.height_factor),
         velocity_factor: errors.velocity_factor.map(Number).into(),
         correlated: errors.correlated.as_ref().map(part),
         velocity_correlated: errors.velocity_correlated.as_ref().map(part),

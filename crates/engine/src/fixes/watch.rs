@@ -1,5 +1,5 @@
 //! What fixes show of themselves, as they come: looked at after a minute, each time when that time has doubled, and
-//! at the end.
+//! at the end. Whether they scatter far more than they state shows sooner, before a solution has learned from them.
 //!
 //! A study of all fixes each time costs as much as there are: doubling the span between two studies keeps the
 //! sum of it linear in the log. Fixes are kept in blocks that copies of the navigator share.
@@ -10,6 +10,8 @@ use undrift_nav::sample::GnssFix;
 
 /// They are looked at after this time \[s\], and whenever it has doubled.
 const FIRST_SPAN: f64 = 60.0;
+/// Scatter beside a velocity is looked at after this time, once \[s\].
+const EARLY_SPAN: f64 = 10.0;
 /// Positions alone, whose scatter shows soon, after this time \[s\].
 const FIRST_SPAN_OF_POSITIONS: f64 = 10.0;
 /// Fixes of a block: a copy of the watch shares full ones.
@@ -27,6 +29,8 @@ pub(crate) struct FixWatch {
     by_velocity: bool,
     /// After which span they were looked at last \[s\].
     looked: f64,
+    /// Whether their scatter was looked at.
+    looked_early: bool,
 }
 
 impl FixWatch {
@@ -51,7 +55,12 @@ impl FixWatch {
             false => (FIRST_SPAN_OF_POSITIONS, LEAST_POSITIONS),
         };
         if span < first.max(2.0 * self.looked) || count < least {
-            return None;
+            let early = self.by_velocity && !self.looked_early;
+            if !early || span < EARLY_SPAN || count < least {
+                return None;
+            }
+            self.looked_early = true;
+            return self.study().and_then(FixStudy::of_scatter);
         }
         self.looked = span;
         self.study()

@@ -27,6 +27,14 @@ const LEAST_SANE: f64 = 0.4;
 /// Two displacements agree to this part of the larger one.
 const AGREE: f64 = 0.2;
 
+/// Cosine of the turn of the velocity from fix to fix, beyond which half their sum is not the velocity between them.
+const STRAIGHT: f64 = 0.95;
+/// Share of the larger of two ways from which their difference is another fault than a scale.
+const OUTLIER: f64 = 0.5;
+/// Windows that it takes to judge a scale, how far it has to be from 1, and how many of its standard deviations.
+const LEAST_STRAIGHT: u32 = 20;
+const SCALE: (f64, f64) = (0.03, 6.0);
+
 /// What may be wrong with the fixes, and the matrix on the velocity (north, east) that mends it.
 const MENDS: [(FixMend, [f64; 4]); 11] = [
     (VelocityEastNorth, [0.0, 1.0, 1.0, 0.0]),
@@ -55,6 +63,11 @@ pub(super) struct Moves {
     moves: u32,
     sane: u32,
     unexplained: [f64; MENDS.len()],
+    /// Whether the velocity turned far from fix to fix in the present window, so that it is not known between them.
+    turned: bool,
+    /// Over the other windows: sums of the products of seen and stated ways, seen and seen, stated and stated \[m²\], and their number.
+    scale: [f64; 3],
+    straight: u32,
 }
 
 impl Moves {
@@ -80,12 +93,15 @@ impl Moves {
             return;
         };
         self.moved += (velocity + before) * (0.5 * (time - last));
+        let along = velocity.xy().dot(&before.xy());
+        self.turned |= along < STRAIGHT * velocity.xy().norm() * before.xy().norm();
         if time - last <= APART && time - start < MOVE_WINDOW {
             return;
         }
         let (seen, stated) = (origin.offset_to(&position), self.moved);
         let together = time - last <= APART;
         (self.began, self.moved) = (Some((time, position)), Vector3::zeros());
+        let turned = core::mem::take(&mut self.turned);
         let size = seen.xy().norm().max(stated.xy().norm());
         // Noise of two positions is to be small against the way.
         if !together || size < 2.0 + 10.0 * std || !size.is_finite() {
@@ -93,6 +109,13 @@ impl Moves {
         }
         self.moves += 1;
         let left = (seen - stated).xy().norm();
+        if !turned && left < OUTLIER * size {
+            let [a, b] = [seen.xy(), stated.xy()];
+            for (sum, product) in self.scale.iter_mut().zip([a.dot(&b), a.dot(&a), b.dot(&b)]) {
+                *sum += product;
+            }
+            self.straight += 1;
+        }
         self.sane += u32::from(left < AGREE * size + 3.0 * std);
         for (unexplained, (mend, matrix)) in self.unexplained.iter_mut().zip(MENDS) {
             let [nn, mut ne, mut en, ee] = matrix;
@@ -105,6 +128,19 @@ impl Moves {
             let left = (seen.x - mended[0]).hypot(seen.y - mended[1]);
             *unexplained += (left / size).min(1.0);
         }
+    }
+
+    /// A multiple of the ways that the velocities are, where it is neither 1 nor a mistake that has a name.
+    pub(super) fn scale(&self) -> Option<Implausible> {
+        let [both, seen, stated] = self.scale;
+        let ratio = both / seen;
+        // Of two axes each.
+        let left = (stated - ratio * both).max(0.0) / (2.0 * f64::from(self.straight));
+        let std = (left / seen).sqrt();
+        let off = (ratio - 1.0).abs();
+        let is_seen = self.straight >= LEAST_STRAIGHT && off > SCALE.0.max(SCALE.1 * std);
+        let has_name = matches!(self.finding(), Some(Implausible::Velocity(Some(_))));
+        (is_seen && !has_name).then_some(Implausible::VelocityScale([ratio, std]))
     }
 
     /// What the moves show.

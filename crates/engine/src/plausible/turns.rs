@@ -16,12 +16,13 @@
 //! constant heading, speeds below 3 m/s, and a scale between 0.6 and 1.7, which the bank of a
 //! two-wheeler makes too.
 
+use super::changes::{Changes, Compared};
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 use core::ops::Range;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::RealField;
-use undrift_events::Implausible;
+use undrift_events::{Implausible, SensorChange};
 use undrift_nav::{Matrix3, Vector3, earth::wrap_pi, sample::ImuSample};
 
 /// Lags at which turns are compared: so many steps of so many seconds to each side.
@@ -39,18 +40,18 @@ const TURN_WINDOW: [f64; 2] = [0.9, 2.5];
 /// A larger turn in a window is an outlier \[rad\].
 const MOST_TURN: f64 = 1.0;
 /// Sum of squares of the turns that is enough to judge by \[rad²\]: one right-angle bend.
-const ENOUGH_TURN: f64 = 0.25;
+pub(super) const ENOUGH_TURN: f64 = 0.25;
 /// From one entry of the history of turns to the next \[s\].
 const HISTORY_STEP: f64 = 0.1;
 /// Multiples of the gyros' turns that the course may turn by: a bank makes 1/cos of it.
-const TURN_SCALE: Range<f64> = 0.6..1.7;
+pub(super) const TURN_SCALE: Range<f64> = 0.6..1.7;
 /// Sum of squares of the accelerations that is enough to judge by \[m²/s⁴\]: some ten seconds of 0.5 m/s².
-const ENOUGH_PUSH: f64 = 2.5;
+pub(super) const ENOUGH_PUSH: f64 = 2.5;
 
 /// Sums of a regression of y on x with means.
 #[derive(Clone, Copy, Default)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
-struct Regression {
+pub(super) struct Regression {
     /// Pairs so far.
     n: f64,
     x: f64,
@@ -63,7 +64,7 @@ struct Regression {
 impl Regression {
     /// Sums are of raw values: windows are short, so that their means are small against their
     /// scatter.
-    fn add(&mut self, x: f64, y: f64) {
+    pub(super) fn add(&mut self, x: f64, y: f64) {
         self.n += 1.0;
         self.x += x;
         self.y += y;
@@ -72,15 +73,35 @@ impl Regression {
         self.yy += y * y;
     }
 
+    /// Takes in the pairs of another.
+    pub(super) fn join(&mut self, other: &Self) {
+        self.n += other.n;
+        self.x += other.x;
+        self.y += other.y;
+        self.xx += other.xx;
+        self.xy += other.xy;
+        self.yy += other.yy;
+    }
+
+    /// Pairs so far.
+    pub(super) fn n(&self) -> f64 {
+        self.n
+    }
+
+    /// Sum of squares of y that the regression leaves.
+    pub(super) fn left(&self) -> f64 {
+        self.power() * (1.0 - self.fit().1)
+    }
+
     /// Sum of squares of y about its mean.
-    fn power(&self) -> f64 {
+    pub(super) fn power(&self) -> f64 {
         self.yy - self.y * self.y / self.n.max(1.0)
     }
 
     /// Slope and coefficient of determination; zeros where x does not vary.
     ///
     /// By sums about the means: a bias of the gyros and a drift of the course do not count.
-    fn fit(&self) -> (f64, f64) {
+    pub(super) fn fit(&self) -> (f64, f64) {
         let n = self.n.max(1.0);
         let (xx, xy) = (self.xx - self.x * self.x / n, self.xy - self.x * self.y / n);
         let yy = self.power();
@@ -110,8 +131,9 @@ struct Integrals {
 struct Turn {
     start: f64,
     end: f64,
-    /// Turn of the course \[rad\].
+    /// Turn of the course \[rad\], and the variance that noise makes of it \[rad²\].
     turn: f64,
+    noise: f64,
     /// Mean speed, and how much it grew [m/s].
     speed: f64,
     faster: f64,
@@ -136,6 +158,7 @@ pub(super) struct Turns {
     axes: [Regression; 3],
     /// Regressions of the accelerations along the course and to its right on the forces along forward and right.
     pushes: [[Regression; 2]; 2],
+    changes: Changes,
     /// Sum of the variances of the turns that noise makes \[rad²\].
     ///
     /// Twice the variance of a course for each window.
@@ -152,6 +175,7 @@ impl Turns {
             lags: [Regression::default(); 2 * LAGS + 1],
             axes: [Regression::default(); 3],
             pushes: [[Regression::default(); 2]; 2],
+            changes: Changes::default(),
             noise: 0.0,
         }
     }
@@ -194,6 +218,7 @@ impl Turns {
         }
         self.axes = Default::default();
         self.pushes = Default::default();
+        self.changes.turn();
     }
 
     /// Ends the log: what still waits is compared with what there is.
@@ -227,6 +252,7 @@ impl Turns {
                 start,
                 end: time,
                 turn,
+                noise: 2.0 * noise,
                 speed: 0.5 * (slow + speed),
                 faster: speed - slow,
             });
@@ -293,6 +319,20 @@ impl Turns {
                 regression.add(force[axis], seen);
             }
         }
+        self.changes.add(&Compared {
+            start: window.start,
+            end: window.end,
+            turn: window.turn,
+            noise: window.noise,
+            gyro: b.yaw - a.yaw,
+            force: [force.x, force.y],
+            seen,
+        });
+    }
+
+    /// What a sensor does otherwise from some time on, where body down is `level`.
+    pub(super) fn change(&self, level: bool) -> Option<SensorChange> {
+        self.changes.finding(level)
     }
 
     /// Whether the vehicle accelerates along body forward, and is pushed along body right in turns.

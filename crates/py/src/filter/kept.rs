@@ -40,6 +40,7 @@ impl Made {
         }
         let errors = &mut self.fix_errors;
         each(&mut errors.position_factor);
+        each(&mut errors.height_factor);
         for part in [&mut errors.correlated, &mut errors.velocity_correlated] {
             // A share of 0 switches it off.
             let nothing = Correlated {

@@ -21,6 +21,12 @@ pub(super) fn wrong_velocity(mend: Option<FixMend>) -> String {
     .into()
 }
 
+pub(super) fn velocity_scale([ratio, std]: [f64; 2]) -> String {
+    format!(
+        "the velocities of the fixes are {ratio:.3} ± {std:.3} times the changes of position: another unit or another quantity; gnss.use = \"position\" ignores them"
+    )
+}
+
 pub(super) fn two_receivers(distance: f64) -> String {
     format!(
         "the positions alternate between two places {} m apart: two receivers or antennas in one log; keep the fixes of one",
@@ -76,6 +82,12 @@ pub(super) fn correlated(share: f64, time: f64) -> String {
 pub(super) fn noisy(factor: f64) -> String {
     format!(
         "positions scatter {factor:.1} times as much as stated; their standard deviations were scaled accordingly"
+    )
+}
+
+pub(super) fn noisy_heights(factor: f64) -> String {
+    format!(
+        "heights scatter or wander {factor:.1} times as much as stated; their standard deviation was scaled accordingly"
     )
 }
 

@@ -5,8 +5,8 @@ use crate::{
     constants::{Constant, constant},
     numbers::short,
 };
-use undrift_events::{DisturbedField, RejectedHeadings};
-use undrift_results::findings::Finding;
+use undrift_events::{ChangeOf, DisturbedField, RejectedHeadings, SensorChange};
+use undrift_results::findings::{Finding, TemperatureUse, WrappedAxis};
 
 /// Values that the IMU repeats.
 pub(super) fn still(finding: &Finding) -> String {
@@ -51,11 +51,66 @@ pub(super) fn still(finding: &Finding) -> String {
 }
 
 /// Samples corrected for temperature, those without one, and those at temperatures that the model's recording did not cover.
-pub(super) fn temperature(
-    [corrected, without, beyond]: [u64; 3],
-    without_from: Option<f64>,
-    seen_c: Option<[f64; 2]>,
-) -> String {
+pub(super) fn copied([axis, copy]: [usize; 2]) -> String {
+    format!(
+        "{} and {} have the same value in every sample: the log has one column twice; check {}",
+        name(axis),
+        name(copy),
+        if axis < 3 { "imu.gyro" } else { "imu.accel" }
+    )
+}
+
+pub(super) fn wrapped(of: &WrappedAxis) -> String {
+    let WrappedAxis {
+        axis,
+        limit,
+        start,
+        jumps,
+    } = *of;
+    format!(
+        "{} jumps from one end of its range to the other ({} as logged) {}, first at {} s: its numbers have too few bits; log more, or a larger range",
+        name(axis),
+        short(limit),
+        many(jumps, "time"),
+        at(start)
+    )
+}
+
+pub(super) fn changed(change: &SensorChange) -> String {
+    let [from, to] = change.between;
+    let what = match change.what {
+        ChangeOf::TurnScale(ratio) => format!(
+            "the vertical gyro measures {} times what it did before, of the same turns: its unit or range changed",
+            short(ratio)
+        ),
+        ChangeOf::NoTurn => {
+            "the gyros do not measure the turns of the GNSS course any more: an axis failed, or another column is in its place".into()
+        }
+        ChangeOf::Turned(angle) => format!(
+            "the IMU is turned by {:.0} deg about the vertical against before: it was moved in its mount, or its axes were exchanged",
+            angle.to_degrees()
+        ),
+        ChangeOf::ForceScale(axis, ratio) => format!(
+            "the accelerometer along body {} measures {} times what it did before, of the same accelerations: its unit or range changed",
+            ["forward", "right"].get(axis).unwrap_or(&""),
+            short(ratio)
+        ),
+    };
+    format!(
+        "from {}-{} s on {what}; use the part before or after alone ([span])",
+        at(from),
+        at(to)
+    )
+}
+
+pub(super) fn temperature(of: &TemperatureUse) -> String {
+    let TemperatureUse {
+        corrected,
+        without,
+        without_from,
+        beyond,
+        seen_c,
+    } = *of;
     let Some([low, high]) = seen_c else {
         return "the model's temperature correction is not used: the inertial log has no temperature".into();
     };

@@ -2,7 +2,7 @@
 
 use super::*;
 use undrift_events::{Contradiction, FixMend, Lean, Part, RestartCause, WindowPart};
-use undrift_results::findings::{Log, NoError, Severity, WhyLeftOut};
+use undrift_results::findings::{FarParameter, Log, NoError, Severity, TemperatureUse, WhyLeftOut};
 
 /// Fifteen positions of a jump.
 fn jump() -> Contradiction {
@@ -54,23 +54,23 @@ fn every_finding_has_its_sentence() {
         ),
         (Finding::Bridged { gaps: 1 }, "bridged 1 short gap between samples"),
         (
-            Finding::Temperature {
+            Finding::Temperature(TemperatureUse {
                 corrected: 0,
                 without: 9,
                 without_from: Some(1.0),
                 beyond: 0,
                 seen_c: None,
-            },
+            }),
             "the model's temperature correction is not used: the inertial log has no temperature",
         ),
         (
-            Finding::Temperature {
+            Finding::Temperature(TemperatureUse {
                 corrected: 90,
                 without: 10,
                 without_from: Some(12.5),
                 beyond: 45,
                 seen_c: Some([20.0, 31.25]),
-            },
+            }),
             "corrected for temperature (20.0 to 31.2 °C), but not 10.00 % of the samples, from 12.5 s on, which have no temperature within a minute; 50 % of it is extrapolated beyond the temperatures of the model's recording: record a wider range",
         ),
         (
@@ -716,11 +716,11 @@ fn further_findings_have_their_sentences() {
             "velocities differ from the changes of position by a constant 0.10, -0.20, 0.30 m/s north, east, down: one of them is wrong; gnss.use = \"position\" ignores the velocities",
         ),
         (
-            Finding::FarParameter {
+            Finding::FarParameter(FarParameter {
                 parameter: "TimeOffset".into(),
                 value: 0.25,
                 sigmas: 6.0,
-            },
+            }),
             "time offset of the positions: the estimate of 250 ms is 6 prior standard deviations from zero; check the setting that it corrects",
         ),
         (
@@ -840,13 +840,13 @@ fn further_findings_have_their_sentences() {
         assert_eq!(say(&finding), sentence);
     }
     let corrected = |without_from, beyond| {
-        say(&Finding::Temperature {
+        say(&Finding::Temperature(TemperatureUse {
             corrected: 90,
             without: 0,
             without_from,
             beyond,
             seen_c: Some([20.0, 30.0]),
-        })
+        }))
     };
     assert_eq!(
         corrected(None, 0),

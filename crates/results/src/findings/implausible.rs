@@ -19,6 +19,8 @@ impl From<Implausible> for Finding {
             },
             Implausible::Velocity(mend) => Self::WrongVelocity { mend },
             Implausible::Alternates(distance) => Self::TwoReceivers { distance },
+            Implausible::Changed(change) => Self::SensorChanged(change),
+            Implausible::VelocityScale(ratio) => Self::VelocityScale { ratio },
         }
     }
 }

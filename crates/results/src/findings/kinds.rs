@@ -42,3 +42,45 @@ pub enum WhyLeftOut {
     /// Inertial samples are missing in it.
     NoSamples,
 }
+
+/// How a model's bias over temperature was taken out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TemperatureUse {
+    /// Samples that were corrected.
+    pub corrected: u64,
+    /// Samples that were not, for want of a temperature.
+    pub without: u64,
+    /// Time of the first of those \[s\].
+    pub without_from: Option<f64>,
+    /// Samples at temperatures that the model's recording did not cover.
+    pub beyond: u64,
+    /// Lowest and highest temperature of the drive [°C].
+    pub seen_c: Option<[f64; 2]>,
+}
+
+/// An axis whose counts have too few bits.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct WrappedAxis {
+    /// 0 to 2 for the sensor's gyros x, y, z, 3 to 5 for its accelerometers.
+    pub axis: usize,
+    /// Its largest size, as it is in the log.
+    pub limit: f64,
+    /// Time of the first jump \[s\].
+    pub start: f64,
+    /// How many jumps.
+    pub jumps: u64,
+}
+
+/// An estimate that is far from what was known of the parameter.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FarParameter {
+    /// Which.
+    pub parameter: String,
+    /// Its estimate, in its own unit.
+    pub value: f64,
+    /// By how many prior standard deviations.
+    pub sigmas: f64,
+}

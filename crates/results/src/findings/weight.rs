@@ -3,16 +3,26 @@
 use super::{Finding, Log, Severity};
 use statrs::distribution::{Binomial, DiscreteCDF};
 use std::ops::RangeInclusive;
-use undrift_events::{Contradiction, Part};
+use undrift_events::{ChangeOf, Contradiction, Part, WindowPart};
 
 /// Prior standard deviations beyond which an estimated parameter is no parameter any more.
 const VERY_FAR: f64 = 7.0;
+/// Share of the innovations inside three standard deviations in the whole log from which a disagreement is one of a span.
+const ELSEWHERE: f64 = 0.9;
 /// A scatter this many times what is stated is a wrong unit rather than a modest receiver.
 const WRONG_UNIT: f64 = 20.0;
 /// Measured over true, beyond which no scale factor but a wrong unit, sign or column explains a sensor.
 const RIGHT_UNIT: RangeInclusive<f64> = 0.5..=2.0;
 /// An axis that holds a value for longer has a fault, and a log that has no samples \[s\].
 const LONG: f64 = 1.0;
+/// A scatter this many times what is stated comes before what it does to the solution.
+const SCATTERS: f64 = 3.0;
+/// A heading that is further off than this is that of another axis \[rad\].
+const MOVED: f64 = 0.5;
+/// Samples that came from the wrong end of the range, up to which they are treated as spikes are.
+const FEW_JUMPS: u64 = 10;
+/// Beyond this part of it a velocity is another quantity or in another unit.
+const FAR_SCALE: f64 = 0.15;
 /// Clocks that are further apart are two, and not one with a delay \[s\].
 const TWO_CLOCKS: f64 = 3.0;
 /// Gravity along body up, by its component along body down.
@@ -54,6 +64,13 @@ impl Finding {
             Self::WrongAxes { .. } | Self::WrongTurnAxis { .. } => Severity::Unusable,
             Self::WrongVelocity { mend: Some(_) } | Self::TwoReceivers { .. } => Severity::Unusable,
             Self::Constant { vertical: true, .. } => Severity::Unusable,
+            // A vehicle that begins to move across its axis turns its course without its gyros.
+            Self::SensorChanged(change) if change.what == ChangeOf::NoTurn => Severity::Warning,
+            Self::Copied { .. } | Self::SensorChanged(_) => Severity::Unusable,
+            Self::Wrapped(of) if of.jumps > FEW_JUMPS => Severity::Unusable,
+            Self::VelocityScale { ratio, .. } if (ratio[0] - 1.0).abs() > FAR_SCALE => {
+                Severity::Unusable
+            }
             // Most of what the sensors measured is missing.
             Self::SharedStamps { log: Log::Imu, .. } => Severity::Unusable,
             Self::Late { delay } if delay.abs() > TWO_CLOCKS => Severity::Unusable,
@@ -79,14 +96,19 @@ impl Finding {
             }
             Self::OutagesLeftOut { outages, of, .. } if 2 * outages > *of => Severity::Warning,
             // A lever arm is in the position as it is.
-            Self::FarParameter { parameter, .. } if parameter == "LeverArm" => Severity::Warning,
-            Self::FarParameter { sigmas, .. } if *sigmas > VERY_FAR => Severity::Warning,
+            Self::FarParameter(of) if of.parameter == "LeverArm" => Severity::Warning,
+            Self::FarParameter(of) if of.sigmas > VERY_FAR => Severity::Warning,
             Self::Rejected(fixes) if is_jump(fixes) => Severity::Warning,
-            Self::NoisyFixes { factor } if *factor > WRONG_UNIT => Severity::Warning,
+            Self::NoisyFixes { factor } | Self::NoisyHeights { factor } if *factor > WRONG_UNIT => {
+                Severity::Warning
+            }
+            Self::HeadingOff { angle, .. } if angle.abs() > MOVED => Severity::Unusable,
             Self::Held { length, .. } if *length > LONG => Severity::Warning,
             Self::NotDown { down } if down[2] < UPSIDE_DOWN => Severity::Warning,
             Self::Frozen { .. }
             | Self::Constant { .. }
+            | Self::Wrapped { .. }
+            | Self::VelocityScale { .. }
             | Self::OutOfOrder { .. }
             | Self::SharedStamps { .. } => Severity::Warning,
             Self::WrongGravity { .. }
@@ -133,7 +155,15 @@ impl Finding {
                 | Self::Disagreement { .. }
                 | Self::LargeInnovations { .. }
         );
-        !of_times || innovations
+        // What is late is late from end to end, and its heights are not.
+        let elsewhere = match symptom {
+            Self::Disagreement { part, overall, .. } => {
+                *part == WindowPart::Height || *overall > ELSEWHERE
+            }
+            _ => false,
+        };
+        let of_offset = matches!(self, Self::LateSamples { .. });
+        !of_times || innovations && !(of_offset && elsewhere)
     }
 
     /// Rank from cause to symptom: what is wrong with the logs and the settings comes before what that
@@ -144,6 +174,8 @@ impl Finding {
             | Self::NotCompared { .. }
             | Self::NoOutage
             | Self::NotRun { all: true, .. } => 0,
+            Self::Copied { .. } | Self::Wrapped { .. } => 1,
+            Self::SensorChanged { .. } | Self::VelocityScale { .. } => 1,
             Self::Constant { .. }
             | Self::OutOfOrder { .. }
             | Self::SharedStamps { .. }
@@ -166,6 +198,7 @@ impl Finding {
             Self::NoMounting { .. } | Self::LateSamples { .. } | Self::SlowSamples { .. } => 2,
             Self::SideSlip { .. } => 2,
             Self::FixJitter { .. } | Self::RoundedFixes { .. } => 2,
+            Self::NoisyFixes { factor } | Self::NoisyHeights { factor } if *factor > SCATTERS => 2,
             Self::Rejected(fixes) if is_jump(fixes) => 2,
             Self::OptimisticModel { .. } | Self::FarParameter { .. } => 3,
             Self::CorrelatedInnovations { .. } | Self::OptimisticDrift { .. } => 4,

@@ -1,7 +1,7 @@
 //! A bias that follows the temperature: estimated from a recording, stored, taken out of a drive.
 
 use std::{fmt::Write, fs, path::PathBuf};
-use undrift::findings::{Finding, Severity};
+use undrift::findings::{Finding, Severity, TemperatureUse};
 use undrift::nav::Vector3;
 use undrift::noise::{
     BiasModel, ImuModel,
@@ -168,13 +168,13 @@ fn what_has_no_temperature_or_one_beyond_the_recording_is_reported() {
     };
     let found = report(&with(&drive, effect));
     let [
-        Finding::Temperature {
+        Finding::Temperature(TemperatureUse {
             corrected,
             without,
             without_from,
             beyond,
             seen_c,
-        },
+        }),
     ] = &found[..]
     else {
         panic!("{found:?}");

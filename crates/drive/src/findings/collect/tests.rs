@@ -1,5 +1,4 @@
 use super::*;
-use crate::findings::Severity;
 
 #[test]
 fn rows_out_of_order_and_stamps_that_are_shared() {
@@ -28,35 +27,6 @@ fn rows_out_of_order_and_stamps_that_are_shared() {
             line: 7
         }]
     );
-}
-
-#[test]
-fn a_constant_axis_is_not_one_that_held_its_value_for_a_while() {
-    let held = |constant| Held {
-        axis: 2,
-        value: 0.5,
-        start: 1.0,
-        length: 9.0,
-        samples: 900,
-        saturated: false,
-        constant,
-    };
-    let constant = |vertical| Finding::Constant {
-        axis: 2,
-        value: 0.5,
-        samples: 900,
-        vertical,
-    };
-    assert_eq!(constant(true).severity(), Severity::Unusable);
-    assert_eq!(constant(false).severity(), Severity::Warning);
-    let level = Matrix3::identity();
-    assert_eq!(of_held(&[held(true)], &level), [constant(true)]);
-    let upright = Matrix3::new(0.0, 0.0, 1.0, 0.0, 1.0, 0.0, -1.0, 0.0, 0.0);
-    assert_eq!(of_held(&[held(true)], &upright), [constant(false)]);
-    assert!(matches!(
-        of_held(&[held(false)], &level)[..],
-        [Finding::Held { .. }]
-    ));
 }
 
 #[test]
@@ -229,10 +199,12 @@ fn the_worst_span_is_found_with_the_share_of_the_whole_log() {
 
 #[test]
 fn few_samples_are_why_solution_and_fixes_do_not_go_together() {
-    let far = |sigmas| Finding::FarParameter {
-        parameter: "GyroScale".into(),
-        value: 0.2,
-        sigmas,
+    let far = |sigmas| {
+        Finding::FarParameter(FarParameter {
+            parameter: "GyroScale".into(),
+            value: 0.2,
+            sigmas,
+        })
     };
     let slow = |factor| Finding::SlowSamples { rate: 20.0, factor };
     assert_eq!(too_slow(20.0), Some(slow(None)));

@@ -111,3 +111,39 @@ fn the_states_of_a_smoother_stay_the_same() {
     assert!(changes.is_empty());
     assert_eq!(navigator.filter().unwrap().parameters().states(), 0);
 }
+
+/// What shows first of two minutes by car whose positions, or their heights alone, scatter by twenty times what they state, and after
+/// which time \[s\].
+fn scattering(heights_alone: bool) -> (f64, FixErrors) {
+    let mut drive = Scenario::new(&Trajectory::car(120.0, 2), &receiver(), 4);
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(4);
+    for fix in &mut drive.log.gnss {
+        if let Some((Position::Geodetic(at), covariance)) = &mut fix.position {
+            let mut error = Vector3::from_fn(|_, _| StandardNormal.sample(&mut rng));
+            if heights_alone {
+                (error.x, error.y) = (0.0, 0.0);
+            }
+            let std = covariance.diagonal().map(f64::sqrt);
+            *at = at.displaced(&(20.0 * error.component_mul(&std)));
+        }
+    }
+    drive.settings.from_fixes = Some(FromFixes::default());
+    let first = drive.log.gnss[0].time;
+    let (changes, _) = changes(&drive);
+    let (time, errors) = changes[0];
+    (time - first, errors)
+}
+
+#[test]
+fn scatter_beyond_what_is_stated_shows_with_eighty_fixes_height_by_itself() {
+    // The median of eighty squares is good to a fifth.
+    let twenty = 15.0..27.0;
+    let (time, all) = scattering(false);
+    assert!((10.0..20.0).contains(&time), "{time}");
+    assert!(twenty.contains(&all.position_factor), "{all:?}");
+    assert!(all.height_factor == 1.0 && !all.known, "{all:?}");
+    let (time, heights) = scattering(true);
+    assert!((10.0..20.0).contains(&time), "{time}");
+    assert_eq!(heights.position_factor, 1.0, "{heights:?}");
+    assert!(twenty.contains(&heights.height_factor), "{heights:?}");
+}

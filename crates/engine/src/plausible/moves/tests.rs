@@ -49,3 +49,37 @@ fn motion_that_noise_of_the_positions_could_make_does_not_count() {
     assert_eq!(found(40, v(1.65), v(-1.65)), None);
     assert!(found(40, v(1.75), v(-1.75)).is_some());
 }
+
+#[test]
+fn a_multiple_of_the_ways_is_found_to_a_thousandth() {
+    let scale = |factor: f64, jump: bool, turn: f64| {
+        let start = Geodetic::from_degrees(47.0, 8.0, 400.0);
+        let (mut all, mut place) = (Moves::default(), Vector3::zeros());
+        for k in 0..90 {
+            let course = turn * f64::from(k);
+            let v = Vector3::new(8.0 * course.cos(), 8.0 * course.sin(), 0.0);
+            place += v;
+            if jump && k == 50 {
+                place += Vector3::new(500.0, 0.0, 0.0);
+            }
+            let fix = GnssFix::at(f64::from(k), start.displaced(&place), [0.1; 3]);
+            all.fix(&fix, &(v * factor));
+        }
+        match all.scale() {
+            Some(Implausible::VelocityScale([ratio, std])) => Some((ratio, std)),
+            _ => None,
+        }
+    };
+    for factor in [0.9, 1.05, 1.3] {
+        let (ratio, std) = scale(factor, true, 0.03).unwrap();
+        assert!(
+            (ratio / factor - 1.0).abs() < 2e-3 && std < 5e-3,
+            "{ratio} ± {std}"
+        );
+    }
+    assert_eq!(scale(1.02, true, 0.03), None);
+    // Between fixes that turn this far half the sum of their velocities is not the way.
+    assert_eq!(scale(1.2, false, 0.5), None);
+    // One that has a name is called by it.
+    assert_eq!(scale(3.6, false, 0.03), None);
+}

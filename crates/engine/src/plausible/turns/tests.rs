@@ -104,6 +104,7 @@ fn what_was_gathered_is_interpolated_in_the_history() {
         start: 12.0,
         end: 12.5,
         turn: 0.1,
+        noise: 0.0,
         speed: 8.0,
         faster: 2.0,
     });

@@ -1,5 +1,6 @@
 use super::*;
 
+use super::super::FarParameter;
 use Severity::{Note, Unusable, Warning};
 use undrift_events::FixMend;
 
@@ -53,11 +54,11 @@ fn constant(vertical: bool) -> Finding {
 }
 
 fn far(sigmas: f64) -> Finding {
-    Finding::FarParameter {
+    Finding::FarParameter(FarParameter {
         parameter: "lever_arm".to_owned(),
         value: 1.0,
         sigmas,
-    }
+    })
 }
 
 fn gaps(longest: f64) -> Finding {
@@ -139,6 +140,20 @@ fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
     };
     let turns = |ratio| Finding::WrongTurnRate { ratio };
     let noisy = |factor| Finding::NoisyFixes { factor };
+    let wrapped = |jumps| {
+        Finding::Wrapped(WrappedAxis {
+            axis: 2,
+            limit: 30.0,
+            start: 1.0,
+            jumps,
+        })
+    };
+    let changed = |what| {
+        Finding::SensorChanged(SensorChange {
+            between: [1.0, 2.0],
+            what,
+        })
+    };
     for (k, (finding, severity, rank)) in [
         (Finding::Diverged { time: 1.0 }, Unusable, 0),
         (Finding::NoOutage, Unusable, 0),
@@ -164,7 +179,17 @@ fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
         (Finding::NoTurns, Warning, 1),
         (Finding::WrongSign { axis: 2 }, Warning, 1),
         (noisy(20.1), Warning, 1),
-        (noisy(20.0), Note, 7),
+        (noisy(20.0), Note, 2),
+        (noisy(3.0), Note, 7),
+        (Finding::NoisyHeights { factor: 20.1 }, Warning, 2),
+        (Finding::NoisyHeights { factor: 3.1 }, Note, 2),
+        (Finding::Copied { axes: [0, 1] }, Unusable, 1),
+        (wrapped(11), Unusable, 1),
+        (wrapped(10), Warning, 1),
+        (changed(ChangeOf::Turned(1.0)), Unusable, 1),
+        (changed(ChangeOf::NoTurn), Warning, 1),
+        (Finding::VelocityScale { ratio: [1.2, 0.01] }, Unusable, 1),
+        (Finding::VelocityScale { ratio: [0.9, 0.01] }, Warning, 1),
         (gaps(1.1), Note, 2),
         (gaps(1.0), Note, 7),
         (held(1.1), Warning, 2),
