@@ -376,3 +376,27 @@ fn the_table_of_a_short_record_goes_on_to_twice_the_orders() {
     );
     assert_eq!([10_000, 10_001].map(|samples| last_row(samples, 3)), [6, 3]);
 }
+
+#[test]
+fn of_blocks_behind_a_filter_the_overlap_is_estimated() {
+    let record = record();
+    let set = TermSet {
+        white: true,
+        random_walk: true,
+        ..TermSet::default()
+    };
+    let overlap = |filtered| {
+        let blocks = Blocks {
+            samples: 3,
+            filtered,
+        };
+        let part = TrainingSet::new(vec![&record], RATE, blocks).unwrap();
+        let found = terms(set, &part, None).unwrap();
+        assert_eq!(found.block, 3);
+        found.overlap
+    };
+    // There is none in white noise: a standard error of 6667 blocks is 0.012.
+    assert_eq!(overlap(false), 0.0);
+    let found = overlap(true);
+    assert!(found != 0.0 && found.abs() < 0.04, "{found}");
+}

@@ -1,6 +1,6 @@
 //! What a format's white noise and random walk stand for: ARMA models, several processes, fast ones.
 
-use super::{DEG, MODEL, close, gyro_white, model, numbers};
+use super::{DEG, MODEL, close, gyro_white, numbers};
 use undrift_noise::{ImuModel, ModelFormat};
 
 pub(super) fn with_arma(ar: &str, ma: &str) -> ImuModel {
