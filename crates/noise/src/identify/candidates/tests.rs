@@ -395,7 +395,7 @@ fn of_blocks_behind_a_filter_the_overlap_is_estimated() {
         assert_eq!(found.block, 3);
         found.overlap
     };
-    // There is none in white noise: a standard error of 6667 blocks is 0.012.
+    // White noise has no overlap; its standard error, of 6667 blocks, is 0.012.
     assert_eq!(overlap(false), 0.0);
     let found = overlap(true);
     assert!(found != 0.0 && found.abs() < 0.04, "{found}");
