@@ -32,9 +32,8 @@ mod likelihood;
 pub(crate) mod predictor;
 pub(crate) mod search;
 
-pub(crate) use averages::{Averages, Marginal, NO_MARGINAL};
-pub(crate) use blocks::Span;
-pub(crate) use blocks::block_beyond_memory;
+pub(crate) use averages::{Averages, Marginal, NO_MARGINAL, curve};
+pub(crate) use blocks::{Blocks, Span, blocks_beyond_memory};
 pub use blocks::{average_in_blocks, block_average};
 pub(crate) use fit::fit_marginal;
 pub use fit::{CompositeFit, FitOptions, Flag, Term, fit, fit_several};

@@ -111,11 +111,14 @@ pub fn score(
     filter: &ShapingFilter,
     horizons_s: &[f64],
 ) -> Result<Vec<HorizonScore>, DriftError> {
-    let first_part = first_part.min(record.len());
-    let scored = record.len() - first_part;
-    let interval = filter.interval;
-    let mut lengths = Vec::with_capacity(horizons_s.len());
-    for &horizon_s in horizons_s {
+    let scored = record.len().saturating_sub(first_part);
+    lengths(horizons_s, scored, filter.interval)?;
+    Parts::new(record, first_part)?.score(filter, horizons_s)
+}
+
+/// Horizons \[s\] in samples, which fit twice into those that are scored.
+fn lengths(horizons_s: &[f64], scored: usize, interval: f64) -> Result<Vec<usize>, DriftError> {
+    let length = |&horizon_s: &f64| {
         let samples = (horizon_s / interval).round();
         if !(1.0..1e12).contains(&samples) {
             return Err(DriftError::BadHorizon);
@@ -127,41 +130,82 @@ pub fn score(
                 horizon_s,
             });
         }
-        lengths.push(samples);
-    }
-    if lengths.is_empty() {
-        return Err(DriftError::BadHorizon);
-    }
-    let (mean, present) = present_mean(&record[..first_part])?;
-    if present < 3 {
-        return Err(DriftError::Record(CompositeError::TooShort {
-            present,
-            needed: 3,
-        }));
-    }
-    let squares: f64 = record[..first_part]
-        .iter()
-        .filter(|v| !v.is_nan())
-        .map(|v| (v - mean) * (v - mean))
-        .sum();
-    let started = free_start(filter, squares / present as f64);
-    let sums = pass::RunningSums::new(&record[first_part..], mean);
-    let task = pass::Task {
-        record,
-        first_part,
-        mean,
-        filter: &started,
-        lengths: &lengths,
-        sums: &sums,
+        Ok(samples)
     };
-    match filter.order {
-        0 => task.run::<0>(),
-        1 => task.run::<1>(),
-        2 => task.run::<2>(),
-        3 => task.run::<3>(),
-        4 => task.run::<4>(),
-        5 => task.run::<5>(),
-        _ => task.run::<6>(),
+    match horizons_s.is_empty() {
+        true => Err(DriftError::BadHorizon),
+        false => horizons_s.iter().map(length).collect(),
+    }
+}
+
+/// A record whose second part filters are scored on, with what the scores of all of them need.
+pub(crate) struct Parts<'a> {
+    /// Both parts; NaN is a missing sample.
+    pub(crate) record: &'a [f64],
+    /// Samples of the first.
+    pub(crate) first_part: usize,
+    /// Mean \[unit\] and variance \[unit²\] of the first.
+    mean: f64,
+    variance: f64,
+    /// Of the second about that mean.
+    sums: pass::RunningSums,
+}
+
+impl<'a> Parts<'a> {
+    /// # Errors
+    /// Fewer than three samples in the first part; an infinite one.
+    pub(crate) fn new(record: &'a [f64], first_part: usize) -> Result<Self, DriftError> {
+        let first_part = first_part.min(record.len());
+        let (mean, present) = present_mean(&record[..first_part])?;
+        if present < 3 {
+            return Err(DriftError::Record(CompositeError::TooShort {
+                present,
+                needed: 3,
+            }));
+        }
+        let squares: f64 = record[..first_part]
+            .iter()
+            .filter(|v| !v.is_nan())
+            .map(|v| (v - mean) * (v - mean))
+            .sum();
+        Ok(Self {
+            record,
+            first_part,
+            mean,
+            variance: squares / present as f64,
+            sums: pass::RunningSums::new(&record[first_part..], mean),
+        })
+    }
+
+    /// Does [`score`] of this record.
+    ///
+    /// # Errors
+    /// See [`DriftError`].
+    pub(crate) fn score(
+        &self,
+        filter: &ShapingFilter,
+        horizons_s: &[f64],
+    ) -> Result<Vec<HorizonScore>, DriftError> {
+        let scored = self.record.len() - self.first_part;
+        let lengths = lengths(horizons_s, scored, filter.interval)?;
+        let started = free_start(filter, self.variance);
+        let task = pass::Task {
+            record: self.record,
+            first_part: self.first_part,
+            mean: self.mean,
+            filter: &started,
+            lengths: &lengths,
+            sums: &self.sums,
+        };
+        match filter.order {
+            0 => task.run::<0>(),
+            1 => task.run::<1>(),
+            2 => task.run::<2>(),
+            3 => task.run::<3>(),
+            4 => task.run::<4>(),
+            5 => task.run::<5>(),
+            _ => task.run::<6>(),
+        }
     }
 }
 

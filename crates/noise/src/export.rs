@@ -31,6 +31,7 @@
 mod comments;
 mod equivalent;
 mod formats;
+mod nearest;
 mod outage;
 mod poles;
 mod text;

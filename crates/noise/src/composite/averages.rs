@@ -7,10 +7,11 @@
 //! that look like a level (a random walk, a τ beyond the record) are not favoured by the level they
 //! fit away. Records are independent: each its own level, likelihoods multiplied.
 
-use super::blocks::{average_in_blocks, block_average_of_share, share_present};
+use super::blocks::{average_in_blocks, block_average_of_share, correlated_white, share_present};
 use super::likelihood::{Level, RecordLikelihood, log_likelihood};
-use super::{CompositeError, CompositeTerms};
-use undrift_nav::shaping::ShapingFilter;
+use super::{CompositeError, CompositeTerms, TermSet};
+use crate::wavelet::{WaveletVariance, pooled, wavelet_variance};
+use undrift_nav::shaping::{ShapingError, ShapingFilter};
 
 /// What the restricted log-likelihood of all records under a model changes by where something beside their levels is
 /// integrated out.
@@ -19,8 +20,26 @@ pub(crate) type Marginal<'a> = &'a (dyn Fn(&ShapingFilter) -> f64 + Sync);
 /// The levels alone.
 pub(crate) const NO_MARGINAL: Marginal = &|_| 0.0;
 
+/// The overlap's search coordinate over it: a change by 1 is then no less than of a logarithm.
+pub(super) const OVERLAP_COORDINATE: f64 = 10.0;
+
 /// Standard errors of a level that are chance.
 const CHANCE: f64 = 4.0;
+
+/// The wavelet variance of all records, which each fit to them starts from.
+///
+/// # Errors
+/// A record too short, constant or infinite; no record.
+pub(crate) fn curve(records: &[&[f64]], interval: f64) -> Result<WaveletVariance, CompositeError> {
+    let curves = records
+        .iter()
+        .map(|record| wavelet_variance(record, interval));
+    let curves: Vec<WaveletVariance> = curves.collect::<Result<_, _>>()?;
+    pooled(&curves).ok_or(CompositeError::TooShort {
+        present: 0,
+        needed: 3,
+    })
+}
 
 /// Records as the likelihood sees them: averages over blocks of samples `interval` \[s\] apart.
 pub(crate) struct Averages<'a> {
@@ -32,6 +51,9 @@ pub(crate) struct Averages<'a> {
     block: usize,
     /// Interval between samples \[s\].
     pub(crate) interval: f64,
+    /// How much of a neighbour white noise has in it because of a filter: the covariance of two blocks next to each other over the variance of
+    /// white noise over many; see [`correlated_white`].
+    pub(crate) overlap: f64,
     /// Integrated out beside the levels.
     marginal: Marginal<'a>,
 }
@@ -52,6 +74,7 @@ impl<'a> Averages<'a> {
             present: present.collect(),
             block,
             interval,
+            overlap: 0.0,
             marginal: NO_MARGINAL,
         })
     }
@@ -63,6 +86,7 @@ impl<'a> Averages<'a> {
             records,
             block: 1,
             interval,
+            overlap: 0.0,
             marginal: NO_MARGINAL,
         }
     }
@@ -80,14 +104,43 @@ impl<'a> Averages<'a> {
         &self,
         terms: &CompositeTerms,
     ) -> Result<Vec<RecordLikelihood>, CompositeError> {
-        self.under(&terms.to_shaping(self.interval)?)
+        self.of_terms(terms, self.overlap)
+    }
+
+    /// The likelihood of each record, white noise having this overlap.
+    fn of_terms(
+        &self,
+        terms: &CompositeTerms,
+        overlap: f64,
+    ) -> Result<Vec<RecordLikelihood>, CompositeError> {
+        if overlap == 0.0 {
+            return self.under(&terms.to_shaping(self.interval)?);
+        }
+        let interval = self.interval * self.block as f64;
+        let slow = CompositeTerms {
+            white: 0.0,
+            ..*terms
+        };
+        let slow = slow.to_shaping(self.interval)?;
+        self.each(|share| {
+            let variance = terms.white.powi(2) / (interval * share);
+            let white = correlated_white(variance, overlap * variance, interval)?;
+            block_average_of_share(&slow, self.block, share)?.plus(&white)
+        })
     }
 
     /// Likelihood of each record's averages under a filter of the full rate.
     fn under(&self, filter: &ShapingFilter) -> Result<Vec<RecordLikelihood>, CompositeError> {
-        let likelihood = |(record, present): (&Vec<f64>, &f64)| {
-            let filter = block_average_of_share(filter, self.block, *present)?;
-            log_likelihood(record, &filter, Level::Estimated)
+        self.each(|share| block_average_of_share(filter, self.block, share))
+    }
+
+    /// Likelihood of each record's averages under the filter of the share of its samples that is there.
+    fn each(
+        &self,
+        filter: impl Fn(f64) -> Result<ShapingFilter, ShapingError>,
+    ) -> Result<Vec<RecordLikelihood>, CompositeError> {
+        let likelihood = |(record, share): (&Vec<f64>, &f64)| {
+            log_likelihood(record, &filter(*share)?, Level::Estimated)
         };
         self.records
             .iter()
@@ -98,9 +151,22 @@ impl<'a> Averages<'a> {
 
     /// The negative restricted log-likelihood, +∞ without one.
     pub(crate) fn cost(&self, terms: &CompositeTerms) -> f64 {
+        self.cost_of(terms, self.overlap)
+    }
+
+    /// [`Self::cost`] at the search coordinates of a set of terms; one more than it has is ten times the overlap.
+    pub(crate) fn cost_at(&self, set: TermSet, z: &[f64]) -> f64 {
+        let overlap = z.get(set.parameters());
+        let overlap = overlap.map_or(self.overlap, |x| x / OVERLAP_COORDINATE);
+        self.cost_of(&set.terms(z), overlap)
+    }
+
+    fn cost_of(&self, terms: &CompositeTerms, overlap: f64) -> f64 {
         let likelihood = || -> Option<f64> {
+            let records = self.of_terms(terms, overlap).ok()?;
+            let sum: f64 = records.iter().map(RecordLikelihood::restricted).sum();
             let filter = terms.to_shaping(self.interval).ok()?;
-            Some(self.restricted(&filter).ok()? + (self.marginal)(&filter))
+            Some(sum + (self.marginal)(&filter))
         };
         likelihood().map_or(f64::INFINITY, |found| -found)
     }

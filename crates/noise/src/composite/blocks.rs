@@ -229,24 +229,54 @@ pub(crate) fn block_average_of_share(
     Ok(average)
 }
 
+/// White noise behind a filter, of a variance of blocks that it has over many of them and a covariance of a block with each neighbour, as an
+/// MA(1): blocks that are longer than the filter's memory know nothing of those beyond.
+///
+/// # Errors
+/// A covariance that no process has: above a quarter of the variance.
+pub(crate) fn correlated_white(
+    variance: f64,
+    covariance: f64,
+    interval: f64,
+) -> Result<ShapingFilter, ShapingError> {
+    // The variance of one block, and θ of the innovations from c = −θ v, variance = (1 − θ)² v.
+    let own = variance - 2.0 * covariance;
+    let root = (own * own - 4.0 * covariance * covariance).sqrt();
+    let theta = -2.0 * covariance / (own + root);
+    let innovations = 0.5 * (own + root);
+    ShapingFilter::arma(&[], &[theta], innovations.sqrt(), interval)
+}
+
 /// Shortest block that the slow terms are fitted to \[s\], and the longest that a memory asks for.
 const BLOCK_S: [f64; 2] = [0.25, 1.0];
-/// A block is so many correlation times of the fast part: it and its neighbours are correlated by half a time over the block's.
-const MEMORIES: f64 = 20.0;
+/// A block is so many correlation times of the fast part: beyond its neighbours it is correlated with none.
+const MEMORIES: f64 = 6.0;
 /// Fewest blocks of a record.
 const FEWEST: usize = 1000;
 /// Samples that the memory is taken from.
 const PROBE: usize = 100_000;
 
-/// Samples to a block in which the fast part of records has no memory left, from [`memory`]: a sensor behind a low-pass filter shows its white
-/// noise only beyond. The same for the whole and any part of it, at least `least`.
-pub(crate) fn block_beyond_memory(records: &[&[f64]], interval: f64, least: usize) -> usize {
+/// The blocks that sums of terms are fitted to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Blocks {
+    /// Samples to a block.
+    pub(crate) samples: usize,
+    /// Whether white noise is behind a filter: neighbouring blocks are correlated.
+    pub(crate) filtered: bool,
+}
+
+/// Blocks over which the fast part of records has no memory but of the neighbour, from [`memory`]: a sensor behind a low-pass filter shows its
+/// white noise only beyond. The same for the whole and any part of it, at least `least` samples.
+pub(crate) fn blocks_beyond_memory(records: &[&[f64]], interval: f64, least: usize) -> Blocks {
     let samples: usize = records.iter().map(|record| record.len()).sum();
     let longest = records.iter().map(|record| memory(record, interval));
-    let memory = longest.fold(0, usize::max) as f64 * interval;
-    let block_s = (MEMORIES * memory).clamp(BLOCK_S[0], BLOCK_S[1]);
+    let memory = longest.fold(0, usize::max);
+    let block_s = (MEMORIES * memory as f64 * interval).clamp(BLOCK_S[0], BLOCK_S[1]);
     let block = (block_s / interval).round() as usize;
-    block.min(samples / FEWEST).max(least).max(1)
+    Blocks {
+        samples: block.min(samples / FEWEST).max(least).max(1),
+        filtered: memory > 0,
+    }
 }
 
 /// Correlation time of the fast part of a record \[samples\]: the first lag at which the autocorrelation about the mean of each
@@ -326,7 +356,7 @@ mod tests {
     }
 
     #[test]
-    fn a_block_is_twenty_memories_of_the_fast_part() {
+    fn a_block_is_six_memories_of_the_fast_part() {
         let drawn = |filter: &ShapingFilter| {
             let mut record = vec![0.0; 60_000];
             crate::synthesis::NoiseGenerator::new(filter, 1).fill(&mut record);
@@ -335,14 +365,31 @@ mod tests {
         let t = 0.01;
         // White noise has none: a quarter of a second, of 25 samples. AR(1) of 30 ms: 1/e at three samples.
         let white = drawn(&ShapingFilter::white(0.1, t).unwrap());
-        assert_eq!(block_beyond_memory(&[&white], t, 1), 25);
-        let ar = drawn(&ShapingFilter::gauss_markov(1.0, 0.03, t).unwrap());
-        let block = block_beyond_memory(&[&ar], t, 1);
-        assert!((40..=60).contains(&block), "{block}");
+        let of = |record: &[f64], t, least| {
+            let found = blocks_beyond_memory(&[record], t, least);
+            (found.samples, found.filtered)
+        };
+        assert_eq!(of(&white, t, 1), (25, false));
+        let ar = drawn(&ShapingFilter::gauss_markov(1.0, 0.1, t).unwrap());
+        let (block, filtered) = of(&ar, t, 1);
+        assert!((36..=60).contains(&block) && filtered, "{block}");
         // A thousand blocks at least, and never below what is asked for.
-        assert_eq!(block_beyond_memory(&[&white[..6000]], t, 1), 6);
-        assert_eq!(block_beyond_memory(&[&white], t, 80), 80);
-        assert_eq!(block_beyond_memory(&[&white], 1.0, 1), 1);
+        assert_eq!(of(&white[..6000], t, 1), (6, false));
+        assert_eq!(of(&white, t, 80), (80, false));
+        assert_eq!(of(&white, 1.0, 1), (1, false));
+    }
+
+    #[test]
+    fn white_noise_behind_a_filter_has_its_variance_over_many_blocks() {
+        for covariance in [0.2, 0.02, -0.3] {
+            let filter = correlated_white(1.0, covariance, 0.5).unwrap();
+            let mut found = [0.0; 3];
+            filter.autocovariance(&mut found);
+            let exact = [1.0 - 2.0 * covariance, covariance, 0.0];
+            let close = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-12;
+            assert!(found.iter().zip(&exact).all(close), "{found:?}");
+        }
+        assert!(correlated_white(1.0, 0.26, 0.5).is_err());
     }
 
     #[test]

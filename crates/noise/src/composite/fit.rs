@@ -1,14 +1,12 @@
 //! Composite terms by maximum likelihood.
 
-use super::averages::{Averages, Marginal, NO_MARGINAL};
+use super::averages::{Averages, Marginal, NO_MARGINAL, OVERLAP_COORDINATE, curve};
 use super::search::covariance;
 use crate::quasi_newton::{Objective, Point, best_of};
 use crate::terms::{
     CompositeError, CompositeTerms, GaussMarkov, MAX_GAUSS_MARKOV, SCALES, TermSet, sort_processes,
 };
-use crate::wavelet::{
-    MomentFit, WaveletVariance, fit_moments, model_variance, pooled, wavelet_variance,
-};
+use crate::wavelet::{MomentFit, WaveletVariance, fit_moments, model_variance};
 use serde::{Deserialize, Serialize};
 use undrift_nav::shaping::{ShapingError, ShapingFilter};
 
@@ -29,6 +27,8 @@ const TERMS: [Term; 4 + MAX_GAUSS_MARKOV] = [
 /// Share by which the record's wavelet variance at one sample may differ from the model's.
 const SHORT_MEMORY: f64 = 0.05;
 
+/// Coordinate of the overlap that searches start at: the covariance of blocks of a dozen correlation times.
+const OVERLAP_START: f64 = 0.04 * OVERLAP_COORDINATE;
 /// Standard errors within which the white density of the full rate is that of the blocks.
 const SAME_WHITE: f64 = 3.0;
 /// Standard errors within which the variance of a scale is that of the terms.
@@ -44,6 +44,9 @@ pub struct FitOptions {
     /// Number of samples to a block, where it is to be that of another fit: of the whole record for a part of it, so that both see the
     /// same scales.
     pub block: Option<usize>,
+    /// Whether white noise is behind a low-pass filter whose memory is shorter than a block: how much neighbouring blocks are correlated is then
+    /// estimated beside the terms, and N is that of the noise over many blocks. Not with quantisation, of which it is the opposite.
+    pub filtered: bool,
     /// Terms near which the optimum lies: the search starts there alone, which is quicker. `None`: from wavelet moments.
     pub start: Option<CompositeTerms>,
 }
@@ -54,6 +57,7 @@ impl Default for FitOptions {
         Self {
             max_points: 50_000,
             block: None,
+            filtered: false,
             start: None,
         }
     }
@@ -121,6 +125,9 @@ pub struct CompositeFit {
     /// Number of points present.
     #[serde(skip)]
     pub points: usize,
+    /// Covariance of neighbouring blocks of white noise over its variance over many blocks, where [`FitOptions::filtered`] estimated it; else 0.
+    #[serde(skip)]
+    pub overlap: f64,
     /// Constant offset of the record \[unit\].
     #[serde(skip)]
     pub level: f64,
@@ -207,57 +214,59 @@ pub fn fit_several(
     set: TermSet,
     options: &FitOptions,
 ) -> Result<CompositeFit, CompositeError> {
-    fit_marginal(records, interval, set, options, NO_MARGINAL)
+    let curve = curve(records, interval)?;
+    fit_marginal(records, &curve, set, options, NO_MARGINAL)
 }
 
-/// Does [`fit_several`] with something else integrated out of the records.
+/// Does [`fit_several`] with something else integrated out of the records, whose [`curve`] this is.
 pub(crate) fn fit_marginal(
     records: &[&[f64]],
-    interval: f64,
+    curve: &WaveletVariance,
     set: TermSet,
     options: &FitOptions,
     marginal: Marginal,
 ) -> Result<CompositeFit, CompositeError> {
     set.check()?;
-    let curves = records
-        .iter()
-        .map(|record| wavelet_variance(record, interval));
-    let curves: Vec<WaveletVariance> = curves.collect::<Result<_, _>>()?;
-    let curve = pooled(&curves).ok_or(CompositeError::TooShort {
-        present: 0,
-        needed: 3,
-    })?;
+    let interval = curve.interval;
     let samples: usize = records.iter().map(|record| record.len()).sum();
     let block = match options.block {
         Some(block) => block.max(1),
         None => samples.div_ceil(options.max_points.max(100)),
     };
-    let full = fit_moments(&curve, set, false);
-    let moments = match fit_moments(&coarser(&curve, block), set, false) {
+    let full = fit_moments(curve, set, false);
+    let moments = match fit_moments(&coarser(curve, block), set, false) {
         Ok(found) => found,
         Err(_) => full?,
     };
-    let averages = Averages::new(records, block, interval)?.marginal(marginal);
+    let mut averages = Averages::new(records, block, interval)?.marginal(marginal);
+    let filtered = options.filtered && set.white && !set.quantisation;
     let longest = records.iter().map(|record| record.len()).max();
     let length_s = longest.unwrap_or(0) as f64 * interval;
-    let starts = match &options.start {
+    let mut starts = match &options.start {
         Some(terms) => vec![set.coordinates(terms)],
         None => starts(set, &moments, full.ok(), length_s),
     };
+    if filtered {
+        starts.iter_mut().for_each(|z| z.push(OVERLAP_START));
+    }
     let best = search(&averages, set, starts, length_s)?;
 
     let mut flags = Vec::new();
     if !best.converged {
         flags.push(Flag::NotConverged);
     }
+    let overlap = best.z.get(set.parameters()).copied();
+    averages.overlap = overlap.map_or(0.0, |x| x / OVERLAP_COORDINATE);
     let mut terms = set.terms(&best.z);
     sort_processes(&mut terms, None);
     let found = averages.likelihoods(&terms)?;
     let log_likelihood = -averages.cost(&terms);
     terms = without_useless(terms, log_likelihood, &averages, &mut flags);
     let left = terms.set();
-    let top = Point::new(left.coordinates(&terms), -log_likelihood);
-    let costs = |z: &[Vec<f64>]| z.iter().map(|z| averages.cost(&left.terms(z))).collect();
+    let mut z = left.coordinates(&terms);
+    z.extend(overlap);
+    let top = Point::new(z, -log_likelihood);
+    let costs = |z: &[Vec<f64>]| z.iter().map(|z| averages.cost_at(left, z)).collect();
     let relative_errors = covariance(&mut Objective::new(&costs, SCALES), &top)
         .map(|covariance| left.relative_errors(&covariance));
     if relative_errors.is_none() {
@@ -271,8 +280,8 @@ pub(crate) fn fit_marginal(
     if left.quantisation && left.white && block > 1 {
         (terms.white, terms.quantisation) = fast_terms(records, interval, &terms, options);
     }
-    let ratio = full_rate_ratio(&curve, &terms);
-    let white_full_rate = full_rate_white(&curve, &terms);
+    let ratio = full_rate_ratio(curve, &terms);
+    let white_full_rate = full_rate_white(curve, &terms);
     let error = relative_errors.map_or(0.0, |e| e.white);
     let blocks_know = left.white && !set.quantisation && block > 1 && error < KNOWN;
     // The white density of blocks is not known to less.
@@ -289,11 +298,11 @@ pub(crate) fn fit_marginal(
             ..terms
         };
         // A filter near half the rate takes little of it, but more than the blocks' white density is uncertain by.
-        if is_white_within(&curve, block, &of_full_rate) {
+        if is_white_within(curve, block, &of_full_rate) {
             terms = of_full_rate;
         }
     }
-    let parameters = set.parameters() + records.len();
+    let parameters = set.parameters() + usize::from(filtered) + records.len();
     let points: usize = found.iter().map(|l| l.observations).sum();
     let (k, n) = (parameters as f64, points as f64);
     Ok(CompositeFit {
@@ -306,6 +315,7 @@ pub(crate) fn fit_marginal(
         parameters,
         block,
         points,
+        overlap: averages.overlap,
         level: found[0].level,
         moments,
         flags,
@@ -332,13 +342,13 @@ fn search(
     starts: Vec<Vec<f64>>,
     length_s: f64,
 ) -> Result<Point, CompositeError> {
-    let first_tau = set.amplitudes();
+    let taus = set.amplitudes()..set.parameters();
     let tau_range = (0.05 * averages.interval).ln()..(1e3 * length_s).ln();
     let centre = starts[0].clone();
     let cost = |z: &Vec<f64>| {
         let near = z.iter().zip(&centre).all(|(a, b)| (a - b).abs() < 25.0);
-        if near && z[first_tau..].iter().all(|t| tau_range.contains(t)) {
-            averages.cost(&set.terms(z))
+        if near && z[taus.clone()].iter().all(|t| tau_range.contains(t)) {
+            averages.cost_at(set, z)
         } else {
             f64::INFINITY
         }

@@ -6,7 +6,7 @@
 //! interval holds the values that the record does not contradict (Pawitan 2001, section 3.4); with the level integrated
 //! out, its probability holds up to a unit root (Chen & Deo 2009).
 
-use super::averages::{Averages, Marginal, NO_MARGINAL};
+use super::averages::{Averages, Marginal, NO_MARGINAL, OVERLAP_COORDINATE};
 use super::fit::CompositeFit;
 use super::{CompositeError, TermSet};
 use crate::quasi_newton::{Objective, Point, bfgs};
@@ -137,7 +137,9 @@ pub(crate) fn intervals_marginal(
         samples.div_ceil(POINTS).min(most)
     };
     let block = block.max(fit.block);
-    let averages = Averages::new(records, block, interval)?.marginal(marginal);
+    let mut averages = Averages::new(records, block, interval)?.marginal(marginal);
+    // The covariance of two blocks is the same however long they are.
+    averages.overlap = fit.overlap * fit.block as f64 / block as f64;
     let longest = records.iter().map(|record| record.len()).max();
     let longest_s = longest.unwrap_or(0) as f64 * interval;
     let half = 0.5 * Normal::standard().inverse_cdf(0.5 + 0.5 * level).powi(2);
@@ -254,20 +256,24 @@ impl Profile<'_> {
         for i in 0..self.set.gauss_markov {
             w[tau - self.set.gauss_markov + i] = fit.terms.gauss_markov[i].sigma.ln();
         }
+        if self.averages.overlap != 0.0 {
+            w.push(self.averages.overlap * OVERLAP_COORDINATE);
+        }
         w
     }
 
     /// Negative log-likelihood at coordinates with σ in place of the drive; infinite outside the range of τ.
     fn cost(&self, w: &[f64]) -> f64 {
         let (tau, count) = (self.set.amplitudes(), self.set.gauss_markov);
-        if w[tau..].iter().any(|t| !self.tau_range.contains(t)) {
+        let taus = &w[tau..tau + count];
+        if taus.iter().any(|t| !self.tau_range.contains(t)) {
             return f64::INFINITY;
         }
         let mut z = w.to_vec();
         for i in 0..count {
             z[tau - count + i] += 0.5 * (2f64.ln() - w[tau + i]);
         }
-        self.averages.cost(&self.set.terms(&z))
+        self.averages.cost_at(self.set, &z)
     }
 
     /// The end of one parameter's interval on one side, where the profile has fallen by `half`; none where

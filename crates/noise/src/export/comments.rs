@@ -7,6 +7,7 @@
 //! Numbers have three digits and units; names of axes are those of the model file.
 
 use super::equivalent::Remark;
+use super::nearest::TIMES_S;
 use crate::bias_model::{HORIZON, SLOW};
 use undrift_base::number::rounded;
 
@@ -25,6 +26,12 @@ pub(super) fn comment((name, remark): &(&str, Remark)) -> String {
             rounded(*outage_s, 3),
             times(factors[0]),
             times(factors[1])
+        ),
+        Remark::Nearest { factor } => format!(
+            "its bias is not what the program draws. Simulated noise has an Allan deviation within a factor of {} of the model's from {} to {} s.",
+            rounded(*factor, 3),
+            TIMES_S[0],
+            TIMES_S[1]
         ),
         Remark::JoinedBias => format!(
             "its Gauss-Markov processes but the slowest count as a random walk, which has their variance after {HORIZON} s."

@@ -5,6 +5,7 @@
 //! | processes and random walk | as they are; a process faster than a second is white noise of `N² = 2σ²τ` |
 //! | an ARMA(1,1) alone | its exact sum of white noise and one process ([`Arma::split`]) |
 //! | a longer ARMA alone | its slow poles; white noise is the density at low frequencies of all others |
+//! | several processes | for a simulator the one whose Allan deviation is nearest ([`nearest`]) |
 //! | no bias at all | for programs that divide by it, the largest walk that the record could hide |
 //!
 //! What a format cannot take becomes a [`Remark`], a comment in the file.
@@ -17,6 +18,7 @@
 //! y, z of the sensor.
 
 use super::ModelFormat;
+use super::nearest::{factor, nearest};
 use super::outage::WalkFilter;
 use super::poles;
 use crate::bias_model::{SLOW, Slow, UNIT_ROOT_TAU};
@@ -60,6 +62,11 @@ pub(super) enum Remark {
         /// Standard deviation that the filter states over the error that it has, at the end and ten times later.
         factors: [f64; 2],
     },
+    /// Its bias is simulated by a process, beside a walk where the program has one, whose Allan deviation is within this factor.
+    Nearest {
+        /// Over or under the model's, at worst.
+        factor: f64,
+    },
     /// Its Gauss-Markov processes but the slowest count as a random walk.
     JoinedBias,
     /// Its quantisation is omitted.
@@ -93,16 +100,6 @@ pub(super) struct EquivalentAxis {
     pub slow: Slow,
     /// Random walk [unit/√s] that is best for a filter which knows no other bias; 0 for formats that know others.
     pub walk: f64,
-}
-
-impl EquivalentAxis {
-    /// The one Gauss-Markov process that its bias is.
-    pub fn alone(&self) -> Option<&GaussMarkov> {
-        match self.slow.processes[..] {
-            [ref one] if self.slow.walk.unwrap_or(0.0) == 0.0 => Some(one),
-            _ => None,
-        }
-    }
 }
 
 impl Equivalent {
@@ -151,12 +148,19 @@ impl Equivalent {
                 remarks.push((group, Remark::Undetected { length }));
             }
         }
+        if is_simulator(format) {
+            for (names, axes) in [&AXES[..3], &AXES[3..]]
+                .into_iter()
+                .zip([&mut gyro, &mut accel])
+            {
+                let found = simulate(axes, format);
+                let named = names.iter().zip(found);
+                remarks.extend(named.filter_map(|(name, of)| Some((*name, of?))));
+            }
+        }
         if has_only_a_walk(format) {
             let named = AXES.into_iter().zip(gyro.iter_mut().chain(&mut accel));
             for (name, axis) in named {
-                if format == ModelFormat::Gazebo && axis.alone().is_some() {
-                    continue;
-                }
                 let filter = WalkFilter::new(axis.white, &axis.slow);
                 axis.walk = filter.best(outage_s);
                 if axis.slow.processes.is_empty() {
@@ -180,10 +184,51 @@ impl Equivalent {
     }
 }
 
-/// Whether a format's bias is a random walk and nothing else; of Gazebo's where it is not one Gauss-Markov process.
+/// Whether a program draws noise, from one Gauss-Markov process for each axis: MATLAB's has a walk beside it, and one correlation time for
+/// the axes of a sensor.
+fn is_simulator(format: ModelFormat) -> bool {
+    matches!(format, ModelFormat::Gazebo | ModelFormat::Matlab)
+}
+
+/// Puts what a simulator can draw in place of the biases of a sensor's axes that are more; a walk alone is one in both.
+fn simulate(axes: &mut [EquivalentAxis; 3], format: ModelFormat) -> [Option<Remark>; 3] {
+    let has_walk = format == ModelFormat::Matlab;
+    let find = |axis: &EquivalentAxis, tau_s| nearest(axis.white, &axis.slow, has_walk, tau_s);
+    let fits = |slow: &Slow| match slow.processes.len() {
+        0 => true,
+        1 => has_walk || slow.walk.unwrap_or(0.0) == 0.0,
+        _ => false,
+    };
+    let mut found = axes.each_ref().map(|axis| match fits(&axis.slow) {
+        true => axis.slow.clone(),
+        false => find(axis, None).unwrap_or_else(|| axis.slow.clone()),
+    });
+    if has_walk {
+        let taus = found.iter().filter_map(Slow::slowest).map(|of| of.tau_s);
+        let taus = Vec::from_iter(taus);
+        if taus.iter().any(|tau_s| *tau_s != taus[0]) {
+            let logarithms = taus.iter().map(|tau_s| tau_s.ln()).sum::<f64>();
+            let shared = (logarithms / taus.len() as f64).exp();
+            for (axis, slow) in axes.iter().zip(&mut found) {
+                if !slow.processes.is_empty() {
+                    *slow = find(axis, Some(shared)).unwrap_or_default();
+                }
+            }
+        }
+    }
+    let mut at = found.into_iter();
+    axes.each_mut().map(|axis| {
+        let slow = at.next().filter(|slow| *slow != axis.slow)?;
+        let factor = factor(axis.white, &slow, &axis.slow);
+        axis.slow = slow;
+        Some(Remark::Nearest { factor })
+    })
+}
+
+/// Whether a format's bias is a random walk and nothing else.
 fn has_only_a_walk(format: ModelFormat) -> bool {
-    use ModelFormat::{ArduPilot, Gazebo, Px4};
-    matches!(format, Px4 | ArduPilot | Gazebo) || must_walk(format)
+    use ModelFormat::{ArduPilot, Px4};
+    matches!(format, Px4 | ArduPilot) || must_walk(format)
 }
 
 /// Whether a program divides by the variance of a bias's step, so that its random walk must not be 0.
@@ -243,7 +288,7 @@ fn equivalent(
         let times = fast.iter().map(|of| of.tau_s);
         found.push(Remark::FastBias(times.collect()));
     }
-    if slow.processes.len() > 1 && !has_only_a_walk(format) {
+    if slow.processes.len() > 1 && !has_only_a_walk(format) && !is_simulator(format) {
         found.push(Remark::JoinedBias);
     }
     if axis.quantisation.is_some() {

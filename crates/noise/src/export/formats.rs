@@ -18,7 +18,7 @@
 //! | Gazebo | N/√T | a Gauss-Markov process of σ √(2/τ) and τ, from the turn-on |
 //! | ROS `sensor_msgs/Imu` | variance N²/T | – |
 //! | KF-GINS | N in deg/√h, m/s/√h | Gauss-Markov of one τ, driven by 2σ²/τ |
-//! | MATLAB `imuSensor` | N | K, and a Gauss-Markov process |
+//! | MATLAB `imuSensor` | N | K, and a Gauss-Markov process of one τ |
 //!
 //! Programs with one number for a sensor get the root mean square of its three axes, which
 //! preserves the mean variance. The functions are pure: [`Equivalent`] in, text out; they do no
@@ -360,8 +360,7 @@ pub(super) fn gtsam(imu: &Equivalent) -> String {
 /// Gazebo, `GaussianNoiseModel::ApplyImpl` of gz-sensors' `src/GaussianNoiseModel.cc`: white noise of `stddev` a sample, and a bias that
 /// starts at `bias_stddev` and is a Gauss-Markov process driven by `dynamic_bias_stddev` [unit/√s]: σ √(2/τ).
 ///
-/// The `imu` element of a sensor in SDF. An axis whose bias is not one process has the random walk for an outage, with a
-/// correlation time of an hour.
+/// The `imu` element of a sensor in SDF. A random walk has a correlation time of an hour.
 pub(super) fn gazebo(imu: &Equivalent, rate_hz: f64) -> String {
     let mut out = Text::about(imu, "");
     let rate = number(rate_hz);
@@ -375,8 +374,8 @@ pub(super) fn gazebo(imu: &Equivalent, rate_hz: f64) -> String {
     ] {
         body += &format!("  <{quantity}>\n");
         for (name, axis) in ["x", "y", "z"].into_iter().zip(axes) {
-            let alone = axis.alone();
-            let (drive, tau) = alone.map_or((axis.walk, HOUR), |of| (of.drive(), of.tau_s));
+            let process = axis.slow.slowest().map(|of| (of.drive(), of.tau_s));
+            let (drive, tau) = process.unwrap_or((axis.slow.drive(), HOUR));
             body += &format!("    <{name}>\n      <noise type=\"gaussian\">\n");
             for (key, value) in [
                 ("mean", 0.0),
@@ -405,8 +404,7 @@ pub(super) fn gazebo(imu: &Equivalent, rate_hz: f64) -> String {
 /// is white noise through a filter of one's own: of φ = exp(−1/(rate τ)), √(1 − φ²)/(1 − φ z⁻¹), the
 /// Gauss-Markov process itself.
 ///
-/// With several Gauss-Markov processes the slowest becomes `BiasInstability`; the others are joined
-/// with the random walk ([`crate::bias_model`]).
+/// The axes of a sensor have one filter, so one correlation time ([`super::equivalent`]).
 pub(super) fn matlab(imu: &Equivalent, rate_hz: f64) -> String {
     let mut out = Text::about(imu, "%");
     for (name, constructor, axes) in [
@@ -415,20 +413,18 @@ pub(super) fn matlab(imu: &Equivalent, rate_hz: f64) -> String {
     ] {
         let list = |of: &dyn Fn(&EquivalentAxis) -> f64| row(axes.iter().map(of));
         let white = list(&|axis| axis.white);
-        let walk = list(&|axis| axis.slow.beside_slowest());
+        let walk = list(&|axis| axis.slow.walk.unwrap_or(0.0));
         out.body += &format!("{name} = {constructor}('NoiseType', 'single-sided', ...\n");
         out.body += &format!("    'NoiseDensity', {white}, ...\n    'RandomWalk', {walk}");
-        let taus = axes.iter().filter_map(|axis| axis.slow.slowest());
-        let taus: Vec<f64> = taus.map(|of| of.tau_s.ln()).collect();
-        if !taus.is_empty() {
-            let tau = (taus.iter().sum::<f64>() / taus.len() as f64).exp();
+        if let Some(process) = axes.iter().find_map(|axis| axis.slow.slowest()) {
+            let tau = process.tau_s;
             let sigma = list(&|axis| axis.slow.slowest().map_or(0.0, |of| of.sigma));
             // 1 − φ² by exp_m1: φ is 1 to ten digits for a slow process.
             let step = -1.0 / (rate_hz * tau);
             let (phi, gain) = (step.exp(), (-(2.0 * step).exp_m1()).sqrt());
             let time = number(tau);
             out.comment(&format!(
-                "BiasInstability of {name} is a Gauss-Markov process of correlation time {time} s, the geometric mean of its axes, with the standard deviation of each kept; its filter is that of the sample rate."
+                "BiasInstability of {name} is a Gauss-Markov process of correlation time {time} s; its filter is that of the sample rate."
             ));
             out.body += &format!(", ...\n    'BiasInstability', {sigma}, ...\n");
             out.body += &format!(

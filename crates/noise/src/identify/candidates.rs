@@ -23,7 +23,7 @@ use crate::{
     allan::{Curve, Terms},
     arma::{self, ArmaFit, Selection},
     compared::Method,
-    composite::{self, Averages, ParameterInterval, TermSet},
+    composite::{self, Averages, Blocks, ParameterInterval, TermSet},
     drift_score::{self, HorizonScore},
     model_file::AxisModel,
     pandit_wu::{self, PanditWu, PanditWuOptions},
@@ -104,13 +104,13 @@ impl Task<'_> {
         &first[..first.len().min(SEARCH_SAMPLES)]
     }
 
-    /// Samples to a block of the likelihood of a sum of terms.
+    /// The blocks of the likelihood of a sum of terms.
     ///
     /// The same for all candidates and folds: likelihoods of different blocks are not comparable.
-    fn block(&self) -> usize {
+    fn blocks(&self) -> Blocks {
         let samples: usize = self.records.iter().map(|record| record.len()).sum();
         let least = samples.div_ceil(composite::FitOptions::default().max_points);
-        composite::block_beyond_memory(&self.records, 1.0 / self.rate_hz, least)
+        composite::blocks_beyond_memory(&self.records, 1.0 / self.rate_hz, least)
     }
 
     /// The candidate of a fit of the whole, scored on the halves; `None` where it makes no filter or cannot
@@ -124,9 +124,10 @@ impl Task<'_> {
         for fold in folds {
             let found = recipe.fit(&fold.fitted, Some(&whole), &[])?;
             let filter = found.shaping(self.turn_on, self.rate_hz)?;
-            for (record, first) in &fold.scored {
-                let horizons = horizons(record.len(), self.rate_hz).ok()?;
-                scores.push(drift_score::score(record, *first, &filter, &horizons).ok()?);
+            for parts in &fold.scored {
+                let parts = parts.as_ref()?;
+                let horizons = horizons(parts.record.len(), self.rate_hz).ok()?;
+                scores.push(parts.score(&filter, &horizons).ok()?);
             }
         }
         let remarks = match &whole.origin {
@@ -170,7 +171,7 @@ impl Task<'_> {
     /// second.
     fn aic(&self, fitted: &Fitted, recipe: Recipe) -> f64 {
         let shortest = (COMPARED_S * self.rate_hz).round() as usize;
-        let shortest = self.block().max(shortest);
+        let shortest = self.blocks().samples.max(shortest);
         let samples: usize = self.records.iter().map(|record| record.len()).sum();
         let most = samples / FEWEST_COMPARED;
         let block = samples.div_ceil(COMPARED).max(shortest.min(most)).max(1);
@@ -221,10 +222,11 @@ pub(super) fn candidates(task: &Task) -> Tried {
     let whole = TrainingSet {
         end_to_end: task.records.iter().flat_map(|r| bridge(r, 0.0)).collect(),
         records: task.records.clone(),
+        wavelet: composite::curve(&task.records, 1.0 / task.rate_hz).ok(),
         rate_hz: task.rate_hz,
         curve: task.curve.clone(),
         allan: task.allan,
-        block: task.block(),
+        blocks: task.blocks(),
         marginal: &marginal,
     };
     let scales = scales::identify(task.records[0], 1.0 / task.rate_hz, blocks, SCALE_EFFORT).ok();
@@ -248,7 +250,7 @@ pub(super) fn candidates(task: &Task) -> Tried {
     };
     let backward = |record: &&[f64]| record.iter().rev().copied().collect();
     let reversed: Vec<Vec<f64>> = task.records.iter().map(backward).collect();
-    let folds = Fold::all(&task.records, &reversed, task.rate_hz, whole.block);
+    let folds = Fold::all(&task.records, &reversed, task.rate_hz, whole.blocks);
     let recipes = recipes(task, pandit_wu.as_ref());
     let candidate = |k: usize| task.candidate(recipes[k], fit(recipes[k])?, &folds);
     let candidates = parallel::map(recipes.len(), candidate);

@@ -290,6 +290,7 @@ fn blocks_and_the_full_rate_agree() {
     let record = draw(&truth, 100_000, 21);
     let fit_with = |max_points| {
         let options = FitOptions {
+            filtered: false,
             max_points,
             start: None,
             block: None,
@@ -364,6 +365,7 @@ fn a_term_too_many_is_said_not_to_be_needed() {
     let mut record = vec![0.0; 200_000];
     NoiseGenerator::new(&arma.plus(&slow).unwrap(), 6).fill(&mut record);
     let options = FitOptions {
+        filtered: false,
         max_points: 10_000,
         start: None,
         block: None,
@@ -621,4 +623,43 @@ fn the_interval_of_white_noise_goes_by_its_kurtosis_and_the_samples_present() {
             }
         }
     }
+}
+
+/// White noise through a first-order filter of 50 ms with a walk, in blocks of six times that: their variance is 1 − τ/T of N²/T and next to
+/// each other they are correlated by τ/2T, so that without it N is 9 % low.
+#[test]
+fn white_noise_behind_a_filter_is_its_density_at_frequency_zero() {
+    let (sigma, tau_s, block) = (1.0, 0.05, 30);
+    let fast = GaussMarkov { sigma, tau_s };
+    let truth = CompositeTerms {
+        random_walk: 0.01,
+        gauss_markov: [fast, GaussMarkov::default()],
+        ..CompositeTerms::default()
+    };
+    let phi = (-T / tau_s).exp();
+    let density = sigma * (T * (1.0 + phi) / (1.0 - phi)).sqrt();
+    let set = TermSet {
+        white: true,
+        random_walk: true,
+        ..TermSet::default()
+    };
+    let options = FitOptions {
+        block: Some(block),
+        filtered: true,
+        ..FitOptions::default()
+    };
+    let (mut sum, mut overlap, mut held) = (0.0, 0.0, 0);
+    for seed in 1..=12 {
+        let record = draw(&truth, 60_000, seed);
+        let found = composite::fit(&record, T, set, &options).unwrap();
+        sum += found.terms.white / density / 12.0;
+        overlap += found.overlap / 12.0;
+        let intervals = composite::intervals(&record, T, &found, 0.95).unwrap();
+        held += i32::from((intervals[0].low..intervals[0].high).contains(&density));
+    }
+    // N is known to 3 % each, the overlap to 0.02.
+    assert!((sum - 1.0).abs() < 0.025, "{sum}");
+    let exact = 0.5 * tau_s / (block as f64 * T);
+    assert!((overlap - exact).abs() < 0.02, "{overlap} {exact}");
+    assert!(held >= 10, "{held}");
 }

@@ -2,6 +2,7 @@
 //! reads the same texts with PyYAML.
 
 mod formats;
+mod simulated;
 mod terms;
 
 use std::path::PathBuf;

@@ -1,4 +1,5 @@
 use super::*;
+use crate::wavelet::wavelet_variance;
 
 #[test]
 fn variants_move_each_correlation_time_and_nothing_else() {
@@ -144,6 +145,7 @@ fn white_noise_has_the_likelihood_criteria_and_error_of_its_variance() {
     // Blocks of so many samples that the points are enough, or of as many as asked for.
     let of = |max_points, block| {
         let options = FitOptions {
+            filtered: false,
             max_points,
             block,
             start: None,

@@ -16,8 +16,10 @@ use super::LEFT_OUT_SINGLY;
 use crate::{
     allan::{self, Curve, DeviationKind, Grid, Terms},
     compared::{Method, Unfit},
-    composite::{CompositeTerms, Marginal, NO_MARGINAL},
+    composite::{self, Blocks, CompositeTerms, Marginal, NO_MARGINAL},
+    drift_score::Parts,
     screening::bridge::{bridge, inflation},
+    wavelet::WaveletVariance,
 };
 
 /// Records, or half of one.
@@ -31,22 +33,24 @@ pub(super) struct TrainingSet<'a> {
     pub(super) curve: Curve,
     /// Its terms, the white noise corrected for bridged samples.
     pub(super) allan: Terms,
-    /// Samples to a block of the likelihood of a sum of terms: that of the whole, of a part too.
-    pub(super) block: usize,
+    /// Wavelet variance that sums of terms start from, pooled over the records; none that can be fitted without one.
+    pub(super) wavelet: Option<WaveletVariance>,
+    /// The blocks of the likelihood of a sum of terms: those of the whole, of a part too.
+    pub(super) blocks: Blocks,
     /// What is integrated out beside the levels: of the whole the effect of temperature, of parts
     /// nothing.
     pub(super) marginal: Marginal<'a>,
 }
 
-/// What is fitted, and the records to score, each with the number of samples that come before the scored ones.
+/// What is fitted, and the records to score, the samples that come before the scored ones first; one that cannot be scored is `None`.
 pub(super) struct Fold<'a> {
     pub(super) fitted: TrainingSet<'a>,
-    pub(super) scored: Vec<(&'a [f64], usize)>,
+    pub(super) scored: Vec<Option<Parts<'a>>>,
 }
 
 impl<'a> TrainingSet<'a> {
     /// The Allan deviation of the records and its terms; `None` where they cannot be fitted.
-    pub(super) fn new(records: Vec<&'a [f64]>, rate_hz: f64, block: usize) -> Option<Self> {
+    pub(super) fn new(records: Vec<&'a [f64]>, rate_hz: f64, blocks: Blocks) -> Option<Self> {
         let bridged: Vec<Vec<f64>> = records.iter().map(|record| bridge(record, 0.0)).collect();
         let curve = |record: &Vec<f64>| {
             allan::deviations(record, rate_hz, DeviationKind::Overlapping, Grid::Octave).ok()
@@ -55,12 +59,13 @@ impl<'a> TrainingSet<'a> {
         let curve = allan::pooled(&curves?)?;
         let inflation = inflation(&records);
         Some(Self {
+            wavelet: composite::curve(&records, 1.0 / rate_hz).ok(),
             records,
             end_to_end: bridged.concat(),
             rate_hz,
             allan: allan::fit_terms(&curve).ok()?.with_less_white(inflation),
             curve,
-            block,
+            blocks,
             marginal: NO_MARGINAL,
         })
     }
@@ -75,10 +80,10 @@ impl<'a> TrainingSet<'a> {
 
 impl<'a> Fold<'a> {
     /// Half of a record before the sample `first`, to be fitted, with the rest to be scored.
-    fn from_half(record: &'a [f64], first: usize, rate_hz: f64, block: usize) -> Option<Self> {
+    fn from_half(record: &'a [f64], first: usize, rate_hz: f64, blocks: Blocks) -> Option<Self> {
         Some(Self {
-            fitted: TrainingSet::new(vec![&record[..first]], rate_hz, block)?,
-            scored: vec![(record, first)],
+            fitted: TrainingSet::new(vec![&record[..first]], rate_hz, blocks)?,
+            scored: vec![Parts::new(record, first).ok()],
         })
     }
 
@@ -90,13 +95,13 @@ impl<'a> Fold<'a> {
         records: &[&'a [f64]],
         reversed: &'a [Vec<f64>],
         rate_hz: f64,
-        block: usize,
+        blocks: Blocks,
     ) -> Vec<Self> {
         let middle = |record: &[f64]| record.len() / 2;
         if let ([record], [backward]) = (records, reversed) {
             let halves = [
-                Self::from_half(record, middle(record), rate_hz, block),
-                Self::from_half(backward, record.len() - middle(record), rate_hz, block),
+                Self::from_half(record, middle(record), rate_hz, blocks),
+                Self::from_half(backward, record.len() - middle(record), rate_hz, blocks),
             ];
             return halves.into_iter().flatten().collect();
         }
@@ -108,13 +113,13 @@ impl<'a> Fold<'a> {
             let (mut fitted, mut scored) = (Vec::new(), Vec::new());
             for (k, (record, backward)) in records.iter().zip(reversed).enumerate() {
                 if k % groups == group {
-                    scored.push((*record, middle(record)));
-                    scored.push((backward.as_slice(), record.len() - middle(record)));
+                    scored.push(Parts::new(record, middle(record)).ok());
+                    scored.push(Parts::new(backward, record.len() - middle(record)).ok());
                 } else {
                     fitted.push(*record);
                 }
             }
-            let fitted = TrainingSet::new(fitted, rate_hz, block)?;
+            let fitted = TrainingSet::new(fitted, rate_hz, blocks)?;
             Some(Self { fitted, scored })
         };
         (0..groups).filter_map(fold).collect()

@@ -246,11 +246,12 @@ pub(super) fn terms(
     });
     let options = composite::FitOptions {
         start,
-        block: Some(part.block),
+        block: Some(part.blocks.samples),
+        filtered: part.blocks.filtered,
         ..composite::FitOptions::default()
     };
-    let (interval, marginal) = (1.0 / part.rate_hz, part.marginal);
-    let fit = composite::fit_marginal(&part.records, interval, set, &options, marginal).ok()?;
+    let curve = part.wavelet.as_ref()?;
+    let fit = composite::fit_marginal(&part.records, curve, set, &options, part.marginal).ok()?;
     let is_smaller = fit.flags.iter().any(|f| matches!(f, Flag::Vanished(_)));
     (whole.is_some() || !is_smaller).then_some(fit)
 }

@@ -17,10 +17,16 @@ fn record() -> Vec<f64> {
     record
 }
 
+/// Each sample by itself.
+const SINGLE: Blocks = Blocks {
+    samples: 1,
+    filtered: false,
+};
+
 #[test]
 fn the_model_of_the_allan_deviation_has_its_white_noise_and_its_walk() {
     let record = record();
-    let mut part = TrainingSet::new(vec![&record], RATE, 1).unwrap();
+    let mut part = TrainingSet::new(vec![&record], RATE, SINGLE).unwrap();
     let walk = part.allan.random_walk.value;
     assert!((walk / 0.002 - 1.0).abs() < 0.3, "{walk}");
     let whole = Recipe::AllanWalk.fit(&part, None, &[]).unwrap();
@@ -112,7 +118,7 @@ fn task<'a>(record: &'a [f64], part: &'a TrainingSet<'a>) -> Task<'a> {
 #[test]
 fn what_is_tried_is_every_sum_of_terms_and_quantisation_where_it_is_coarse() {
     let record = record();
-    let part = TrainingSet::new(vec![&record], RATE, 1).unwrap();
+    let part = TrainingSet::new(vec![&record], RATE, SINGLE).unwrap();
     let mut task = task(&record, &part);
     let names = |task: &Task| -> Vec<String> {
         let names = recipes(task, None).into_iter().map(Recipe::name);
@@ -148,7 +154,7 @@ fn what_is_tried_is_every_sum_of_terms_and_quantisation_where_it_is_coarse() {
     // White noise has an autoregression of order 0, of which 1 is tried.
     let mut white = vec![0.0; 4000];
     NoiseGenerator::new(&ShapingFilter::white(1.0, 0.1).unwrap(), 3).fill(&mut white);
-    let part = TrainingSet::new(vec![&white], RATE, 1).unwrap();
+    let part = TrainingSet::new(vec![&white], RATE, SINGLE).unwrap();
     let burg: Vec<Recipe> = recipes(&super::tests::task(&white, &part), None);
     let burg: Vec<String> = burg.into_iter().map(Recipe::name).collect();
     assert!(burg.contains(&"AR(1), Burg".to_owned()), "{burg:?}");
@@ -157,7 +163,7 @@ fn what_is_tried_is_every_sum_of_terms_and_quantisation_where_it_is_coarse() {
 #[test]
 fn orders_that_tests_choose_are_compared_and_that_of_bic_is_not() {
     let record = record();
-    let part = TrainingSet::new(vec![&record], RATE, 1).unwrap();
+    let part = TrainingSet::new(vec![&record], RATE, SINGLE).unwrap();
     let task = task(&record, &part);
     let options = PanditWuOptions {
         n_max: 1,
@@ -189,10 +195,10 @@ fn orders_that_tests_choose_are_compared_and_that_of_bic_is_not() {
 #[test]
 fn a_candidate_is_scored_on_the_halves_it_was_not_fitted_to() {
     let record = record();
-    let part = TrainingSet::new(vec![&record], RATE, 1).unwrap();
+    let part = TrainingSet::new(vec![&record], RATE, SINGLE).unwrap();
     let task = task(&record, &part);
     let reversed: Vec<Vec<f64>> = vec![record.iter().rev().copied().collect()];
-    let folds = Fold::all(&task.records, &reversed, RATE, 1);
+    let folds = Fold::all(&task.records, &reversed, RATE, SINGLE);
     let whole = Recipe::White.fit(&part, None, &[]).unwrap();
     let found = task.candidate(Recipe::White, whole, &folds).unwrap();
     assert_eq!(
@@ -216,7 +222,8 @@ fn a_candidate_is_scored_on_the_halves_it_was_not_fitted_to() {
                 ..white(&fold.fitted.allan)
             };
             let filter = model.shaping(BiasModel::Arma, 0.1).unwrap();
-            let (record, first) = fold.scored[0];
+            let parts = fold.scored[0].as_ref().unwrap();
+            let (record, first) = (parts.record, parts.first_part);
             drift_score::score(record, first, &filter, &[1.0, 10.0, 60.0]).unwrap()
         })
         .collect();
@@ -226,7 +233,7 @@ fn a_candidate_is_scored_on_the_halves_it_was_not_fitted_to() {
 #[test]
 fn akaike_s_criterion_is_that_of_averages_beyond_the_memory() {
     let record = record();
-    let part = TrainingSet::new(vec![&record], RATE, 1).unwrap();
+    let part = TrainingSet::new(vec![&record], RATE, SINGLE).unwrap();
     let task = task(&record, &part);
     let aic = |recipe: Recipe| {
         let fitted = recipe.fit(&part, None, &[]).unwrap();
@@ -251,7 +258,7 @@ fn akaike_s_criterion_is_that_of_averages_beyond_the_memory() {
         rate_hz: 1.0,
         ..task
     };
-    assert_eq!(slow.block(), 4);
+    assert_eq!(slow.blocks().samples, 4);
     assert_eq!(slow.searched().len(), SEARCH_SAMPLES);
 }
 
@@ -259,7 +266,7 @@ fn akaike_s_criterion_is_that_of_averages_beyond_the_memory() {
 fn a_term_that_vanishes_is_no_model_of_the_whole_but_may_vanish_in_a_half() {
     let mut white = vec![0.0; 4000];
     NoiseGenerator::new(&ShapingFilter::white(1.0, 0.1).unwrap(), 3).fill(&mut white);
-    let part = TrainingSet::new(vec![&white], RATE, 1).unwrap();
+    let part = TrainingSet::new(vec![&white], RATE, SINGLE).unwrap();
     let set = TermSet {
         white: true,
         quantisation: true,
@@ -309,15 +316,20 @@ fn halves_are_fitted_and_scored_both_ways_and_of_several_records_each_is_left_ou
         let records: Vec<&[f64]> = lengths.iter().map(|n| &record[..*n]).collect();
         let backward = |record: &&[f64]| record.iter().rev().copied().collect();
         let reversed: Vec<Vec<f64>> = records.iter().map(backward).collect();
-        let folds = Fold::all(&records, &reversed, RATE, 3);
+        let blocks = Blocks {
+            samples: 3,
+            filtered: true,
+        };
+        let folds = Fold::all(&records, &reversed, RATE, blocks);
         let lengths = |records: &[&[f64]]| records.iter().map(|r| r.len()).collect::<Vec<_>>();
         let fold = |fold: &Fold| {
-            assert_eq!(fold.fitted.block, 3);
+            assert_eq!(fold.fitted.blocks, blocks);
             assert_eq!(
                 fold.fitted.end_to_end.len(),
                 lengths(&fold.fitted.records).iter().sum::<usize>()
             );
-            let scored = fold.scored.iter().map(|(r, first)| (r.len(), *first));
+            let scored = fold.scored.iter().flatten();
+            let scored = scored.map(|of| (of.record.len(), of.first_part));
             (lengths(&fold.fitted.records), scored.collect::<Vec<_>>())
         };
         folds.iter().map(fold).collect::<Vec<_>>()
@@ -363,4 +375,28 @@ fn the_table_of_a_short_record_goes_on_to_twice_the_orders() {
         [2, 2]
     );
     assert_eq!([10_000, 10_001].map(|samples| last_row(samples, 3)), [6, 3]);
+}
+
+#[test]
+fn of_blocks_behind_a_filter_the_overlap_is_estimated() {
+    let record = record();
+    let set = TermSet {
+        white: true,
+        random_walk: true,
+        ..TermSet::default()
+    };
+    let overlap = |filtered| {
+        let blocks = Blocks {
+            samples: 3,
+            filtered,
+        };
+        let part = TrainingSet::new(vec![&record], RATE, blocks).unwrap();
+        let found = terms(set, &part, None).unwrap();
+        assert_eq!(found.block, 3);
+        found.overlap
+    };
+    // White noise has no overlap; its standard error, of 6667 blocks, is 0.012.
+    assert_eq!(overlap(false), 0.0);
+    let found = overlap(true);
+    assert!(found != 0.0 && found.abs() < 0.04, "{found}");
 }

@@ -1,7 +1,7 @@
 //! What a format's white noise and random walk stand for: ARMA models, several processes, fast ones.
 
-use super::{DEG, MODEL, close, gyro_white, model, numbers};
-use undrift_noise::{GaussMarkov, ImuModel, ModelFormat};
+use super::{DEG, MODEL, close, gyro_white, numbers};
+use undrift_noise::{ImuModel, ModelFormat};
 
 pub(super) fn with_arma(ar: &str, ma: &str) -> ImuModel {
     with_sigma(ar, ma, 0.02)
@@ -185,19 +185,4 @@ fn the_random_walk_for_several_processes_covers_their_growth() {
     assert!(ratio(60.0) > 1.0 && ratio(60.0) < 1.4, "{}", ratio(60.0));
     // Over shorter times it falls short, by no more than the processes of 10 s that it takes for slower.
     assert!(ratio(5.0) > 0.6, "{}", ratio(5.0));
-}
-
-/// Axes of other correlation times have one in MATLAB, and the standard deviations that they have.
-#[test]
-fn a_simulated_process_has_the_standard_deviation_of_the_model() {
-    let mut model = model();
-    let process = |sigma: f64, tau_s| vec![GaussMarkov { sigma, tau_s }];
-    model.gyro[0].instability = process(1e-4, 50.0);
-    model.gyro[1].instability = process(2e-4, 800.0);
-    model.gyro[2].instability = process(3e-4, 200.0);
-    let text = model.export(ModelFormat::Matlab, Some(100.0)).unwrap();
-    close(&numbers(&text, "'BiasInstability',"), &[1e-4, 2e-4, 3e-4]);
-    let pole = -numbers(&text, "'BiasInstabilityCoefficients',")[2];
-    // The geometric mean of the three.
-    assert!((-0.01 / pole.ln() / 200.0 - 1.0).abs() < 1e-6, "{text}");
 }
