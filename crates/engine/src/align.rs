@@ -311,7 +311,7 @@ impl Aligner {
             self.fastest = self.fastest.max(speed);
         }
         let fast = self.settings.min_speed;
-        self.slow.add(seen.time, speed, [MOVES * seen.noise, fast]);
+        self.slow.add(seen.time, speed, [slow::certain(seen), fast]);
         if speed >= REST_SPEED + MAY_REST * seen.noise {
             // Steady braking has steady readings too: rest begins after it.
             self.rest.interrupt();

@@ -23,10 +23,19 @@ impl Aligner {
     pub(super) fn course_of_slow(&self, seen: &Seen) -> Option<(f64, f64, HeadingSource)> {
         let (velocity, covariance) = &seen.velocity;
         let across = over_ground(covariance);
-        let std = (self.slow).course_std(self.speed, across, MOVES * seen.noise);
+        let std = self.slow.course_std(self.speed, across, certain(seen));
         let std = std.filter(|_| self.settings.heading == Heading::Course)?;
         Some((velocity.y.atan2(velocity.x), std, HeadingSource::Course))
     }
+}
+
+/// The speed that is certain to be motion \[m/s\], whether it is measured or from positions.
+pub(super) fn certain(seen: &Seen) -> f64 {
+    let std = match seen.noise {
+        0.0 => over_ground(&seen.velocity.1),
+        noise => noise,
+    };
+    MOVES * std
 }
 
 /// How long a craft has moved.
