@@ -118,7 +118,10 @@ mod tests {
                 }
             }
             // Encrypted, or of another method: as it is.
-            let entry = archive.windows(4).rposition(|bytes| bytes == ENTRY).unwrap();
+            let entry = archive
+                .windows(4)
+                .rposition(|bytes| bytes == ENTRY)
+                .unwrap();
             for (at, byte) in [(8, 1), (10, 99)] {
                 let mut other = archive.to_vec();
                 other[entry + at] = byte;
