@@ -42,13 +42,18 @@ pub struct Source {
 }
 
 impl Source {
-    /// The drive of a drive file, or of logs.
-    pub fn open(files: &[PathBuf], data: Option<&Path>, kept: &Kept) -> Result<Self> {
+    /// The drive of a drive file, or of logs; `has_model`: the command line has the model.
+    pub fn open(
+        files: &[PathBuf],
+        data: Option<&Path>,
+        kept: &Kept,
+        has_model: bool,
+    ) -> Result<Self> {
         let [file] = files else {
-            return Self::of_logs(files, inspect::read, data, kept);
+            return Self::of_logs(files, inspect::read, data, kept, has_model);
         };
         match log(file) {
-            Some(found) => Self::of_logs(files, |_| Ok(vec![found]), data, kept),
+            Some(found) => Self::of_logs(files, |_| Ok(vec![found]), data, kept, has_model),
             None if kept.save_drive.is_some() => {
                 let mistake = "--save-drive needs logs in place of a drive file";
                 bail!(Invalid(mistake.into()));
@@ -58,14 +63,19 @@ impl Source {
     }
 
     /// The drives of drive files, with the folder of the logs for all or for each in order; or the drive of logs.
-    pub fn of_each(files: &[PathBuf], data: &[PathBuf], kept: &Kept) -> Result<Vec<Self>> {
+    pub fn of_each(
+        files: &[PathBuf],
+        data: &[PathBuf],
+        kept: &Kept,
+        has_model: bool,
+    ) -> Result<Vec<Self>> {
         let folder = |k: usize| data.get(k).or(data.first()).map(PathBuf::as_path);
         if files.len() == 1 || !files.iter().any(|file| is_toml(file)) {
-            return Ok(vec![Self::open(files, folder(0), kept)?]);
+            return Ok(vec![Self::open(files, folder(0), kept, has_model)?]);
         }
         let drives = files.iter().enumerate();
         drives
-            .map(|(k, file)| Self::open(std::slice::from_ref(file), folder(k), kept))
+            .map(|(k, file)| Self::open(std::slice::from_ref(file), folder(k), kept, has_model))
             .collect()
     }
 
@@ -101,6 +111,7 @@ impl Source {
         read: impl FnOnce(&[PathBuf]) -> Result<Vec<Inspection>>,
         data: Option<&Path>,
         kept: &Kept,
+        has_model: bool,
     ) -> Result<Self> {
         if let Some(drive) = files.iter().find(|file| is_toml(file)) {
             let drive = drive.display();
@@ -130,9 +141,10 @@ impl Source {
         };
         let names: Vec<_> = files.iter().map(|file| shown(file)).collect();
         note(format!("drive of {}; {keep}", names.join(" and ")));
-        report::guesses(&model, motion, &inspections)
-            .iter()
-            .for_each(note);
+        let guesses = report::guesses(&model, motion, &inspections);
+        let guesses = guesses.iter();
+        // A model that the command line gives is no guess.
+        guesses.skip(usize::from(has_model)).for_each(note);
         Ok(Self {
             file: file.to_path_buf(),
             drive,

@@ -88,7 +88,12 @@ pub fn load<'a>(
     models: &[String],
     outputs: impl IntoIterator<Item = &'a Path>,
 ) -> Result<(Source, Vec<ImuModel>, Files)> {
-    let mut source = Source::open(sources, common.data.as_deref(), &common.kept)?;
+    let mut source = Source::open(
+        sources,
+        common.data.as_deref(),
+        &common.kept,
+        !models.is_empty(),
+    )?;
     let read = models
         .iter()
         .map(|name| ImuModel::resolve(name, Path::new("")));

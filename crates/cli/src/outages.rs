@@ -10,7 +10,10 @@ use crate::{
 };
 use anyhow::{Context, Result, anyhow, bail};
 use clap::Args;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+};
 use undrift::{
     fleet::Choice,
     io::write::{SolutionFile, SolutionFormat, SolutionOptions, solution::SolutionRow},
@@ -134,8 +137,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         say(sentences::hindsight(result.look_ahead, result.smooth))?;
         say(text::outages(&result, style::heading))?;
     }
-    let failed = result.failed.iter();
-    failed.for_each(|(name, why)| warn(format!("{name}: {why}")));
+    // One reason for all of them is in the warning that they could not be run.
+    let reasons = BTreeSet::from_iter(result.failed.values());
+    if reasons.len() > 1 {
+        let failed = result.failed.iter();
+        failed.for_each(|(name, why)| warn(format!("{name}: {why}")));
+    }
     result.warnings.iter().for_each(warn);
     if let Some(path) = &arguments.track {
         write_track(path, &logs, &experiment.cuts, &file)

@@ -69,7 +69,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             "--data occurs {folders} times for {drives} drives: set it once, or once for each drive"
         )));
     }
-    let sources = Source::of_each(&arguments.drives, &arguments.data, &arguments.kept)?;
+    let sources = Source::of_each(
+        &arguments.drives,
+        &arguments.data,
+        &arguments.kept,
+        arguments.model.is_some(),
+    )?;
     sources.iter().for_each(details::drive);
     let model = arguments.model.as_deref();
     let start = model

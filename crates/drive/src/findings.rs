@@ -13,6 +13,5 @@ pub use collect::{
 };
 pub use tuned::{IN_VEHICLE, is_tuned, of_model};
 pub use undrift_results::findings::{
-    Finding, Log, NoError, Severity, TemperatureUse, WhyLeftOut, is_doubtful, is_jump, ranked,
-    verdict,
+    Finding, LeftOut, Log, NoError, Severity, TemperatureUse, WhyLeftOut, is_doubtful, is_jump, ranked, verdict,
 };

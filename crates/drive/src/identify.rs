@@ -41,6 +41,8 @@ pub struct Identified {
     pub skipped_rows: u64,
     /// Parts of the recordings that were used, of those that were not used whole.
     pub used: Vec<Used>,
+    /// Units of raw counts whose range is a guess.
+    pub guessed_units: Option<String>,
     /// Each axis by its name, with what was found or why nothing was.
     pub axes: Vec<(&'static str, Result<Axis, AxisError>)>,
     /// Whether the axes are those of a body in which the sensor's are turned.
@@ -156,6 +158,7 @@ pub fn run(record: &Record, options: &Options<'_>, done: impl Fn() + Sync) -> Id
         timing: record.timing.clone(),
         skipped_rows: record.skipped.total(),
         used: Vec::new(),
+        guessed_units: record.guessed_range(),
         axes,
         body_axes: record.body_axes,
         series,

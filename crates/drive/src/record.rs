@@ -125,6 +125,14 @@ impl Record {
         self.samples.first().map_or(0, Vec::len)
     }
 
+    /// Units of raw counts that are a guess: at rest nothing shows a gyro's range.
+    pub fn guessed_range(&self) -> Option<String> {
+        let mut guessed = self.guessed.iter();
+        let (_, units) =
+            guessed.find(|(option, units)| *option == "--units" && units.starts_with("LSB/"))?;
+        Some(units.clone())
+    }
+
     /// How its stamps are uneven, if they are.
     pub fn uneven(&self) -> Option<Uneven<'_>> {
         let timing = self.timing.as_ref();

@@ -42,6 +42,7 @@ mod result;
 mod seen;
 mod segments;
 mod sightings;
+mod slow;
 mod wahba;
 
 pub use crate::settings::align::{AlignSettings, Heading};
@@ -143,6 +144,7 @@ pub(crate) struct Aligner {
     /// [`Seen::noise`] of the last fix.
     noise: f64,
     fastest: f64,
+    slow: slow::Slow,
     fixes: u64,
 }
 
@@ -308,6 +310,8 @@ impl Aligner {
         if speed >= MOVES * seen.noise {
             self.fastest = self.fastest.max(speed);
         }
+        let fast = self.settings.min_speed;
+        self.slow.add(seen.time, speed, [slow::certain(seen), fast]);
         if speed >= REST_SPEED + MAY_REST * seen.noise {
             // Steady braking has steady readings too: rest begins after it.
             self.rest.interrupt();
@@ -351,7 +355,8 @@ impl Aligner {
                 (std < COURSE_WORST).then_some((course, std, HeadingSource::Course))
             }
             _ => (self.heading_by_antennas(seen.time, settings))
-                .or_else(|| self.heading_by_field(seen, settings)),
+                .or_else(|| self.heading_by_field(seen, settings))
+                .or_else(|| self.course_of_slow(seen)),
         }
     }
 

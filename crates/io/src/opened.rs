@@ -205,6 +205,11 @@ impl Opened {
 
     /// Refuses what is known to be no log.
     fn a_log(self) -> Result<Self, ReadError> {
+        let is_lost = self.format() == Format::Csv && !self.start.contains(&b'\n');
+        if let Some((_, why)) = self.failure.as_ref().filter(|_| is_lost) {
+            let problem = format!("cannot be read: {why}");
+            return Err(ReadError::new(&self.name, problem).mend("copy or record it again"));
+        }
         // Damaged compression is reported where the log is read.
         let foreign = match self.failure.is_none() && self.format() == Format::Csv {
             true => foreign::known(&self.start),

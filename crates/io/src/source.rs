@@ -1,6 +1,7 @@
 //! Opening a file for reading, compressed or not.
 
 mod utf16;
+mod zip;
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Read};
@@ -88,7 +89,7 @@ pub(crate) fn file(path: &Path) -> Result<File, ReadError> {
     File::open(path).map_err(|error| cannot_open(path, error))
 }
 
-/// Reads a stream; one that starts with the magic of gzip or zstd is decompressed (all its members), which the
+/// Reads a stream; one that starts with the magic of gzip or zstd is decompressed (all its members), and so is a ZIP archive of one file, which the
 /// second value says; UTF-16 becomes UTF-8. `read` counts on.
 ///
 /// # Errors
@@ -110,6 +111,8 @@ pub(crate) fn decompressed(
     } else if start.starts_with(&ZSTD_MAGIC) {
         let inflated = zstandard::decoder(reader).map_err(|e| cannot_open(name, e))?;
         (Box::new(BufReader::with_capacity(BUFFER, inflated)), true)
+    } else if start.starts_with(&zip::MAGIC) {
+        zip::only_file(Box::new(reader))
     } else {
         (Box::new(reader), false)
     };

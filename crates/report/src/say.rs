@@ -28,11 +28,14 @@ use undrift_results::findings::Finding;
 pub const NO_MODEL: &str = "no model could be run";
 
 /// Why an experiment with outages has no result.
-pub fn no_result(findings: &[Finding]) -> &'static str {
-    match findings.contains(&Finding::NoOutage) {
-        true => cut::NO_OUTAGE,
-        false => NO_MODEL,
-    }
+pub fn no_result(findings: &[Finding]) -> String {
+    let is_why = |of: &&Finding| match of {
+        Finding::NoOutage | Finding::NotRun { all: true, .. } => true,
+        Finding::OutagesLeftOut(of) => of.is_all(),
+        _ => false,
+    };
+    let why = findings.iter().find(is_why);
+    why.map_or_else(|| cut::NO_OUTAGE.into(), say)
 }
 
 /// What is wrong with the share of each drive that a tuning holds out, by the name of its option.
@@ -108,6 +111,7 @@ pub fn say(finding: &Finding) -> String {
             samples,
             start,
         } => sensors::spikes(*axis, *samples, *start),
+        F::MovingAverageSign { axes } => sensors::moving_average_sign(axes),
         F::GuessedRate { rate } => sensors::guessed_rate(*rate),
         F::SlowSamples { rate, factor } => sensors::slow_samples(*rate, *factor),
         F::LateSamples { delay, most } => sensors::late_samples(*delay, *most),
@@ -128,14 +132,9 @@ pub fn say(finding: &Finding) -> String {
             tuned,
         } => sensors::optimistic_drift(model, *inside, [*outside, *outages], *tuned),
         F::RejectedReference { fixes, of } => cut::rejected_reference(*fixes, *of),
-        F::OutagesLeftOut {
-            why,
-            outages,
-            of,
-            first,
-        } => cut::left_out(*why, *outages, *of, *first),
+        F::OutagesLeftOut(of) => cut::left_out(of),
         F::NoOutage => cut::NO_OUTAGE.into(),
-        F::NotRun { models, all } => cut::not_run(models, *all),
+        F::NotRun { models, all, why } => cut::not_run(models, *all, why.as_deref()),
         F::OfModel { model, what } => format!("{model}: {}", say(what)),
         F::CoversPart { from, to, log } => solution::covers_part([*from, *to], *log),
         F::CorrelatedInnovations {

@@ -3,7 +3,7 @@
 mod implausible;
 mod kinds;
 mod weight;
-pub use kinds::{FarParameter, Log, NoError, Severity, TemperatureUse, WhyLeftOut, WrappedAxis};
+pub use kinds::{FarParameter, LeftOut, Log, NoError, Severity, TemperatureUse, WhyLeftOut, WrappedAxis};
 pub use weight::{is_doubtful, is_jump, ranked, verdict};
 
 use undrift_events::{Contradiction, FixMend, Lean, Part, RestartCause, SensorChange, WindowPart};
@@ -156,6 +156,11 @@ pub enum Finding {
     Late {
         /// By how much later than the stamps of the fixes \[s\].
         delay: f64,
+    },
+    /// The moving average of a slow ARMA(1,1) of the noise model has the sign of programs that add it.
+    MovingAverageSign {
+        /// Axes by name.
+        axes: Vec<String>,
     },
     /// The inertial log has no times, and its rate is a guess.
     GuessedRate {
@@ -451,16 +456,7 @@ pub enum Finding {
         of: u64,
     },
     /// Outages were left out, as there is nothing to measure in them.
-    OutagesLeftOut {
-        /// Why.
-        why: WhyLeftOut,
-        /// How many.
-        outages: u64,
-        /// Of how many.
-        of: u64,
-        /// Start of the first \[s\].
-        first: f64,
-    },
+    OutagesLeftOut(LeftOut),
     /// No outage is left to measure in.
     NoOutage,
     /// Bias models that could not be run.
@@ -469,6 +465,8 @@ pub enum Finding {
         models: Vec<String>,
         /// Whether there is no other.
         all: bool,
+        /// Why, where it is the same for all of them.
+        why: Option<String>,
     },
     /// Of one of several models.
     OfModel {

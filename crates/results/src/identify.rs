@@ -48,6 +48,9 @@ pub struct Identify {
     pub skipped_rows: u64,
     /// The parts of recordings that were used, of those that were not used whole.
     pub used: Vec<Used>,
+    /// Units of raw counts whose range is a guess, as `--units` states them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub guessed_units: Option<String>,
     /// Each axis by name: `gyro_x` … `accel_z`.
     #[serde(serialize_with = "axes")]
     pub axes: BTreeMap<String, Axis>,

@@ -37,7 +37,11 @@ fn text_of(path: &Path) -> Result<String, String> {
             let names = undrift_io::nearby::names(path).map(|names| format!("; {names}"));
             return Err(format!("no such file{}", names.unwrap_or_default()));
         }
-        Err((ErrorKind::IsADirectory, _)) => return Err(format!("is a folder; {EXPECTED}")),
+        Err((ErrorKind::IsADirectory, _)) => {
+            return Err(format!(
+                "is a folder without a log that is known; {EXPECTED}, or logs"
+            ));
+        }
         Err((_, error)) => return Err(format!("cannot be read: {error}")),
         Ok(_) => {}
     }
@@ -51,8 +55,8 @@ fn text_of(path: &Path) -> Result<String, String> {
                 path.display()
             ));
         }
-        Some(Foreign { what, .. }) if what != "a drive file" => {
-            return Err(format!("is {what}; {EXPECTED}"));
+        Some(Foreign { what, mend }) if what != "a drive file" => {
+            return Err(format!("is {what}, not a drive file or a log; {mend}"));
         }
         _ if bytes.len() as u64 > MOST => {
             return Err(format!("is larger than {} MB; {EXPECTED}", MOST >> 20));

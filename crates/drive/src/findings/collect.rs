@@ -371,9 +371,10 @@ pub fn of_skipped(logs: &[(Log, &Skipped)]) -> Vec<Finding> {
     .collect()
 }
 
-/// Stamps of a static recording that are not evenly spaced.
+/// Stamps of a static recording that are not evenly spaced; what starts again is said of its sessions.
 pub fn of_timing(timing: Option<&Timing>) -> Option<Finding> {
-    let uneven = timing.filter(|timing| !timing.even)?;
+    let uneven = |of: &&Timing| !of.gaps.is_empty() || of.jitter_rms_s > 1e-3 * of.interval_s;
+    let uneven = timing.filter(|timing| !timing.even).filter(uneven)?;
     Some(Finding::Uneven {
         gaps: uneven.gaps.len(),
         jitter_rms: uneven.jitter_rms_s,

@@ -42,6 +42,7 @@ pub fn allan_deviations(prepared: &Prepared, settings: &Settings) -> Identify {
         timing: record.timing.clone(),
         skipped_rows: record.skipped.total(),
         used: prepared.used.iter().cloned().collect(),
+        guessed_units: record.guessed_range(),
         axes: results::by_name(axes),
         pool: None,
     }

@@ -101,6 +101,7 @@ pub(super) fn run_pool(
             .map(|pooled| pooled.record.skipped.total())
             .sum(),
         used: records.iter().filter_map(|one| one.used.clone()).collect(),
+        guessed_units: records.iter().find_map(|one| one.record.guessed_range()),
         axes: Vec::new(),
         body_axes: first.record.body_axes,
         series: Vec::new(),

@@ -54,6 +54,7 @@ impl Identified {
             timing: self.timing.clone(),
             skipped_rows: self.skipped_rows,
             used: self.used.clone(),
+            guessed_units: self.guessed_units.clone(),
             axes: by_name(axes),
             pool: self.pool.as_ref().map(super::Pool::result),
         }

@@ -36,6 +36,11 @@ pub(super) fn measure(path: &Path, logs: &mut Logs, format: Format, part: &mut P
                     part.lines.push(unit);
                     continue;
                 }
+                if let Some(unit) = longer_unit(&measured, part) {
+                    part.lines.retain(|line| line.key != unit.key);
+                    part.lines.push(unit);
+                    continue;
+                }
                 part.lines.extend(axes);
                 part.lines.extend(vehicle_heading(part));
                 part.measured = Some(measured);
@@ -65,6 +70,31 @@ fn unit_of_force(measured: &Measured, format: Format, part: &Part) -> Option<Lin
         )),
         _ => Some(Line::new("accel_unit", unit, Known::Gravity(size))),
     }
+}
+
+/// No log of inertial samples that is worth reading is shorter \[s\].
+const SHORTEST_LOG: f64 = 5.0;
+/// Fewer samples show no unit of their times.
+const FEWEST_STAMPED: u64 = 50;
+/// Slowest samples that a longer unit of the times may make \[Hz\].
+const SLOWEST: f64 = 0.5;
+
+/// The next longer unit of times whose unit their step alone showed, where the log would be over in no time: whole seconds
+/// are taken for milliseconds.
+fn longer_unit(measured: &Measured, part: &Part) -> Option<Line> {
+    let mut lines = part.lines.iter();
+    let line = lines.find(|line| line.key == "time_unit" && line.known == Known::StampStep)?;
+    let is_short = measured.last_s - measured.first_s < SHORTEST_LOG;
+    let may_be = part.table == "imu"
+        && measured.records >= FEWEST_STAMPED
+        && measured.rate_hz >= 1e3 * SLOWEST;
+    let longer = match line.value.as_str()? {
+        "ms" => "s",
+        "us" => "ms",
+        "ns" => "us",
+        _ => return None,
+    };
+    (is_short && may_be).then(|| Line::new("time_unit", longer, Known::StampStep))
 }
 
 /// Messages whose heading is the vehicle's, as the receiver is set up, and not that of two antennas.

@@ -33,6 +33,9 @@ const BAND_S: std::ops::Range<f64> = 3.54e6..4.43e6;
 /// Whole heights beyond this are of millimetres \[m\].
 const HIGHEST: f64 = 20_000.0;
 
+/// Time over which speeds are compared with the positions \[s\].
+const STRETCH: f64 = 4.0;
+
 /// Most that a speed in the right unit differs from that of the positions.
 const ALIKE: std::ops::Range<f64> = 0.7..1.4;
 
@@ -384,7 +387,10 @@ impl Columns {
             let mean = pair.iter().map(|fix| fix.2).sum::<f64>() / pair.len() as f64;
             (moved > 2.0 && last.0 > first.0).then(|| moved / (last.0 - first.0) / mean)
         };
-        let mut ratios: Vec<f64> = fixes.windows(5).filter_map(ratio).collect();
+        let span = fixes.last()?.0 - fixes.first()?.0;
+        let width = (STRETCH * (fixes.len() - 1) as f64 / span) as usize + 1;
+        let windows = fixes.windows(width.max(5));
+        let mut ratios: Vec<f64> = windows.filter_map(ratio).collect();
         ratios.retain(|ratio| ratio.is_finite());
         (ratios.len() >= 10).then(|| 1.0 / upper_median(&mut ratios))
     }

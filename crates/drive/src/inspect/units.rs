@@ -20,6 +20,9 @@ pub(super) enum Force {
     Unknown(Known),
 }
 
+/// Units of specific forces that gravity tells apart.
+const FORCES: [&str; 5] = ["m/s^2", "g", "mg", "ft/s^2", "ug"];
+
 /// The unit of accelerometer samples by their median magnitude, which gravity makes; `interval` \[s\] is
 /// between samples.
 pub(super) fn force(samples: &[[f64; 3]], interval: Option<f64>) -> Force {
@@ -30,10 +33,12 @@ pub(super) fn force(samples: &[[f64; 3]], interval: Option<f64>) -> Force {
     let median = upper_median(&mut sizes);
     let near = |value: f64| (0.8..1.25).contains(&(median / value));
     let known = Known::Gravity(median);
-    for (unit, gravity) in [("m/s^2", STANDARD_GRAVITY), ("g", 1.0), ("mg", 1000.0)] {
-        if near(gravity) {
-            return Force::Rates((unit, known));
-        }
+    let found = FORCES.into_iter().find(|unit| {
+        let factor = unit_factor(unit, Quantity::Acceleration);
+        factor.is_ok_and(|factor| near(STANDARD_GRAVITY / factor))
+    });
+    if let Some(unit) = found {
+        return Force::Rates((unit, known));
     }
     match interval {
         Some(interval) if near(STANDARD_GRAVITY * interval) => Force::Increments(("m/s", known)),
@@ -149,6 +154,8 @@ mod tests {
         assert_eq!(unit(-9.79, None), "m/s^2");
         assert_eq!(unit(1.01, None), "g");
         assert_eq!(unit(-998.0, Some(0.01)), "mg");
+        assert_eq!(unit(31.9, Some(0.01)), "ft/s^2");
+        assert_eq!(unit(-978_400.0, Some(0.01)), "ug");
         assert_eq!(unit(-0.0489, Some(0.005)), "m/s");
         assert_eq!(unit(16384.0, Some(0.01)), "");
         assert!(matches!(force(&[], None), Force::Unknown(_)));

@@ -1,7 +1,7 @@
 //! The findings of outages.
 
 use super::{Experiment, ModelErrors, WhyLeftOut};
-use crate::findings::Finding;
+use crate::findings::{Finding, LeftOut};
 use std::mem::discriminant;
 
 /// Share of the errors in outages inside three standard deviations below which the model promises too much; of right ones
@@ -15,19 +15,24 @@ pub fn of_outages(experiment: &Experiment, known: &[Finding]) -> Vec<Finding> {
     if fixes > 0 {
         found.push(Finding::RejectedReference { fixes, of });
     }
-    if experiment.cuts.is_empty() {
+    // One reason for all of them says so itself.
+    if experiment.cuts.is_empty() && found.len() != 1 {
         found.push(Finding::NoOutage);
     }
     let ran = experiment.runs.iter();
     let models: Vec<_> = ran
         .filter_map(|(model, run)| Some((model.as_str(), &run.as_ref().ok()?.errors)))
         .collect();
-    let failed = experiment.runs.iter().filter(|(_, run)| run.is_err());
-    let failed: Vec<String> = failed.map(|(model, _)| model.clone()).collect();
+    let failed = experiment.runs.iter();
+    let failed = failed.filter_map(|(model, run)| Some((model, run.as_ref().err()?.to_string())));
+    let (failed, mut why): (Vec<_>, Vec<_>) =
+        failed.map(|(model, why)| (model.clone(), why)).unzip();
+    why.dedup();
     if !failed.is_empty() {
         found.push(Finding::NotRun {
             models: failed,
             all: models.is_empty(),
+            why: why.pop().filter(|_| why.is_empty()),
         });
     }
     let is_new = |of: &Finding| known.iter().all(|k| discriminant(k) != discriminant(of));
@@ -44,12 +49,12 @@ fn of_left_out(experiment: &Experiment) -> Vec<Finding> {
     let with = |why: WhyLeftOut| {
         let mut cuts = experiment.left_out.iter().filter(|cut| cut.1 == why);
         let (first, _) = cuts.next()?;
-        Some(Finding::OutagesLeftOut {
+        Some(Finding::OutagesLeftOut(LeftOut {
             why,
             outages: 1 + cuts.count() as u64,
             of,
             first: first.start,
-        })
+        }))
     };
     reasons.filter_map(with).collect()
 }

@@ -9,7 +9,7 @@ use super::{
     basis::{bias_variances, noise_of_mean},
     result::MotionFailure,
     segments::{Segment, moving, segments},
-    sightings::{Sighting, held_late, sightings, spread},
+    sightings::{Sighting, held_late, least_spread, sightings, spread},
     wahba::{EndCovariance, Guess, Problem},
 };
 use crate::{
@@ -52,10 +52,6 @@ const GROWTH: f64 = 1.5;
 const LONGEST_PAUSE: f64 = 5.0;
 /// Velocities needed for a search to be worth it.
 const FEWEST: usize = 6;
-/// How far apart the velocities of a search must be \[m/s\].
-const SPREAD: f64 = 1.0;
-/// Spread that velocities of positions alone must have \[m/s\]: slow craft have such receivers.
-const SPREAD_OF_POSITIONS: f64 = 0.5;
 /// A second minimum is out of the question when the best one's squared residuals are less by this much.
 const RIVAL: f64 = 25.0;
 /// Largest standard deviation of the attitude about any axis for a start at once \[rad\]: the filter, unlike the window,
@@ -289,8 +285,7 @@ impl MotionAligner {
         if segments.len() < FEWEST {
             return Err(MotionFailure::TooFew);
         }
-        let least = if alone { SPREAD_OF_POSITIONS } else { SPREAD };
-        if spread < least {
+        if spread < least_spread(&seen, alone) {
             return Err(MotionFailure::TooSteady {
                 change: self.spread,
                 within: self.longest,

@@ -13,8 +13,10 @@ use crate::estimator::STAMP_ROUNDING;
 use alloc::vec::Vec;
 use undrift_nav::{Vector3, preintegration::Preintegrated, sample::ImuSample};
 
-/// Speed of a vehicle that moves \[m/s\].
+/// Speed of a vehicle that moves \[m/s\] …
 const MOVES: f64 = 0.5;
+/// … and of a slower one, in standard deviations of it.
+const SURELY: f64 = 5.0;
 
 /// Motion from the fix before to this one.
 #[derive(Clone, Copy, Debug, Default)]
@@ -77,7 +79,8 @@ pub(super) fn segments<'a>(
 
 /// Time that the vehicle moved in a window \[s\].
 pub(super) fn moving(segments: &[Segment]) -> f64 {
-    let moving = segments.iter().filter(|s| s.fix.v_n.xy().norm() > MOVES);
+    let moves = |s: &&Segment| s.fix.v_n.xy().norm() > MOVES.min(SURELY * s.fix.speed_std);
+    let moving = segments.iter().filter(moves);
     moving.map(|s| s.motion.dt).sum()
 }
 

@@ -7,6 +7,7 @@
 //! Frames: `place` is in n at the first fix, north-east-down \[m\]; velocities in n at the fix;
 //! over a window of a minute the difference of these frames is far below the noise.
 
+use super::seen::over_ground;
 use crate::{
     derived::{antenna, white_variance},
     estimator::STAMP_ROUNDING,
@@ -21,6 +22,13 @@ const LEAST_SHARE: f64 = 4e-4;
 /// Standard deviation of a position without information \[m\].
 const NOTHING: f64 = 1e6;
 
+/// How far apart the velocities of a search must be \[m/s\].
+const SPREAD: f64 = 1.0;
+/// Spread that velocities of positions alone must have \[m/s\]: slow craft have such receivers …
+const SPREAD_OF_POSITIONS: f64 = 0.5;
+/// … and, of those that are certain, in standard deviations of the velocities.
+const CLEAR: f64 = 10.0;
+
 /// What a fix says of the antenna.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sighting {
@@ -32,6 +40,8 @@ pub(super) struct Sighting {
     pub(super) place: Vector3,
     /// Variances of what is measured.
     pub(super) variance: Vector3,
+    /// Standard deviation of the velocity along an axis over ground \[m/s\].
+    pub(super) speed_std: f64,
 }
 
 /// What the fixes of a window say: their velocities, or of positions `alone` their places, with the variance that they show by
@@ -47,6 +57,7 @@ pub(super) fn sightings(fixes: &VecDeque<GnssFix>, alone: bool, looser: f64) -> 
                 time: fix.time,
                 v_n,
                 variance: covariance.diagonal(),
+                speed_std: over_ground(&covariance),
                 ..Sighting::default()
             })
         };
@@ -83,6 +94,8 @@ pub(super) fn sightings(fixes: &VecDeque<GnssFix>, alone: bool, looser: f64) -> 
             let least = white.sup(&(of.variance * LEAST_SHARE));
             of.variance = (least * looser).inf(&of.variance);
         }
+        // Of two positions.
+        of.speed_std = (of.variance.xy().sum()).sqrt() / (end - begin);
     }
     seen
 }
@@ -116,6 +129,15 @@ pub(super) fn spread(seen: &[Sighting]) -> f64 {
         (low.inf(&fix.v_n), high.sup(&fix.v_n))
     });
     (high - low).xy().norm()
+}
+
+/// How far apart velocities, or those of positions `alone`, have to be for a search to be worth it \[m/s\].
+pub(super) fn least_spread(seen: &[Sighting], alone: bool) -> f64 {
+    let worst = seen.iter().map(|of| of.speed_std).fold(0.0, f64::max);
+    match alone {
+        true => SPREAD_OF_POSITIONS.min(CLEAR * worst),
+        false => SPREAD,
+    }
 }
 
 #[cfg(test)]
@@ -212,6 +234,21 @@ mod tests {
         assert!(stated.iter().all(|of| of.variance == Vector3::repeat(25.0)));
     }
 
+    /// Two positions of 0.3 m, 2 s apart, make velocities of 0.21 m/s; of centimetres they tell a robot of 0.2 m/s.
+    #[test]
+    fn slow_craft_with_good_positions_move_enough() {
+        let path = |std: f64| -> VecDeque<GnssFix> {
+            let ned = |k: i32| Vector3::new(0.2 * f64::from(k), 0.0, 0.0);
+            (0..5).map(|k| fix(f64::from(k), ned(k), std)).collect()
+        };
+        let of = |std: f64| sightings(&path(std), true, 1.0);
+        assert!((of(0.3)[2].speed_std - 0.3 / 2f64.sqrt()).abs() < 1e-12);
+        assert_eq!(least_spread(&of(0.3), true), SPREAD_OF_POSITIONS);
+        let fine = least_spread(&of(0.02), true);
+        assert!((fine - CLEAR * 0.02 * 2f64.sqrt()).abs() < 1e-9, "{fine}");
+        assert_eq!(least_spread(&of(0.02), false), SPREAD);
+    }
+
     #[test]
     fn late_positions_end_at_the_end_of_the_window() {
         let sighting = |time: f64| Sighting {
@@ -219,6 +256,7 @@ mod tests {
             v_n: Vector3::repeat(time),
             place: Vector3::repeat(2.0 * time),
             variance: Vector3::repeat(1.0),
+            speed_std: 0.1,
         };
         let seen = [1.0, 2.0, 3.0].map(sighting);
         for (late, end, count) in [

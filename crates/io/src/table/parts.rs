@@ -37,8 +37,9 @@ struct Timed {
     stamps: Vec<f64>,
 }
 
-/// The text of the table that those with times are together; `None` without one.
-pub(super) fn joined(parts: Vec<Part>) -> Option<String> {
+/// The text of the table that those with times are together; `None` without one. With rows `of_lines` of a text, empty lines
+/// keep each row in the line that it had, as far as they are in order: messages have that number.
+pub(super) fn joined(parts: Vec<Part>, of_lines: bool) -> Option<String> {
     let mut weeks = WeekClock::default();
     let parts = parts
         .into_iter()
@@ -77,16 +78,22 @@ pub(super) fn joined(parts: Vec<Part>) -> Option<String> {
         true => order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))),
         false => order.sort_by_key(|(_, place, ..)| *place),
     }
-    let mut at = 0;
+    let (mut at, mut lines) = (0, 1);
     while let Some(&(stamp, ..)) = order.get(at) {
+        let mut line = 0;
         let mut row: Vec<Option<usize>> = vec![None; parts.len()];
-        while let Some(&(other, _, part, index)) = order.get(at) {
+        while let Some(&(other, place, part, index)) = order.get(at) {
             let together = row.iter().all(Option::is_none) || one_clock && other == stamp;
             if !together || row[part].is_some() {
                 break;
             }
             row[part] = Some(index);
+            line = place;
             at += 1;
+        }
+        if of_lines {
+            text.extend((lines..line).map(|_| '\n'));
+            lines = lines.max(line) + 1;
         }
         put(&mut text, &parts, &row, one_clock);
     }

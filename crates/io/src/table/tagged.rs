@@ -41,7 +41,7 @@ pub(crate) fn between_sentences(source: Source, _: &[u8]) -> Source {
 fn table_of(source: Source, least: usize) -> Source {
     converted(source, |text| {
         let parts = parts(text, place_of_tags(text)?);
-        (parts.len() >= least).then(|| joined(parts))?
+        (parts.len() >= least).then(|| joined(parts, true))?
     })
 }
 
@@ -193,7 +193,26 @@ mod tests {
         table(Box::new(source), b"")
             .read_to_string(&mut read)
             .unwrap();
-        (read != text).then(|| read.lines().map(str::to_owned).collect())
+        let lines = read.lines().filter(|line| !line.is_empty());
+        (read != text).then(|| lines.map(str::to_owned).collect())
+    }
+
+    /// A header, words that are passed over, positions in between: what is said of a row has the line that it is in.
+    #[test]
+    fn rows_stay_in_their_lines() {
+        let row = |k: i32| format!("IMU,0.{k},0.1,0.2,0.3,0.1,0.2,9.8\n");
+        let text = "NAME,t,a,b,c,d,e,f\nstarted at last\n".to_owned()
+            + &(2..6).map(row).collect::<String>()
+            + "GPS,0.5,48.5,11.25,520\nGPS,0.6,48.5,11.25,520\n"
+            + &row(7);
+        let mut read = String::new();
+        let source = Box::new(Cursor::new(text.clone().into_bytes()));
+        table(source, b"").read_to_string(&mut read).unwrap();
+        for stamp in ["0.2,", "0.4,", "0.7,"] {
+            let in_file = text.lines().position(|line| line[4..].starts_with(stamp));
+            let in_table = read.lines().position(|line| line.starts_with(stamp));
+            assert_eq!(in_table, in_file, "{read}");
+        }
     }
 
     /// Without names: the sensor that has gravity is the one of steady size.

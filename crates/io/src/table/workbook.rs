@@ -47,7 +47,7 @@ fn text_of(bytes: &[u8]) -> Option<String> {
         .chain(rows)
         .flat_map(|line| [line, "\n"])
         .collect();
-    Some(joined(tables).unwrap_or(alone))
+    Some(joined(tables, false).unwrap_or(alone))
 }
 
 /// A sheet: its rows, as cells.

@@ -29,6 +29,10 @@ pub fn verdict(result: &Identify) -> String {
         let names = coarse.join(", ");
         of_axes.push(format!("{names}: {COARSE}"));
     }
+    let guess = result.guessed_units.as_ref();
+    of_axes.extend(guess.map(|units| {
+        format!("the range of the raw counts is a guess, and N may be several times too small or large: state --units (taken: \"{units}\")")
+    }));
     of_axes.extend(used::doubts(result));
     let doubts = of_axes.join("; ");
     let Some((_, first)) = known.first() else {

@@ -19,7 +19,7 @@ pub(super) fn known(known: &Known) -> String {
         Known::Gravity(median) => return format!("guessed: the median magnitude is {median:.4}"),
         Known::NotGravity(median) => {
             return format!(
-                "UNKNOWN: the median magnitude is {median:.4}, which is not gravity in m/s^2, g or mg"
+                "UNKNOWN: the median magnitude is {median:.4}, which is not gravity in m/s^2, ft/s^2, g, mg or ug"
             );
         }
         Known::Increments => "guessed: the accelerometers' magnitude is gravity times the interval",

@@ -1,7 +1,7 @@
 //! Sentences: what GNSS outages show.
 
 use super::{NO_MODEL, words::at};
-use undrift_results::findings::WhyLeftOut;
+use undrift_results::findings::{LeftOut, WhyLeftOut};
 
 pub(super) const NO_OUTAGE: &str = "no outage is left to measure in";
 
@@ -11,7 +11,13 @@ pub(super) fn rejected_reference(fixes: u64, of: u64) -> String {
     )
 }
 
-pub(super) fn left_out(why: WhyLeftOut, outages: u64, of: u64, first: f64) -> String {
+pub(super) fn left_out(left: &LeftOut) -> String {
+    let LeftOut {
+        why,
+        outages,
+        of,
+        first,
+    } = *left;
     let (is, begins) = match outages {
         1 => ("was", "begins"),
         _ => ("were", "begin"),
@@ -28,12 +34,18 @@ pub(super) fn left_out(why: WhyLeftOut, outages: u64, of: u64, first: f64) -> St
         1 => format!("at {} s", at(first)),
         _ => format!("the first at {} s", at(first)),
     };
-    format!("{outages} of {of} outages {is} left out ({first}): {why}")
+    let none = if left.is_all() {
+        format!("{NO_OUTAGE}: ")
+    } else {
+        String::new()
+    };
+    format!("{none}{outages} of {of} outages {is} left out ({first}): {why}")
 }
 
-pub(super) fn not_run(models: &[String], all: bool) -> String {
+pub(super) fn not_run(models: &[String], all: bool, why: Option<&str>) -> String {
+    let why = why.map_or(String::new(), |why| format!(": {why}"));
     match all {
-        true => NO_MODEL.into(),
-        false => format!("could not be run: {}", models.join(", ")),
+        true => format!("{NO_MODEL}{why}"),
+        false => format!("could not be run: {}{why}", models.join(", ")),
     }
 }

@@ -148,6 +148,8 @@ pub(super) fn wrong_gravity(ratio: f64, exchanged: bool) -> String {
             0.09..0.115 => "imu.accel_unit (the numbers look like g)",
             8.5..11.5 => "imu.accel_unit (the numbers look like m/s^2)",
             90.0..115.0 => "imu.accel_unit (the numbers look like mg or cm/s^2)",
+            2.9..3.7 => "imu.accel_unit (the numbers look like ft/s^2)",
+            9e4..1.15e5 => "imu.accel_unit (the numbers look like ug)",
             1e-6..0.09 => {
                 "imu.accel (gravity seems to be removed, as from a \"linear acceleration\": log the accelerometers with gravity)"
             }
@@ -215,6 +217,13 @@ pub(super) fn late(delay: f64) -> String {
         } else {
             ""
         }
+    )
+}
+
+pub(super) fn moving_average_sign(axes: &[String]) -> String {
+    format!(
+        "the ARMA of {} has ar near 1 and a negative ma: check the sign of ma, which is subtracted here and added by statsmodels, R and MATLAB (a slow bias under white noise has ma just below ar)",
+        axes.join(", ")
     )
 }
 

@@ -2,7 +2,7 @@
 
 use super::*;
 use undrift_events::{Contradiction, FixMend, Lean, Part, RestartCause, WindowPart};
-use undrift_results::findings::{FarParameter, Log, NoError, Severity, TemperatureUse, WhyLeftOut};
+use undrift_results::findings::{FarParameter, LeftOut, Log, NoError, Severity, TemperatureUse, WhyLeftOut};
 
 /// Fifteen positions of a jump.
 fn jump() -> Contradiction {
@@ -479,6 +479,8 @@ fn a_ratio_of_gravity_or_turns_hints_at_the_unit() {
         (11.4, "11.4", "(the numbers look like m/s^2)"),
         (100.0, "100", "(the numbers look like mg or cm/s^2)"),
         (115.0, "115", "check imu.accel, imu.accel_unit and imu.data"),
+        (3.28, "3.28", "(the numbers look like ft/s^2)"),
+        (1.02e5, "102 000", "(the numbers look like ug)"),
         (1e-7, "0", "check imu.accel, imu.accel_unit and imu.data"),
         (
             2e-6,
@@ -745,39 +747,63 @@ fn further_findings_have_their_sentences() {
             "12 of 600 withheld positions are rejected by the run without outages, so they are no reference",
         ),
         (
-            Finding::OutagesLeftOut {
+            Finding::OutagesLeftOut(LeftOut {
                 why: WhyLeftOut::InGap,
                 outages: 1,
                 of: 9,
                 first: 120.5,
-            },
+            }),
             "1 of 9 outages was left out (at 120.5 s): begins in a gap of the fixes",
         ),
         (
-            Finding::OutagesLeftOut {
+            Finding::OutagesLeftOut(LeftOut {
                 why: WhyLeftOut::NotStarted,
                 outages: 3,
                 of: 9,
                 first: 60.0,
-            },
+            }),
             "3 of 9 outages were left out (the first at 60 s): begin before the solution does; start the outages later",
         ),
         (
-            Finding::OutagesLeftOut {
+            Finding::OutagesLeftOut(LeftOut {
                 why: WhyLeftOut::NoReference,
                 outages: 2,
                 of: 9,
                 first: 60.0,
-            },
+            }),
             "2 of 9 outages were left out (the first at 60 s): no reference at the end",
         ),
         (Finding::NoOutage, "no outage is left to measure in"),
         (
+            Finding::MovingAverageSign {
+                axes: vec!["gyro_x".into(), "gyro_z".into()],
+            },
+            "the ARMA of gyro_x, gyro_z has ar near 1 and a negative ma: check the sign of ma, which is subtracted here and added by statsmodels, R and MATLAB (a slow bias under white noise has ma just below ar)",
+        ),
+        (
+            Finding::OutagesLeftOut(LeftOut {
+                why: WhyLeftOut::InGap,
+                outages: 2,
+                of: 2,
+                first: 210.0,
+            }),
+            "no outage is left to measure in: 2 of 2 outages were left out (the first at 210 s): begin in a gap of the fixes",
+        ),
+        (
             Finding::NotRun {
                 models: vec!["white".into(), "ar".into()],
                 all: false,
+                why: None,
             },
             "could not be run: white, ar",
+        ),
+        (
+            Finding::NotRun {
+                models: vec!["white".into(), "ar".into()],
+                all: true,
+                why: Some("the vehicle never moved".into()),
+            },
+            "no model could be run: the vehicle never moved",
         ),
         (
             Finding::OfModel {

@@ -84,3 +84,24 @@ pub struct FarParameter {
     /// By how many prior standard deviations.
     pub sigmas: f64,
 }
+
+/// Outages that an experiment is without.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LeftOut {
+    /// Why.
+    pub why: WhyLeftOut,
+    /// How many.
+    pub outages: u64,
+    /// Of how many.
+    pub of: u64,
+    /// Start of the first \[s\].
+    pub first: f64,
+}
+
+impl LeftOut {
+    /// Whether no outage is left.
+    pub fn is_all(&self) -> bool {
+        self.outages == self.of
+    }
+}

@@ -39,13 +39,18 @@ const COVERED: f64 = 0.8;
 /// where the velocities contradict it, too, or are missing.
 const FOLLOWS: f64 = 5.0;
 
+/// Steady errors of more than this \[m\] are a jump however soon the solution followed: within seconds nothing drifts as far.
+const FAR: f64 = 30.0;
+/// Innovations so many times their predicted size by too few samples leave no solution.
+const FAR_TOO_LARGE: f64 = 10.0;
+
 /// Whether the positions, or their heights alone, jumped and stayed where they went while nothing else did: those before and those
 /// after do not fit together.
 pub fn is_jump(of: &Contradiction) -> bool {
     let steady = (of.last - of.first).abs() < 0.5 * of.largest;
     let lasted = of.end - of.start > FOLLOWS;
     let moved = of.part == Part::Position && of.accepted_in_the_end && !of.frozen;
-    moved && (of.height || lasted && steady)
+    moved && (of.height || steady && (lasted || of.largest > FAR))
 }
 
 /// Whether so many outages of so many outside of their predicted size are more than a fifth, beyond chance.
@@ -94,7 +99,12 @@ impl Finding {
             Self::RejectedReference { fixes, of } if *fixes as f64 > MANY * *of as f64 => {
                 Severity::Warning
             }
-            Self::OutagesLeftOut { outages, of, .. } if 2 * outages > *of => Severity::Warning,
+            Self::OutagesLeftOut(of) if of.is_all() => Severity::Unusable,
+            Self::OutagesLeftOut(left) if 2 * left.outages > left.of => Severity::Warning,
+            Self::SlowSamples {
+                factor: Some(factor),
+                ..
+            } if *factor > FAR_TOO_LARGE => Severity::Unusable,
             // A lever arm is in the position as it is.
             Self::FarParameter(of) if of.parameter == "LeverArm" => Severity::Warning,
             Self::FarParameter(of) if of.sigmas > VERY_FAR => Severity::Warning,
@@ -118,6 +128,7 @@ impl Finding {
             | Self::Late { .. }
             | Self::SlowSamples { .. }
             | Self::GuessedRate { .. }
+            | Self::MovingAverageSign { .. }
             | Self::WrongVelocity { .. }
             | Self::Restart { .. }
             | Self::WrongSign { .. }
@@ -176,6 +187,7 @@ impl Finding {
             | Self::NotRun { all: true, .. } => 0,
             Self::Copied { .. } | Self::Wrapped { .. } => 1,
             Self::SensorChanged { .. } | Self::VelocityScale { .. } => 1,
+            Self::OutagesLeftOut(of) if of.is_all() => 0,
             Self::Constant { .. }
             | Self::OutOfOrder { .. }
             | Self::SharedStamps { .. }
@@ -187,6 +199,8 @@ impl Finding {
             | Self::Late { .. }
             | Self::WrongAxes { .. }
             | Self::WrongVelocity { .. }
+            | Self::SlowSamples { .. }
+            | Self::MovingAverageSign { .. }
             | Self::TwoReceivers { .. }
             | Self::WrongSign { .. } => 1,
             Self::NoisyFixes { factor } if *factor > WRONG_UNIT => 1,
@@ -195,7 +209,7 @@ impl Finding {
             | Self::Held { .. }
             | Self::SetBack { .. }
             | Self::VelocityBias { .. } => 2,
-            Self::NoMounting { .. } | Self::LateSamples { .. } | Self::SlowSamples { .. } => 2,
+            Self::NoMounting { .. } | Self::LateSamples { .. } => 2,
             Self::SideSlip { .. } => 2,
             Self::FixJitter { .. } | Self::RoundedFixes { .. } => 2,
             Self::NoisyFixes { factor } | Self::NoisyHeights { factor } if *factor > SCATTERS => 2,

@@ -530,3 +530,176 @@ fn rows_behind_the_names_of_their_sensors() {
     ends_there(end);
     fs::remove_dir_all(&dir).unwrap();
 }
+
+/// The speed beside them shows that integers are millionths of a degree: by their size they could be tenths of them.
+#[test]
+fn millionths_of_a_degree() {
+    let counts = |numbers: &[f64]| {
+        let [t, lat, lon, height] = [0, 1, 2, 3].map(|k| numbers[k]);
+        let speed = 2.0 * (t - 20.0).clamp(0.0, 10.0);
+        let count = |angle: f64| (angle * 1e6).round();
+        format!("{t},{},{},{height},{speed},0", count(lat), count(lon))
+    };
+    let header = "time,lat,lon,alt,speed,course\n";
+    let (file, end) = solved("millionths", [None, Some((header, &counts))]);
+    assert!(file.contains("position_unit = \"LSB/1e6 deg\""), "{file}");
+    ends_there(end);
+}
+
+/// An accuracy, a speed and a course in rows of their own are those of another sensor, a compass here; beside positions they are
+/// the receiver's.
+#[test]
+fn an_accuracy_of_another_sensor() {
+    let header = "time,lat,lon,alt,accuracy\n";
+    let apart = |numbers: &[f64]| {
+        let blank = numbers[0] + 0.05;
+        format!("{},\n{blank:.2},,,,30", joined(numbers, ","))
+    };
+    let (file, end) = solved("compass", [None, Some((header, &apart))]);
+    assert!(file.contains("position_std = \"3, 3, 6 m\""), "{file}");
+    ends_there(end);
+    let beside = |numbers: &[f64]| format!("{},4", joined(numbers, ","));
+    let (file, end) = solved("accuracy", [None, Some((header, &beside))]);
+    assert!(file.contains("\"accuracy\", \"accuracy\""), "{file}");
+    ends_there(end);
+}
+
+/// Rows of an IMU between the sentences of a receiver, by the time of day, without names of columns.
+#[test]
+fn rows_between_sentences() {
+    let dir = folder("sentences");
+    drive(&dir, NAMED, super::row);
+    let rows = |file: &str| {
+        let text = fs::read_to_string(dir.join(file)).unwrap();
+        let numbers = |line: &str| -> Vec<f64> {
+            line.split(',')
+                .map(|field| field.parse().unwrap())
+                .collect()
+        };
+        text.lines().skip(1).map(numbers).collect::<Vec<_>>()
+    };
+    let day = 36_000.0;
+    let imu = rows("imu.csv").into_iter().enumerate().map(|(k, row)| {
+        let noise = (k * 7919 % 101) as f64 * 1e-3 - 0.05;
+        let gyro = [noise, -1.3 * noise, 0.7 * noise * noise];
+        let force = [row[4] + 1e-2 * noise, 0.02 * noise, row[6] - 1e-2 * noise];
+        let line = format!(
+            "IMU,{:.2},{},{}\n",
+            day + row[0],
+            joined(&gyro, ","),
+            joined(&force, ",")
+        );
+        (row[0], line)
+    });
+    let fixes = rows("gnss.csv").into_iter().map(|row| {
+        let minutes = 60.0 * row[1].fract();
+        let body = format!(
+            "GNGGA,1000{:05.2},48{minutes:010.7},N,01130.0,E,1,10,0.8,500.0,M,47.0,M,,",
+            row[0]
+        );
+        let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+        (row[0], format!("${body}*{sum:02X}\n"))
+    });
+    let mut all = Vec::from_iter(imu.chain(fixes));
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let text: String = all.into_iter().map(|(_, line)| line).collect();
+    fs::write(dir.join("log.txt"), text).unwrap();
+    let (file, end) = navigated(&dir, &["log.txt"]);
+    assert_eq!(file.matches("file = \"log.txt\"").count(), 2, "{file}");
+    ends_there(end);
+    fs::remove_dir_all(&dir).unwrap();
+}
+
+/// Whole seconds in a column without a unit are no milliseconds: the log would be over in no time.
+#[test]
+fn samples_of_a_second() {
+    let dir = folder("seconds");
+    let row = |k: i32| {
+        let noise = f64::from(k * 7919 % 101 - 50) * 1e-5;
+        format!("{k},{noise},{},{noise},0.1,0.2,{}\n", -noise, 9.81 + noise)
+    };
+    let rows: String = (0..600).map(row).collect();
+    fs::write(dir.join("imu.csv"), format!("t,gx,gy,gz,ax,ay,az\n{rows}")).unwrap();
+    let report = text(&undrift(&["inspect", "imu.csv"], &dir));
+    assert!(
+        report.contains("600 records at 1 Hz, 0.000 s to 599.000 s"),
+        "{report}"
+    );
+    // A hundred a second for as many rows stay milliseconds.
+    let rows: String = rows
+        .lines()
+        .map(|row| row.replacen(',', "0,", 1) + "\n")
+        .collect();
+    fs::write(dir.join("imu.csv"), format!("t,gx,gy,gz,ax,ay,az\n{rows}")).unwrap();
+    let report = text(&undrift(&["inspect", "imu.csv"], &dir));
+    assert!(
+        report.contains("600 records at 100 Hz, 0.000 s to 5.990 s"),
+        "{report}"
+    );
+    fs::remove_dir_all(&dir).unwrap();
+}
+
+/// An archive of one file is that file; of several, the message says what to do.
+#[test]
+fn archives_of_a_log() {
+    let dir = folder("archives");
+    drive(&dir, NAMED, super::row);
+    fs::write(
+        dir.join("imu.zip"),
+        stored(&[&fs::read(dir.join("imu.csv")).unwrap()]),
+    )
+    .unwrap();
+    let (file, end) = navigated(&dir, &["imu.zip", "gnss.csv"]);
+    assert!(file.contains("file = \"imu.zip\""), "{file}");
+    ends_there(end);
+    fs::write(
+        dir.join("both.zip"),
+        stored(&[b"t,x\n0,1\n", b"t,y\n0,1\n"]),
+    )
+    .unwrap();
+    let run = undrift(&["navigate", "both.zip"], &dir);
+    let said = String::from_utf8_lossy(&run.stderr).into_owned();
+    assert!(
+        run.status.code() == Some(1) && said.contains("not a drive file or a log; extract it"),
+        "{said}"
+    );
+    fs::remove_dir_all(&dir).unwrap();
+}
+
+/// An archive of files as they are, called a, b and so on; nobody reads the sums.
+fn stored(files: &[&[u8]]) -> Vec<u8> {
+    let (mut archive, mut entries) = (Vec::new(), Vec::new());
+    for (name, file) in (b'a'..).zip(files) {
+        let (at, size) = (archive.len() as u32, file.len() as u32);
+        let about = [[0; 4], size.to_le_bytes(), size.to_le_bytes(), [1, 0, 0, 0]].concat();
+        archive.extend(
+            [
+                &b"PK\x03\x04\x14\0\0\0\0\0\0\0\0\0"[..],
+                &about,
+                &[name],
+                file,
+            ]
+            .concat(),
+        );
+        let place = [&[0; 10][..], &at.to_le_bytes(), &[name]].concat();
+        entries.extend(
+            [
+                &b"PK\x01\x02\x14\0\x14\0\0\0\0\0\0\0\0\0"[..],
+                &about,
+                &place,
+            ]
+            .concat(),
+        );
+    }
+    let count = (files.len() as u16).to_le_bytes();
+    let (at, size) = (archive.len() as u32, entries.len() as u32);
+    let end = [
+        &b"PK\x05\x06\0\0\0\0"[..],
+        &count,
+        &count,
+        &size.to_le_bytes(),
+        &at.to_le_bytes(),
+        &[0, 0],
+    ];
+    [archive, entries, end.concat()].concat()
+}

@@ -172,6 +172,18 @@ pub fn logs() -> Vec<Mistake> {
             states_velocities(case);
             imu(case, "t,gx,gy,gz,ax,ay,az", |row| row.fields.swap(1, 2));
         }),
+        logs("samples of whole seconds, in feet", |case| {
+            states_velocities(case);
+            let rows = super::good().imu;
+            let rows = rows.into_iter().step_by(100).zip(0..).map(|(mut row, k)| {
+                let feet = [4, 5, 6].map(|column| row.number(column) / 0.3048);
+                row.put(4, &feet);
+                row.fields[0] = format!("{k}");
+                row
+            });
+            let text = table("t,gx,gy,gz,ax,ay,az", &Vec::from_iter(rows));
+            case.put("imu.csv", text.as_bytes());
+        }),
         recording("ticks of unknown length", |case| {
             let text = record(30_000, HEADER, |_, _| ());
             let mut made = String::from("ticks,gx,gy,gz,ax,ay,az\n");

@@ -1,6 +1,6 @@
 use super::*;
 use crate::{
-    findings::{Severity, verdict},
+    findings::{LeftOut, Severity, verdict},
     navigate::Hindsight,
     outages::{ModelRun, OutageErrors},
     reference::{Coverage, Errors},
@@ -176,12 +176,12 @@ fn outages_that_are_left_out_are_counted_and_none_left_is_no_result() {
     );
     let of = |experiment: &Experiment| verdict(&of_outages(experiment, &[])).0;
     assert_eq!((of(&few), of(&most)), (Severity::Note, Severity::Warning));
-    let expected = Finding::OutagesLeftOut {
+    let expected = Finding::OutagesLeftOut(LeftOut {
         why: WhyLeftOut::InGap,
         outages: 3,
         of: 6,
         first: 0.0,
-    };
+    });
     assert_eq!(of_outages(&few, &[]), [expected]);
     assert_eq!(of(&experiment(Vec::new(), 2)), Severity::Unusable);
 }

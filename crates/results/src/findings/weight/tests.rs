@@ -85,6 +85,7 @@ fn not_run(all: bool) -> Finding {
     Finding::NotRun {
         models: vec!["white".to_owned()],
         all,
+        why: None,
     }
 }
 
@@ -123,11 +124,13 @@ fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
         line: 9,
         step: 1.0,
     };
-    let left_out = |outages, of| Finding::OutagesLeftOut {
-        why: crate::findings::WhyLeftOut::InGap,
-        outages,
-        of,
-        first: 0.0,
+    let left_out = |outages, of| {
+        Finding::OutagesLeftOut(crate::findings::LeftOut {
+            why: crate::findings::WhyLeftOut::InGap,
+            outages,
+            of,
+            first: 0.0,
+        })
     };
     let reference = |fixes, of| Finding::RejectedReference { fixes, of };
     let down = |z| Finding::NotDown {
@@ -154,6 +157,7 @@ fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
             what,
         })
     };
+    let slow = |factor| Finding::SlowSamples { rate: 1.0, factor };
     for (k, (finding, severity, rank)) in [
         (Finding::Diverged { time: 1.0 }, Unusable, 0),
         (Finding::NoOutage, Unusable, 0),
@@ -213,6 +217,7 @@ fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
         (drift(20, 20), Unusable, 4),
         (Finding::LargeInnovations { start: 0.0 }, Warning, 5),
         (Finding::GuessedRate { rate: 50.0 }, Warning, 5),
+        (Finding::MovingAverageSign { axes: Vec::new() }, Warning, 1),
         (disagreement(0.8), Warning, 5),
         (disagreement(0.79), Unusable, 5),
         (Finding::FixJitter { std: 0.02 }, Note, 2),
@@ -235,6 +240,10 @@ fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
         (reference(10, 100), Note, 7),
         (left_out(6, 11), Warning, 7),
         (left_out(5, 10), Note, 7),
+        (left_out(10, 10), Unusable, 0),
+        (slow(None), Warning, 1),
+        (slow(Some(10.0)), Warning, 1),
+        (slow(Some(10.1)), Unusable, 1),
         (Finding::Bridged { gaps: 1 }, Note, 7),
         (Finding::StartedLate { time: 1.0 }, Warning, 7),
     ]
@@ -356,6 +365,13 @@ fn a_jump_lasts_stays_and_is_of_the_positions_alone() {
     // It came back, or the solution followed as where more than the positions contradicts it.
     assert!(!with(|of| of.accepted_in_the_end = false));
     assert!(!with(|of| of.end = 105.0));
+    // Too far for a solution that drifts, however soon it followed.
+    assert!(with(
+        |of| (of.first, of.last, of.largest, of.end) = (31.0, 31.0, 31.0, 105.0)
+    ));
+    assert!(!with(
+        |of| (of.first, of.last, of.largest, of.end) = (30.0, 30.0, 30.0, 105.0)
+    ));
     // A solution that drifts away.
     assert!(!with(|of| of.last = 0.9));
     assert!(!with(|of| of.frozen = true));
