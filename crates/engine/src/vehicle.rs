@@ -5,7 +5,7 @@
 //! scatter of the motion itself, since its errors are correlated in time and the filter takes them for white
 //! ([`NonHolonomic::CAR`]).
 
-use undrift_nav::Vector3;
+use undrift_nav::{Vector3, parameters::Prior};
 
 /// What the vehicle is, as a set of defaults.
 ///
@@ -23,10 +23,69 @@ pub enum Profile {
     None,
     /// A wheeled vehicle on a road: no side slip, no hopping, at rest at times.
     Car,
-    /// An aircraft: no constraint but that it may be at rest on the ground.
+    /// An aircraft: it keeps its velocity through the air, and may be at rest on the ground.
     Aircraft,
     /// A person on foot carrying the sensor: at rest at times.
     Pedestrian,
+    /// A copter: the drag of its rotors shows its velocity through the air.
+    Copter,
+}
+
+/// What the air does to a craft in flight. Standard deviations are the scatter itself, which lasts for about two seconds
+/// ([`Air::INTERVAL`], [`Air::LASTS`]); where fixes show that there is more, they grow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
+pub enum Air {
+    /// The velocity through the air stays that of trim in body axes, to this standard deviation [m/s].
+    Wings(f64),
+    /// The specific force across the thrust, which is along z, is the drag of the rotors.
+    Rotors {
+        /// Standard deviation of the specific force [m/s²].
+        std: f64,
+        /// Drag over mass [1/s], beside which [`Parameter::RotorDrag`](undrift_nav::parameters::Parameter::RotorDrag) is estimated.
+        drag: f64,
+    },
+}
+
+impl Air {
+    /// Time from one update to the next \[s\].
+    pub const INTERVAL: f64 = 0.2;
+    /// Time over which gusts, manoeuvres and angles of attack last \[s\]: white noise of the same power at one update every
+    /// [`Air::INTERVAL`] has √(2 LASTS/INTERVAL) times their standard deviation.
+    pub const LASTS: f64 = 2.0;
+    /// An aircraft; on two of 2 and 20 kg the velocity through the air scatters by 1.5 to 4 m/s about a slow mean.
+    pub const WINGS: Self = Self::Wings(1.5);
+    /// Drag of a copter's rotors over its mass [1/s]; quadrotors have 0.2 to 0.35.
+    pub const DRAG: f64 = 0.25;
+    /// A copter.
+    pub const ROTORS: Self = Self::Rotors {
+        std: 0.2,
+        drag: Self::DRAG,
+    };
+    /// Prior of the wind: gales are rare, and near the ground it changes by some 0.8 m/s in a minute.
+    pub const WIND: Prior = Prior {
+        std: 6.0,
+        walk: 0.1,
+        time: 0.0,
+    };
+    /// Prior of the rotors' drag beside the configured [1/s].
+    pub const ROTOR_DRAG: Prior = Prior::constant(0.1);
+
+    /// Prior of the velocity in trim: that of any aircraft, or a thrust that is turned by 2° against the body's z.
+    pub const fn trim(&self) -> Prior {
+        match self {
+            Self::Wings(_) => Prior {
+                std: 20.0,
+                walk: 0.1,
+                time: 0.0,
+            },
+            Self::Rotors { .. } => Prior {
+                std: 1.5,
+                walk: 0.01,
+                time: 0.0,
+            },
+        }
+    }
 }
 
 /// The constraints in force; `None` switches one off, and the default has none. Standard deviations are of one update.
@@ -54,6 +113,8 @@ pub struct Constraints {
     /// Standard deviation of the heading against the course over ground \[rad\], and the speed above
     /// which it holds [m/s].
     pub course: Option<(f64, f64)>,
+    /// What the air does to the craft, beside parameters for wind and trim.
+    pub air: Option<Air>,
     /// IMU → wheel that turns the odometer, body axes \[m\].
     pub odometer_lever: Vector3,
     /// Direction of the second antenna as seen from the first in the body, from forward to right \[rad\].
@@ -98,7 +159,13 @@ impl NonHolonomic {
 
 impl Profile {
     /// Every profile, that without knowledge first.
-    pub const ALL: [Self; 4] = [Self::None, Self::Car, Self::Aircraft, Self::Pedestrian];
+    pub const ALL: [Self; 5] = [
+        Self::None,
+        Self::Car,
+        Self::Aircraft,
+        Self::Pedestrian,
+        Self::Copter,
+    ];
 
     /// Its name in a drive file: `vehicle = "car"`.
     ///
@@ -113,6 +180,7 @@ impl Profile {
             Self::Car => "car",
             Self::Aircraft => "aircraft",
             Self::Pedestrian => "pedestrian",
+            Self::Copter => "copter",
         }
     }
 
@@ -129,7 +197,15 @@ impl Profile {
                 non_holonomic: Some(NonHolonomic::CAR),
                 ..rest
             },
-            Self::Aircraft | Self::Pedestrian => rest,
+            Self::Pedestrian => rest,
+            Self::Aircraft => Constraints {
+                air: Some(Air::WINGS),
+                ..rest
+            },
+            Self::Copter => Constraints {
+                air: Some(Air::ROTORS),
+                ..Constraints::default()
+            },
         }
     }
 }
