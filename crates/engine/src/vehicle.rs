@@ -71,12 +71,13 @@ impl Air {
     /// Prior of the rotors' drag beside the configured [1/s].
     pub const ROTOR_DRAG: Prior = Prior::constant(0.1);
 
-    /// Prior of the velocity in trim: that of any aircraft, or a thrust that is turned by 2° against the body's z.
+    /// Prior of the velocity in trim: that of any aircraft, which changes by 2 m/s in a minute, or a thrust that is turned by 2° against
+    /// the body's z.
     pub const fn trim(&self) -> Prior {
         match self {
             Self::Wings(_) => Prior {
                 std: 20.0,
-                walk: 0.1,
+                walk: 0.3,
                 time: 0.0,
             },
             Self::Rotors { .. } => Prior {
