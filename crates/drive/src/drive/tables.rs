@@ -274,6 +274,10 @@ pub(super) fn read_vehicle(section: &Section) -> Result<(Constraints, Parameters
     let axle = read_std(section, "axle_std", Quantity::Length, unless(axle))?;
     let usual = constraints.air.map(|_| Air::WIND.std);
     let wind = read_std(section, "wind_std", Quantity::Velocity, usual)?;
+    if usual.is_none() && wind.is_some() {
+        let problem = "has no effect without \"air_velocity\" or \"rotor_drag\"";
+        return Err(section.error("wind_std", problem));
+    }
     section.only_known()?;
     let parameters = of_vehicle(Parameters::none(), mounting, axle);
     let parameters = of_air(parameters, constraints.air, wind);
