@@ -55,7 +55,9 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
     let logs = logs(inspections, Path::new(""));
     let mut found = in_vehicle(inspections, &logs, imu, gnss, beside);
     accuracy::write(inspections, [imu, gnss], logs.clone(), found);
-    found.flight = flight::found(inspections, [imu, gnss], logs, found);
+    if removed_gravity(&inspections[imu.0].parts[imu.1]).is_none() {
+        found.flight = flight::found(inspections, [imu, gnss], logs, found);
+    }
     found
 }
 
