@@ -5,7 +5,10 @@
 //! scatter of the motion itself, since its errors are correlated in time and the filter takes them for white
 //! ([`NonHolonomic::CAR`]).
 
-use undrift_nav::{Vector3, parameters::Prior};
+use undrift_nav::{
+    Vector3,
+    parameters::{Parameter, Parameters, Prior},
+};
 
 /// What the vehicle is, as a set of defaults.
 ///
@@ -42,7 +45,7 @@ pub enum Air {
     Rotors {
         /// Standard deviation of the specific force [m/s²].
         std: f64,
-        /// Drag over mass [1/s], beside which [`Parameter::RotorDrag`](undrift_nav::parameters::Parameter::RotorDrag) is estimated.
+        /// Drag over mass [1/s], beside which [`Parameter::RotorDrag`] is estimated.
         drag: f64,
     },
 }
@@ -71,9 +74,30 @@ impl Air {
     /// Prior of the rotors' drag beside the configured [1/s].
     pub const ROTOR_DRAG: Prior = Prior::constant(0.1);
 
+    /// `parameters` with those that the motion through the air takes, without which it is not used: trim, drag of rotors, and wind
+    /// with this standard deviation at the start [m/s]; `None` where there is none, as in a room.
+    ///
+    /// ```
+    /// use undrift_engine::vehicle::Air;
+    /// use undrift_nav::parameters::{Parameter, Parameters};
+    /// let estimated = Air::WINGS.with_states(Parameters::none(), Some(6.0));
+    /// assert_eq!(estimated.states(), 5);
+    /// assert!(estimated.prior(Parameter::RotorDrag).is_none());
+    /// ```
+    pub fn with_states(&self, parameters: Parameters, wind: Option<f64>) -> Parameters {
+        let mut parameters = parameters.with(Parameter::TrimVelocity, self.trim());
+        if let Some(std) = wind {
+            parameters = parameters.with(Parameter::Wind, Prior { std, ..Self::WIND });
+        }
+        match self {
+            Self::Wings(_) => parameters,
+            Self::Rotors { .. } => parameters.with(Parameter::RotorDrag, Self::ROTOR_DRAG),
+        }
+    }
+
     /// Prior of the velocity in trim: that of any aircraft, which changes by 2 m/s in a minute, or a thrust that is turned by 2° against
     /// the body's z.
-    pub const fn trim(&self) -> Prior {
+    const fn trim(&self) -> Prior {
         match self {
             Self::Wings(_) => Prior {
                 std: 20.0,
@@ -114,7 +138,7 @@ pub struct Constraints {
     /// Standard deviation of the heading against the course over ground \[rad\], and the speed above
     /// which it holds [m/s].
     pub course: Option<(f64, f64)>,
-    /// What the air does to the craft, beside parameters for wind and trim.
+    /// What the air does to the craft, where the parameters of [`Air::with_states`] are estimated.
     pub air: Option<Air>,
     /// IMU → wheel that turns the odometer, body axes \[m\].
     pub odometer_lever: Vector3,

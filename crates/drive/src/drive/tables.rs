@@ -280,7 +280,10 @@ pub(super) fn read_vehicle(section: &Section) -> Result<(Constraints, Parameters
     }
     section.only_known()?;
     let parameters = of_vehicle(Parameters::none(), mounting, axle);
-    let parameters = of_air(parameters, constraints.air, wind);
+    let parameters = match &constraints.air {
+        Some(air) => air.with_states(parameters, wind),
+        None => parameters,
+    };
     Ok((constraints, parameters))
 }
 
@@ -305,21 +308,6 @@ fn read_air(section: &Section, profile: Option<Air>) -> Result<Option<Air>, Conf
             drag: Air::DRAG,
         })),
         (None, None) => Ok(None),
-    }
-}
-
-/// `parameters` with those that the motion through the air asks for, and a wind of this standard deviation [m/s].
-fn of_air(parameters: Parameters, air: Option<Air>, wind: Option<f64>) -> Parameters {
-    let Some(air) = air else {
-        return parameters;
-    };
-    let mut parameters = parameters.with(Parameter::TrimVelocity, air.trim());
-    if let Some(std) = wind {
-        parameters = parameters.with(Parameter::Wind, Prior { std, ..Air::WIND });
-    }
-    match air {
-        Air::Wings(_) => parameters,
-        Air::Rotors { .. } => parameters.with(Parameter::RotorDrag, Air::ROTOR_DRAG),
     }
 }
 
@@ -352,7 +340,10 @@ pub(super) fn vehicle_by_default(
     constraints.non_holonomic = rule.map(|rule| non_holonomic(rule.right, None, None));
     let needed = |std: f64| rule.map(|_| std);
     let parameters = of_vehicle(parameters, needed(MOUNTING_STD), needed(AXLE_STD));
-    let parameters = of_air(parameters, constraints.air, Some(Air::WIND.std));
+    let parameters = match &constraints.air {
+        Some(air) => air.with_states(parameters, Some(Air::WIND.std)),
+        None => parameters,
+    };
     (constraints, parameters)
 }
 

@@ -66,7 +66,8 @@ impl Flight {
                 (Aiding::RotorDrag { force, drag }, std)
             }
         };
-        if !self.flies {
+        let known = filter.parameters().prior(Parameter::TrimVelocity).is_some();
+        if !(self.flies && known) {
             return;
         }
         let factor = self.gusts.factor();

@@ -8,7 +8,6 @@ mod circles;
 mod epochs;
 mod faults;
 mod fix_study;
-mod flights;
 mod in_memory;
 mod mechanisation;
 mod montecarlo;

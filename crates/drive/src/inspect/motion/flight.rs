@@ -125,16 +125,15 @@ fn felt(way: &[NavState], imu: &[ImuSample]) -> Option<f64> {
     if windows.len() < LEAST {
         return None;
     }
-    let mean = |of: fn(&(Vector2<f64>, Vector2<f64>)) -> Vector2<f64>| {
-        windows.iter().map(of).sum::<Vector2<f64>>() / windows.len() as f64
-    };
-    let (accel, force) = (mean(|one| one.0), mean(|one| one.1));
+    let count = windows.len() as f64;
+    let accel = windows.iter().map(|one| one.0).sum::<Vector2<f64>>() / count;
+    let force = windows.iter().map(|one| one.1).sum::<Vector2<f64>>() / count;
     let (mut along, mut all) = (0.0, 0.0);
     for (a, f) in &windows {
         along += (a - accel).dot(&(f - force));
         all += (a - accel).norm_squared();
     }
-    (all > ACCELERATES * ACCELERATES * windows.len() as f64).then(|| along / all)
+    (all > ACCELERATES * ACCELERATES * count).then(|| along / all)
 }
 
 /// The profile under which withheld fixes are likeliest, where it gains more than chance and drifts less.
