@@ -17,9 +17,9 @@ use undrift_simulate::{Craft, Flight, GnssNoise, Simulation, fly};
 const STARTS: [f64; 3] = [200.0, 310.0, 420.0];
 const LENGTH: f64 = 60.0;
 
-/// A flight in this wind with a cheap IMU among rotors, 1 deg/√h, 0.3 deg/s and 10 mg, as this profile has it.
+/// A flight in this wind with a cheap IMU among rotors, 0.1 deg/s/√Hz, 0.3 deg/s and 10 mg, as this profile has it.
 fn scenario(craft: Craft, wind: [f64; 2], seed: u64, profile: Profile) -> Scenario {
-    let sensors = imu([3e-4, 5e-3], [1e-2, 0.1]);
+    let sensors = imu([2e-3, 5e-3], [5e-2, 0.1]);
     let gnss = GnssNoise {
         position_std: [1.5, 1.5, 3.0],
         velocity_std: [0.1, 0.1, 0.2],

@@ -158,7 +158,7 @@ fn what_flies_is_known_by_its_motion() {
             .plus(&start)
             .unwrap()
     };
-    let (gyro, accel) = (axis(3e-4, 3e-3), axis(5e-3, 0.1));
+    let (gyro, accel) = (axis(2e-3, 3e-3), axis(5e-2, 0.1));
     let sensors = [gyro, gyro, gyro, accel, accel, accel];
     let noise = GnssNoise {
         position_std: [1.5, 1.5, 3.0],
