@@ -136,7 +136,7 @@ fn smooth(x: f64) -> f64 {
     x * x * x * (10.0 - x * (15.0 - 6.0 * x))
 }
 
-/// Simulates a flight: the IMU at `rate_hz` with the errors of `filters` as [`simulate`](super::simulate) has them, and the GNSS receiver at the
+/// Simulates a flight: the IMU at `rate_hz` with the errors of `filters` as in [`simulate`](super::simulate), and the GNSS receiver at the
 /// IMU, whose lever arm and offsets are not used.
 ///
 /// ```

@@ -17,7 +17,7 @@ use undrift_simulate::{Craft, Flight, GnssNoise, Simulation, fly};
 const STARTS: [f64; 3] = [200.0, 310.0, 420.0];
 const LENGTH: f64 = 60.0;
 
-/// A flight in this wind with a cheap IMU among rotors, 0.1 deg/s/√Hz, 0.3 deg/s and 10 mg, as this profile has it.
+/// A flight in this wind with a cheap IMU among rotors, 0.1 deg/s/√Hz, 0.3 deg/s and 10 mg, under this profile.
 fn scenario(craft: Craft, wind: [f64; 2], seed: u64, profile: Profile) -> Scenario {
     let sensors = imu([2e-3, 5e-3], [5e-2, 0.1]);
     let gnss = GnssNoise {

@@ -33,6 +33,8 @@ const MOVES: f64 = 2.0;
 /// Share of its horizontal acceleration that the accelerometers across its vertical axis feel: all on the ground and on
 /// water, where the ground pushes; little in the air, where a craft accelerates by leaning.
 const FELT: f64 = 0.5;
+/// Speed of which wings need more, most of the time [m/s]: what hovers is no aircraft.
+const WINGS: f64 = 8.0;
 /// Withheld spans: the first so long after the first fix in each of two runs, from one to the next, and length \[s\].
 const STARTS: [f64; 2] = [40.0, 60.0];
 const EVERY: f64 = 40.0;
@@ -63,10 +65,11 @@ pub(super) fn found(
         drive.align.heading = Heading::Auto;
     }
     let logs = Logs::load(&beginning(drive, LONGEST)?, Hindsight::Causal).ok()?;
-    if !is_flying(&logs)? {
+    let (felt, fast) = leans(&logs)?;
+    if felt > FELT {
         return None;
     }
-    let flight = likeliest(&logs);
+    let flight = likeliest(&logs, fast);
     if flight.is_none() {
         inspections[places[0].0].found.push(Note::Flies);
     }
@@ -91,20 +94,21 @@ impl Observer for Watch {
     }
 }
 
-/// Whether the craft leans into its accelerations; `None` where it accelerates too little to show it.
-fn is_flying(logs: &Logs) -> Option<bool> {
+/// What [`felt`] finds of the logs.
+fn leans(logs: &Logs) -> Option<(f64, bool)> {
     let settings = settings(&logs.drive, BiasModel::Arma).ok()?;
     let mut watch = Watch::default();
     let mut imu = logs.imu.iter().copied().map(Ok::<_, ReadError>);
     let mut aiding = logs.aiding.iter().copied().map(Ok::<_, ReadError>);
     replay(&mut imu, &mut aiding, &settings, &mut watch).ok()?;
-    felt(&watch.0, &logs.imu).map(|share| share < FELT)
+    felt(&watch.0, &logs.imu)
 }
 
-/// Share of the horizontal accelerations that the accelerometers across the body's vertical axis feel.
-fn felt(way: &[NavState], imu: &[ImuSample]) -> Option<f64> {
+/// Share of the horizontal accelerations that the accelerometers across the body's vertical axis feel, and whether it is mostly as fast
+/// as wings need; `None` where it accelerates too little to show it.
+fn felt(way: &[NavState], imu: &[ImuSample]) -> Option<(f64, bool)> {
     let mut samples = imu.iter().peekable();
-    let mut windows = Vec::new();
+    let (mut windows, mut fast) = (Vec::new(), 0);
     for pair in way.windows(2) {
         let (start, end) = (pair[0].time, pair[1].time);
         let mut sum = Vector3::zeros();
@@ -117,6 +121,7 @@ fn felt(way: &[NavState], imu: &[ImuSample]) -> Option<f64> {
         if long || pair[1].v_n.norm() < MOVES {
             continue;
         }
+        fast += usize::from(pair[1].v_n.norm() > WINGS);
         let yaw = pair[1].q_nb.euler_angles().2;
         let turn = nalgebra::Rotation2::new(-yaw);
         let gained = turn * (pair[1].v_n - pair[0].v_n).xy();
@@ -133,12 +138,13 @@ fn felt(way: &[NavState], imu: &[ImuSample]) -> Option<f64> {
         along += (a - accel).dot(&(f - force));
         all += (a - accel).norm_squared();
     }
-    (all > ACCELERATES * ACCELERATES * count).then(|| along / all)
+    (all > ACCELERATES * ACCELERATES * count).then(|| (along / all, 2 * fast > windows.len()))
 }
 
 /// The profile under which withheld fixes are likeliest, where it gains more than chance and drifts less.
-fn likeliest(logs: &Logs) -> Option<Flight> {
-    let crafts = [None, Some(Flight::Copter), Some(Flight::Aircraft)];
+fn likeliest(logs: &Logs, fast: bool) -> Option<Flight> {
+    let all = [None, Some(Flight::Copter), Some(Flight::Aircraft)];
+    let crafts = if fast { &all[..] } else { &all[..2] };
     let with = |drive: &Drive, craft: Option<Flight>| match craft {
         None => drive.clone(),
         Some(Flight::Copter) => drive.clone().with_vehicle(Profile::Copter),
