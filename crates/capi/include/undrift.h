@@ -45,7 +45,7 @@
 /**
  * Bytes of a filter beside its covariance and estimates, at most; see UNDRIFT_FILTER_BYTES.
  */
-#define UNDRIFT_FILTER_OVERHEAD 7424
+#define UNDRIFT_FILTER_OVERHEAD 7552
 
 /**
  * What a call came to: 0 is success.
@@ -380,13 +380,17 @@ enum undrift_vehicle
      */
     UNDRIFT_VEHICLE_CAR = 1,
     /**
-     * An aircraft: at rest on the ground.
+     * An aircraft: it keeps its velocity through the air, and is at rest on the ground.
      */
     UNDRIFT_VEHICLE_AIRCRAFT = 2,
     /**
      * A person on foot.
      */
     UNDRIFT_VEHICLE_PEDESTRIAN = 3,
+    /**
+     * A copter: the drag of its rotors shows its velocity through the air.
+     */
+    UNDRIFT_VEHICLE_COPTER = 4,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L

@@ -11,7 +11,7 @@ use undrift_engine::{
     Event, Measurement, Navigator as Inner, Part, PushError, Scalar, ScalarLog,
     align::{AlignSettings, Heading},
     settings::{Settings, fix_errors::FromFixes, magnetometer::Magnetometer},
-    vehicle::{Constraints, Profile},
+    vehicle::{Air, Constraints, Profile},
 };
 use undrift_nav::{
     Vector3,
@@ -28,10 +28,12 @@ pub enum Vehicle {
     None = 0,
     /// A wheeled vehicle on a road: no side slip, at rest at times.
     Car = 1,
-    /// An aircraft: at rest on the ground.
+    /// An aircraft: it keeps its velocity through the air, and is at rest on the ground.
     Aircraft = 2,
     /// A person on foot.
     Pedestrian = 3,
+    /// A copter: the drag of its rotors shows its velocity through the air.
+    Copter = 4,
 }
 
 /// How a navigator works; undrift_navigator_defaults() sets the defaults of `undrift navigate`.
@@ -192,9 +194,10 @@ pub unsafe extern "C" fn undrift_navigator_new(
             )
         };
         let horizon = settings.horizon;
-        let made = Settings {
-            parameters,
-            ..engine_settings(&settings, sensors)?
+        let mut made = engine_settings(&settings, sensors)?;
+        made.parameters = match &made.constraints.air {
+            Some(air) => air.with_states(parameters, Some(Air::WIND.std)),
+            None => parameters,
         };
         let made = Box::new(Navigator {
             tag: TAG,

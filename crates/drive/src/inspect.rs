@@ -18,8 +18,8 @@ pub use file::drive_file;
 pub use motion::motion;
 pub use sensor::model;
 pub use undrift_results::inspect::{
-    Comment, Content, CounterRestarts, Inspection, Known, Line, Measured, Model, Motion, Note,
-    Part, Start, Wheels, about_gravity,
+    Comment, Content, CounterRestarts, Flight, Inspection, Known, Line, Measured, Model, Motion,
+    Note, Part, Start, Wheels, about_gravity,
 };
 
 pub(crate) use numbers::{are_exchanged, three_of};

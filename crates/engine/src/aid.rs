@@ -227,6 +227,15 @@ pub enum Aiding {
     Level(Vector3),
     /// No velocity to the right or down at this point, IMU → axle, body axes \[m\]; two numbers \[m/s\].
     NonHolonomic(Vector3),
+    /// An aircraft keeps its velocity through the air in body axes; three numbers \[m/s\].
+    AirVelocity,
+    /// Drag of rotors, two numbers \[m/s²\].
+    RotorDrag {
+        /// Mean specific force as the accelerometers read it, body axes \[m/s²\].
+        force: Vector3,
+        /// Drag over mass, as configured [1/s].
+        drag: f64,
+    },
     /// Speed of a wheel along the vehicle's forward axis.
     Odometer {
         /// Speed, forward positive \[m/s\].
@@ -313,6 +322,8 @@ pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Op
         Aiding::NoTurn(rate) => Observed::Three(rest::observe_no_turn(filter, rate)),
         Aiding::Level(force) => Observed::Two(filter.observe_level(force)),
         Aiding::NonHolonomic(axle) => Observed::Two(filter.observe_non_holonomic(axle)),
+        Aiding::AirVelocity => Observed::Three(filter.observe_air_velocity()),
+        Aiding::RotorDrag { force, drag } => Observed::Two(filter.observe_rotor_drag(force, *drag)),
         Aiding::Odometer { speed, lever_arm } => {
             Observed::One(filter.observe_odometer(*speed, lever_arm))
         }

@@ -5,6 +5,7 @@
 //! | rest on the ground | the sensors are quiet ([`crate::rest`]) | as configured; ten times the standard deviation where GNSS does not confirm it |
 //! | the Earth's rate | at the same time | white noise of the mean over the block, and what is configured |
 //! | no slip, no lift | at an interval, above a speed | as configured, in proportion to the lateral acceleration, and to the slip that fixes show |
+//! | drag of rotors, velocity that wings keep | in flight, at an interval | as configured, and what fixes show beyond it |
 //! | course is heading | with each velocity of a fix, above a speed | of the course, and what is configured for slip |
 //! | wheel speed, height | as measured | as measured |
 //!
@@ -19,6 +20,7 @@
 //! wheels on firm ground, axes of the vehicle known; course, that the vehicle points where it goes.
 //! Profiles switch them ([`crate::vehicle`]).
 
+mod air;
 mod course;
 mod non_holonomic;
 mod zero_velocity;
@@ -35,6 +37,7 @@ use crate::{
     settings::Settings,
     solution::Solution,
 };
+use air::Flight;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::{ComplexField, RealField};
 use non_holonomic::Slip;
@@ -63,6 +66,8 @@ pub(super) struct Vehicle {
     positions: Positions,
     /// How much the vehicle slips, as fixes show.
     slip: Slip,
+    /// Motion through the air.
+    flight: Flight,
 }
 
 impl Vehicle {
@@ -75,12 +80,14 @@ impl Vehicle {
             stood: false,
             positions: Positions::default(),
             slip: Slip::default(),
+            flight: Flight::default(),
         }
     }
 
     /// Body axes turn by `c`.
     pub(super) fn turn(&mut self, c: &Matrix3) {
         self.rest.turn(c);
+        self.flight.turn(c);
     }
 
     /// A fix that was shown to the filter: its speed, and its course where that is the heading.
@@ -106,6 +113,12 @@ impl Vehicle {
         let speed = v_n.xy().norm();
         self.last_speed = Some((fix.time, ((speed - error).max(0.0), speed + error)));
         course::update(filter, v_n, error, settings);
+    }
+
+    /// Whether fixes show the velocity at `time` \[s\].
+    fn is_aided(&self, time: f64) -> bool {
+        let last = self.last_speed.map(|(last, _)| last);
+        last.is_some_and(|last| time - last < SPEED_HOLDS)
     }
 
     /// What the vehicle cannot do, at the end of a sample; `last_velocity` is the time of the last fix used
@@ -138,13 +151,16 @@ impl Vehicle {
                 observer.judged(filter, rest);
             }
         }
+        if let Some(air) = &constraints.air {
+            let aided = self.is_aided(sample.time);
+            self.flight.sample(filter, (air, sample), aided, summary);
+        }
         if let Some(rule) = &constraints.non_holonomic
             && sample.time - self.last_constraint >= rule.interval - 0.5 * sample.dt
             && filter.vehicle_velocity(&rule.lever).x.abs() > rule.min_speed
         {
             self.last_constraint = sample.time;
-            let last = self.last_speed.map(|(time, _)| time);
-            let aided = last.is_some_and(|last| sample.time - last < SPEED_HOLDS);
+            let aided = self.is_aided(sample.time);
             non_holonomic::update(filter, rule, &mut self.slip, aided, summary);
         }
     }

@@ -300,6 +300,8 @@ pub trait Estimator: Send + Sync {
     fn set_white_noise(&mut self, variance: &[f64; AXES]);
     /// Adds uncertainty to the heading \[rad\] and the error of gyro z \[rad/s\], one standard deviation each.
     fn inflate_heading(&mut self, heading: f64, gyro: f64);
+    /// Adds variance to the errors of gyro x, y, z [rad²/s²] and accelerometer x, y, z [m²/s⁴].
+    fn inflate_sensor_errors(&mut self, variance: &[f64; AXES]);
     /// Adds uncertainty in the turn \[rad²\] and the change of velocity \[m²/s²\] of what was just passed, body axes.
     fn inflate_missed_motion(&mut self, turn: &Matrix3, velocity: &Matrix3);
     /// Innovation of a measurement, predicted less measured, zeros behind its components; `None`

@@ -268,6 +268,11 @@ impl Run {
         {
             solution.filter.set_white_noise(&variances);
             vibration.count();
+            if self.settings.constraints.air.is_some() {
+                solution
+                    .filter
+                    .inflate_sensor_errors(&vibration.rectified());
+            }
         }
         self.begin(&sample);
         let end = sample.time + STAMP_ROUNDING;

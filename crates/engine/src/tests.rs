@@ -1,6 +1,7 @@
 //! Drives of at most a minute with known truth, for the tests of what watches a solution.
 
 mod figures_of_eight;
+mod flights;
 mod headings;
 mod magnetometers;
 mod poses;

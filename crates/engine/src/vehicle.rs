@@ -5,7 +5,10 @@
 //! scatter of the motion itself, since its errors are correlated in time and the filter takes them for white
 //! ([`NonHolonomic::CAR`]).
 
-use undrift_nav::Vector3;
+use undrift_nav::{
+    Vector3,
+    parameters::{Parameter, Parameters, Prior},
+};
 
 /// What the vehicle is, as a set of defaults.
 ///
@@ -23,10 +26,91 @@ pub enum Profile {
     None,
     /// A wheeled vehicle on a road: no side slip, no hopping, at rest at times.
     Car,
-    /// An aircraft: no constraint but that it may be at rest on the ground.
+    /// An aircraft: it keeps its velocity through the air, and may be at rest on the ground.
     Aircraft,
     /// A person on foot carrying the sensor: at rest at times.
     Pedestrian,
+    /// A copter: the drag of its rotors shows its velocity through the air.
+    Copter,
+}
+
+/// What the air does to a craft in flight. Standard deviations are the scatter itself, which lasts for about two seconds
+/// ([`Air::INTERVAL`], [`Air::LASTS`]); where fixes show that there is more, they grow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
+pub enum Air {
+    /// The velocity through the air stays that of trim in body axes, to this standard deviation [m/s].
+    Wings(f64),
+    /// The specific force across the thrust, which is along z, is the drag of the rotors.
+    Rotors {
+        /// Standard deviation of the specific force [m/s²].
+        std: f64,
+        /// Drag over mass [1/s], beside which [`Parameter::RotorDrag`] is estimated.
+        drag: f64,
+    },
+}
+
+impl Air {
+    /// Time from one update to the next \[s\].
+    pub const INTERVAL: f64 = 0.2;
+    /// Time over which gusts, manoeuvres and angles of attack last \[s\]: white noise of the same power at one update every
+    /// [`Air::INTERVAL`] has √(2 LASTS/INTERVAL) times their standard deviation.
+    pub const LASTS: f64 = 2.0;
+    /// An aircraft; on two of 2 and 20 kg the velocity through the air scatters by 1.5 to 4 m/s about a slow mean.
+    pub const WINGS: Self = Self::Wings(1.5);
+    /// Drag of a copter's rotors over its mass [1/s]; quadrotors have 0.2 to 0.35.
+    pub const DRAG: f64 = 0.25;
+    /// A copter.
+    pub const ROTORS: Self = Self::Rotors {
+        std: 0.2,
+        drag: Self::DRAG,
+    };
+    /// Prior of the wind: gales are rare, and near the ground it changes by some 0.8 m/s in a minute.
+    pub const WIND: Prior = Prior {
+        std: 6.0,
+        walk: 0.1,
+        time: 0.0,
+    };
+    /// Prior of the rotors' drag beside the configured [1/s].
+    pub const ROTOR_DRAG: Prior = Prior::constant(0.1);
+
+    /// `parameters` with those that the motion through the air takes, without which it is not used: trim, drag of rotors, and wind
+    /// with this standard deviation at the start [m/s]; `None` where there is none, as in a room.
+    ///
+    /// ```
+    /// use undrift_engine::vehicle::Air;
+    /// use undrift_nav::parameters::{Parameter, Parameters};
+    /// let estimated = Air::WINGS.with_states(Parameters::none(), Some(6.0));
+    /// assert_eq!(estimated.states(), 5);
+    /// assert!(estimated.prior(Parameter::RotorDrag).is_none());
+    /// ```
+    pub fn with_states(&self, parameters: Parameters, wind: Option<f64>) -> Parameters {
+        let mut parameters = parameters.with(Parameter::TrimVelocity, self.trim());
+        if let Some(std) = wind {
+            parameters = parameters.with(Parameter::Wind, Prior { std, ..Self::WIND });
+        }
+        match self {
+            Self::Wings(_) => parameters,
+            Self::Rotors { .. } => parameters.with(Parameter::RotorDrag, Self::ROTOR_DRAG),
+        }
+    }
+
+    /// Prior of the velocity in trim: that of any aircraft, which changes by 2 m/s in a minute, or a thrust that is turned by 2° against
+    /// the body's z.
+    const fn trim(&self) -> Prior {
+        match self {
+            Self::Wings(_) => Prior {
+                std: 20.0,
+                walk: 0.3,
+                time: 0.0,
+            },
+            Self::Rotors { .. } => Prior {
+                std: 1.5,
+                walk: 0.01,
+                time: 0.0,
+            },
+        }
+    }
 }
 
 /// The constraints in force; `None` switches one off, and the default has none. Standard deviations are of one update.
@@ -54,6 +138,8 @@ pub struct Constraints {
     /// Standard deviation of the heading against the course over ground \[rad\], and the speed above
     /// which it holds [m/s].
     pub course: Option<(f64, f64)>,
+    /// What the air does to the craft, where the parameters of [`Air::with_states`] are estimated.
+    pub air: Option<Air>,
     /// IMU → wheel that turns the odometer, body axes \[m\].
     pub odometer_lever: Vector3,
     /// Direction of the second antenna as seen from the first in the body, from forward to right \[rad\].
@@ -98,7 +184,13 @@ impl NonHolonomic {
 
 impl Profile {
     /// Every profile, that without knowledge first.
-    pub const ALL: [Self; 4] = [Self::None, Self::Car, Self::Aircraft, Self::Pedestrian];
+    pub const ALL: [Self; 5] = [
+        Self::None,
+        Self::Car,
+        Self::Aircraft,
+        Self::Pedestrian,
+        Self::Copter,
+    ];
 
     /// Its name in a drive file: `vehicle = "car"`.
     ///
@@ -113,6 +205,7 @@ impl Profile {
             Self::Car => "car",
             Self::Aircraft => "aircraft",
             Self::Pedestrian => "pedestrian",
+            Self::Copter => "copter",
         }
     }
 
@@ -129,7 +222,15 @@ impl Profile {
                 non_holonomic: Some(NonHolonomic::CAR),
                 ..rest
             },
-            Self::Aircraft | Self::Pedestrian => rest,
+            Self::Pedestrian => rest,
+            Self::Aircraft => Constraints {
+                air: Some(Air::WINGS),
+                ..rest
+            },
+            Self::Copter => Constraints {
+                air: Some(Air::ROTORS),
+                ..Constraints::default()
+            },
         }
     }
 }

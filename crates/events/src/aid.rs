@@ -11,6 +11,8 @@ pub enum Aid {
     Velocity,
     /// Non-holonomic constraint: no velocity across or through the road.
     NonHolonomic,
+    /// Motion through the air: drag of rotors, velocity of an aircraft in trim.
+    Air,
     /// Zero-velocity updates at rest, with those of the angular rate.
     ZeroVelocity,
     /// Wheel speeds.
@@ -27,10 +29,11 @@ pub enum Aid {
 
 impl Aid {
     /// Every kind, in the order in which they are reported.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Position,
         Self::Velocity,
         Self::NonHolonomic,
+        Self::Air,
         Self::ZeroVelocity,
         Self::Odometer,
         Self::Barometer,
@@ -47,6 +50,7 @@ impl Aid {
             Self::Position => "position",
             Self::Velocity => "velocity",
             Self::NonHolonomic => "non-holonomic",
+            Self::Air => "air",
             Self::ZeroVelocity => "zero velocity",
             Self::Odometer => "odometer",
             Self::Barometer => "barometer",
@@ -72,6 +76,7 @@ impl Aid {
             Self::Position => "Position updates.",
             Self::Velocity => "Velocity updates.",
             Self::NonHolonomic => "Non-holonomic constraints.",
+            Self::Air => "Constraints of the air.",
             Self::ZeroVelocity => "Zero-velocity updates.",
             Self::Odometer => "Odometer updates.",
             Self::Barometer => "Barometer updates.",

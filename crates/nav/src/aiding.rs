@@ -10,6 +10,7 @@
 //! | course of a vehicle that drives where it points | [`Filter::observe_course`] |
 //! | heading by two antennas | [`Filter::observe_heading`] |
 //! | magnetic field | [`Filter::observe_magnetometer`] |
+//! | drag of rotors; velocity through the air that wings keep | [`Filter::observe_rotor_drag`], [`Filter::observe_air_velocity`] |
 //! | barometric height | [`Filter::observe_barometer`] |
 //! | attitude of a marker, by motion capture or a camera | [`Filter::observe_attitude`] |
 //! | rest: no velocity, gravity up, the Earth's rate | [`Filter::observe_zero_velocity`], [`Filter::observe_level`], [`Filter::observe_earth_rate`] |
@@ -45,6 +46,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod air;
 mod barometer;
 mod course;
 mod earth_rate;

@@ -53,6 +53,13 @@ pub enum Parameter {
     MarkerRotation,
     /// Tilt of the frame of poses against the horizon, about north and east \[rad\]: the rotation that takes north, east, down to its axes.
     FrameTilt,
+    /// Wind, the velocity of the air over ground, north and east [m/s]; there is none down.
+    Wind,
+    /// Velocity through the air in body axes in which a craft is in trim [m/s]: the one an aircraft keeps, and the one in which a copter
+    /// feels no drag across its thrust.
+    TrimVelocity,
+    /// Drag of rotors over mass [1/s], beyond the configured: deceleration across the thrust for each m/s through the air.
+    RotorDrag,
     /// Time-correlated part of the position's error (multipath, atmosphere, the receiver's own filter), in the axes of
     /// the fix, in units of its standard deviation [–]: 1 is what the receiver states of that part.
     PositionError,
@@ -63,7 +70,7 @@ pub enum Parameter {
 
 impl Parameter {
     /// Every kind, in the order of their states in the filter.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 22] = [
         Self::GyroScale,
         Self::AccelScale,
         Self::GyroMisalignment,
@@ -81,6 +88,9 @@ impl Parameter {
         Self::HardIron,
         Self::MarkerRotation,
         Self::FrameTilt,
+        Self::Wind,
+        Self::TrimVelocity,
+        Self::RotorDrag,
         Self::PositionError,
         Self::VelocityError,
     ];
@@ -107,6 +117,9 @@ impl Parameter {
             Self::VelocityError => "velocity_error",
             Self::MarkerRotation => "marker_rotation",
             Self::FrameTilt => "frame_tilt",
+            Self::Wind => "wind",
+            Self::TrimVelocity => "trim_velocity",
+            Self::RotorDrag => "rotor_drag",
         }
     }
 
@@ -119,9 +132,10 @@ impl Parameter {
             | Self::PositionError
             | Self::VelocityError
             | Self::HardIron
-            | Self::MarkerRotation => 3,
+            | Self::MarkerRotation
+            | Self::TrimVelocity => 3,
             Self::GyroMisalignment | Self::AccelMisalignment => 6,
-            Self::Mounting | Self::FrameTilt => 2,
+            Self::Mounting | Self::FrameTilt | Self::Wind => 2,
             Self::TimeOffset
             | Self::Axle
             | Self::OdometerScale
@@ -129,7 +143,8 @@ impl Parameter {
             | Self::VelocityTimeOffset
             | Self::ClockRate
             | Self::AccelDelay
-            | Self::HeadingOffset => 1,
+            | Self::HeadingOffset
+            | Self::RotorDrag => 1,
         }
     }
 }

@@ -8,8 +8,8 @@ use serde::Serialize;
 use std::path::Path;
 use undrift_io::visible;
 use undrift_results::inspect::{
-    Comment, Content, CounterRestarts, Inspection, Known, Measured, Model, Motion, Note, Part,
-    PoseFault, Start, Wheels, about_gravity,
+    Comment, Content, CounterRestarts, Flight, Inspection, Known, Measured, Model, Motion, Note,
+    Part, PoseFault, Start, Wheels, about_gravity,
 };
 
 /// An inspection with its sentences, for JSON.
@@ -52,6 +52,30 @@ fn remarks(measured: &Measured) -> Vec<String> {
 const PROFILE: &str = "vehicle.profile = \"car\"";
 const WHEELS: &str = "no side slip beyond the solution's own error: the motion is that of wheels, which greatly reduces the drift without GNSS; remove it where they slide";
 
+/// What is written where something flies, and why.
+fn flies(flight: Flight) -> &'static str {
+    match flight {
+        Flight::Copter => {
+            "leans into its accelerations, and with the drag of its rotors drifts less where fixes were withheld"
+        }
+        Flight::Aircraft => {
+            "leans into its accelerations, and with a steady velocity through the air drifts less where fixes were withheld"
+        }
+    }
+}
+
+/// The line of the profile that is written, and why; `None` where none is.
+fn profile(motion: Motion) -> Option<(&'static str, &'static str)> {
+    match (motion.wheels, motion.flight) {
+        (Wheels::Shown, _) => Some((PROFILE, WHEELS)),
+        (_, Some(flight @ Flight::Copter)) => Some(("vehicle.profile = \"copter\"", flies(flight))),
+        (_, Some(flight @ Flight::Aircraft)) => {
+            Some(("vehicle.profile = \"aircraft\"", flies(flight)))
+        }
+        _ => None,
+    }
+}
+
 /// A comment of a drive file.
 pub fn comment(of: Comment) -> String {
     match of {
@@ -67,6 +91,7 @@ pub fn comment(of: Comment) -> String {
         Comment::Missing(table) => return format!("Missing: a file with the {table} data."),
         Comment::Heading => "from changes of velocity, which suffice in this drive",
         Comment::Wheels(Wheels::Shown) => WHEELS,
+        Comment::Flight(flight) => flies(flight),
         Comment::Wheels(_) => {
             "Whether the motion is that of wheels does not show: it is too short, too straight or too slow, or\n\
              the start is too uncertain. For a wheeled vehicle these lines greatly reduce the drift without GNSS."
@@ -105,6 +130,9 @@ fn note(note: &Note) -> String {
         }
         Note::NoWheels => {
             "the IMU has no fixed direction of motion: not a wheeled vehicle, or the IMU is not fixed to it; assumes x forward".into()
+        }
+        Note::Flies => {
+            "it flies, as it leans into its accelerations, but with neither profile of what flies it drifts clearly less where fixes were withheld; no [vehicle] profile".into()
         }
         Note::Slips { right_ms, down_ms } => format!(
             "no wheeled vehicle: moves by {} m/s to the side and {} m/s up and down beyond the solution's own error (RMS); no [vehicle] profile",
@@ -287,10 +315,7 @@ fn rate_and_gaps(m: &Measured) -> String {
 pub fn next(model: &Model, motion: Motion, drive: &Path) -> String {
     let file = drive.to_string_lossy();
     let file = visible(&file);
-    let vehicle = match motion.wheels {
-        Wheels::Shown => format!("{PROFILE}   # {WHEELS}\n"),
-        _ => String::new(),
-    };
+    let vehicle = profile(motion).map_or(String::new(), |(key, why)| format!("{key}   # {why}\n"));
     format!(
         "{vehicle}model = {model}   # {}\nnext: undrift tune {file} -o tuned.toml   # the noise of the sensor in its vehicle",
         known(&model.known)
@@ -352,8 +377,8 @@ pub fn guesses(model: &Model, motion: Motion, inspections: &[Inspection]) -> Vec
             visible(&entry).into_owned()
         }));
     }
-    if motion.wheels == Wheels::Shown {
-        lines.push(format!("  {PROFILE}: {WHEELS}"));
+    if let Some((key, why)) = profile(motion) {
+        lines.push(format!("  {key}: {why}"));
     }
     lines
 }

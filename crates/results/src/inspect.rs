@@ -5,5 +5,6 @@ mod parts;
 
 pub use known::{Content, Known, Note, PoseFault, about_gravity};
 pub use parts::{
-    Comment, CounterRestarts, Inspection, Line, Measured, Model, Motion, Part, Start, Wheels,
+    Comment, CounterRestarts, Flight, Inspection, Line, Measured, Model, Motion, Part, Start,
+    Wheels,
 };

@@ -3,6 +3,7 @@
 //! The motion is analytic ([`trajectory`]), so the IMU's increments are exact ([`ideal_imu`]);
 //! sensor errors are any six shaping filters ([`sensors`]), GNSS noise is white ([`gnss`]), and there
 //! may be sensors of one number ([`scalars`]) and a magnetometer.
+//! Flights in wind are sampled in place of integrated ([`fly`]).
 //! Time runs from 0 at the trajectory's start. The same seed gives the same bytes.
 //!
 //! ```
@@ -13,6 +14,7 @@
 //! # Ok::<(), undrift_simulate::SimulationError>(())
 //! ```
 
+mod air;
 pub mod gnss;
 pub mod ideal_imu;
 mod magnetometer;
@@ -27,6 +29,7 @@ pub mod trajectory;
 #[cfg(test)]
 mod tests;
 
+pub use air::{Craft, Flight, fly};
 pub use gnss::{GnssFixes, GnssNoise};
 pub use ideal_imu::{IdealImu, State, Stepper, antenna};
 pub use magnetometer::{Magnet, Magnetometer};

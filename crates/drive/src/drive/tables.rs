@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{
     align::{AlignSettings, Heading},
-    vehicle::{Constraints, NonHolonomic, Profile},
+    vehicle::{Air, Constraints, NonHolonomic, Profile},
 };
 use std::path::PathBuf;
 use undrift_config::{Section, Takes, Value};
@@ -253,6 +253,7 @@ pub(super) fn read_vehicle(section: &Section) -> Result<(Constraints, Parameters
         Quantity::AngularRate,
         constraints.zero_angular_rate,
     )?;
+    constraints.air = read_air(section, constraints.air)?;
     let min_speed = section.quantity("course_min_speed", Quantity::Velocity)?;
     constraints.course = read_std(section, "course", Quantity::Angle, None)?
         .map(|std| (std, min_speed.unwrap_or(5.0)));
@@ -271,8 +272,43 @@ pub(super) fn read_vehicle(section: &Section) -> Result<(Constraints, Parameters
         AXLE_STD
     };
     let axle = read_std(section, "axle_std", Quantity::Length, unless(axle))?;
+    let usual = constraints.air.map(|_| Air::WIND.std);
+    let wind = read_std(section, "wind_std", Quantity::Velocity, usual)?;
+    if usual.is_none() && wind.is_some() {
+        let problem = "has no effect without \"air_velocity\" or \"rotor_drag\"";
+        return Err(section.error("wind_std", problem));
+    }
     section.only_known()?;
-    Ok((constraints, of_vehicle(Parameters::none(), mounting, axle)))
+    let parameters = of_vehicle(Parameters::none(), mounting, axle);
+    let parameters = match &constraints.air {
+        Some(air) => air.with_states(parameters, wind),
+        None => parameters,
+    };
+    Ok((constraints, parameters))
+}
+
+/// What the air does to the craft: the scatter of its measurement, or off.
+fn read_air(section: &Section, profile: Option<Air>) -> Result<Option<Air>, ConfigError> {
+    let [wings, rotors] = match profile {
+        None => [None, None],
+        Some(Air::Wings(std)) => [Some(std), None],
+        Some(Air::Rotors { std, .. }) => [None, Some(std)],
+    };
+    let wings = read_std(section, "air_velocity", Quantity::Velocity, wings)?;
+    let rotors = read_std(section, "rotor_drag", Quantity::Acceleration, rotors)?;
+    match (wings, rotors) {
+        (Some(_), Some(_)) => {
+            let problem =
+                "is for copters, \"air_velocity\" for aircraft: switch one of them \"off\"";
+            Err(section.error("rotor_drag", problem))
+        }
+        (Some(std), None) => Ok(Some(Air::Wings(std))),
+        (None, Some(std)) => Ok(Some(Air::Rotors {
+            std,
+            drag: Air::DRAG,
+        })),
+        (None, None) => Ok(None),
+    }
 }
 
 /// The constraint of a vehicle that slips sideways with this standard deviation [m/s]; what else is not given is a car's.
@@ -304,6 +340,10 @@ pub(super) fn vehicle_by_default(
     constraints.non_holonomic = rule.map(|rule| non_holonomic(rule.right, None, None));
     let needed = |std: f64| rule.map(|_| std);
     let parameters = of_vehicle(parameters, needed(MOUNTING_STD), needed(AXLE_STD));
+    let parameters = match &constraints.air {
+        Some(air) => air.with_states(parameters, Some(Air::WIND.std)),
+        None => parameters,
+    };
     (constraints, parameters)
 }
 

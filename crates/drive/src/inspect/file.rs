@@ -1,6 +1,6 @@
 //! A starter `DRIVE.toml`.
 
-use super::{Comment, Inspection, Model, Motion, Part, Wheels, first, fixes_table};
+use super::{Comment, Flight, Inspection, Model, Motion, Part, Wheels, first, fixes_table};
 use crate::vehicle::Profile;
 use std::path::{Path, PathBuf};
 use toml::Value;
@@ -46,17 +46,25 @@ pub fn drive_file(
     }
     let profile = |of: Profile| format!("profile = {}", Value::from(of.name()));
     let car = profile(Profile::Car);
-    text += &match (vehicle, motion.wheels) {
-        (Some(given), _) => format!("\n[vehicle]\n{}\n", profile(given)),
-        (None, Wheels::Shown) => {
+    text += &match (vehicle, motion.flight, motion.wheels) {
+        (Some(given), ..) => format!("\n[vehicle]\n{}\n", profile(given)),
+        (None, _, Wheels::Shown) => {
             let why = say(Comment::Wheels(motion.wheels));
             format!("\n[vehicle]\n{car} # {why}\n")
         }
-        (None, Wheels::Likely) => {
+        (None, Some(flight), _) => {
+            let flies = profile(match flight {
+                Flight::Copter => Profile::Copter,
+                Flight::Aircraft => Profile::Aircraft,
+            });
+            let why = say(Comment::Flight(flight));
+            format!("\n[vehicle]\n{flies} # {why}\n")
+        }
+        (None, None, Wheels::Likely) => {
             let why = above(Comment::Wheels(motion.wheels));
             format!("\n{why}# [vehicle]\n# {car}\n")
         }
-        (None, Wheels::No) => String::new(),
+        (None, None, Wheels::No) => String::new(),
     };
     text
 }

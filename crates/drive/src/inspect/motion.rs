@@ -4,6 +4,7 @@ mod accuracy;
 mod antennas;
 mod axes;
 mod compass;
+mod flight;
 mod wheels;
 
 use super::{
@@ -52,8 +53,11 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
         return Motion::default();
     };
     let logs = logs(inspections, Path::new(""));
-    let found = in_vehicle(inspections, &logs, imu, gnss, beside);
-    accuracy::write(inspections, [imu, gnss], logs, found);
+    let mut found = in_vehicle(inspections, &logs, imu, gnss, beside);
+    accuracy::write(inspections, [imu, gnss], logs.clone(), found);
+    if removed_gravity(&inspections[imu.0].parts[imu.1]).is_none() {
+        found.flight = flight::found(inspections, [imu, gnss], logs, found);
+    }
     found
 }
 
@@ -169,7 +173,11 @@ fn in_vehicle(
         }))) => {
             file.found.push(Note::NoWheels);
             let wheels = Wheels::No;
-            return Motion { wheels, heading };
+            return Motion {
+                wheels,
+                heading,
+                flight: None,
+            };
         }
         Err(error) => {
             let Some((rpy, std)) = by_force else {
@@ -210,7 +218,11 @@ fn in_vehicle(
             Wheels::No
         }
     };
-    Motion { wheels, heading }
+    Motion {
+        wheels,
+        heading,
+        flight: None,
+    }
 }
 
 /// Usual rates of inertial logs \[Hz\], and how near to one, as a share, a rate is that one.

@@ -51,8 +51,13 @@ impl Slip {
     /// Factor on the variance of the constraint.
     ///
     /// At least 1: a vehicle that slips less than assumed does not tighten the constraint.
-    fn factor(&self) -> f64 {
+    pub(super) fn factor(&self) -> f64 {
         (self.mean / OF_WHEELS).max(1.0)
+    }
+
+    /// Learns from an update whose variance was multiplied by `factor`.
+    pub(super) fn learn(&mut self, factor: f64, update: &Update) {
+        self.add(factor * (update.nis / update.dof as f64).min(MOST));
     }
 
     /// Mean over up to 300 updates, a minute at 0.2 s, begun with 25 of an ordinary car.
@@ -81,7 +86,7 @@ pub(super) fn update(
     let update = constrain(filter, &aiding, &Matrix3::from_diagonal(&noise))?;
     summary.innovations[Aid::NonHolonomic].add(update);
     if aided {
-        slip.add(factor * (update.nis / update.dof as f64).min(MOST));
+        slip.learn(factor, &update);
         let speed = rule.right * slip.mean.sqrt();
         if slip.updates >= AVERAGED && speed > NonHolonomic::CAR.right {
             let start = filter.nav().time;

@@ -5,7 +5,7 @@ use crate::{
     estimator::build,
     rest::RestBlock,
     tests::{driving_north, sensors},
-    vehicle::NonHolonomic,
+    vehicle::{Air, NonHolonomic},
 };
 use alloc::boxed::Box;
 use undrift_events::Aid;
@@ -390,4 +390,40 @@ fn a_vehicle_that_slips_is_held_less_where_fixes_show_it() {
     assert_eq!(after(900, false).1, None);
     // Of a minute that begins, nothing is said.
     assert_eq!(after(250, true).1, None);
+}
+
+/// Flying north at `speed` [m/s] for `seconds` in steps of 20 ms, with fixes or without: how many updates by the air.
+fn flown(air: Air, speed: f64, seconds: f64, aided: bool, parameters: Parameters) -> u64 {
+    let nav = *moving(Vector3::new(speed, 0.0, 0.0), Vector3::zeros()).nav();
+    let std = InitialStd {
+        position: Vector3::repeat(0.5),
+        velocity: Vector3::repeat(0.2),
+        attitude: Vector3::repeat(1e-3),
+    };
+    let mut filter = build(nav, &std, &sensors(), parameters).unwrap();
+    let (mut flight, mut summary) = (Flight::default(), Summary::default());
+    for k in 1..=(seconds / 0.02).round() as u32 {
+        let sample = ImuSample {
+            time: 0.02 * f64::from(k),
+            dt: 0.02,
+            dtheta: Vector3::zeros(),
+            dvel: Vector3::new(0.0, 0.0, -0.02 * 9.8),
+        };
+        flight.sample(&mut *filter, (&air, &sample), aided, &mut summary);
+    }
+    summary.innovations[Aid::Air].updates
+}
+
+/// Five updates a second in flight; none on the ground, of a copter that has not been seen to take off, or without the states that it takes.
+#[test]
+fn the_air_counts_in_flight() {
+    let states = |air: Air| air.with_states(Parameters::none(), Some(6.0));
+    let (wings, rotors) = (Air::WINGS, Air::ROTORS);
+    assert_eq!(flown(wings, 15.0, 2.0, true, states(wings)), 10);
+    assert_eq!(flown(wings, 15.0, 2.0, false, states(wings)), 10);
+    assert_eq!(flown(wings, 5.0, 2.0, true, states(wings)), 0);
+    assert_eq!(flown(wings, 15.0, 2.0, true, Parameters::none()), 0);
+    assert_eq!(flown(rotors, 5.0, 2.0, true, states(rotors)), 10);
+    assert_eq!(flown(rotors, 5.0, 2.0, false, states(rotors)), 0);
+    assert_eq!(flown(rotors, 2.5, 2.0, true, states(rotors)), 0);
 }

@@ -293,6 +293,10 @@ impl<const N: usize> Estimator for Erased<N> {
         self.filter.inflate_heading(heading, gyro);
     }
 
+    fn inflate_sensor_errors(&mut self, variance: &[f64; AXES]) {
+        self.filter.inflate_sensor_errors(variance);
+    }
+
     fn inflate_missed_motion(&mut self, turn: &Matrix3, velocity: &Matrix3) {
         self.filter.inflate_missed_motion(turn, velocity);
     }

@@ -31,7 +31,7 @@ fn std() -> InitialStd {
     }
 }
 
-/// Models of so many states together with the nine of navigation; beyond what six axes hold with all parameters but those of poses and magnetometers.
+/// Models of so many states together with the nine of navigation; beyond what six axes hold with all parameters but those of poses, magnetometers and air.
 fn models(states: usize) -> ([ShapingFilter; AXES], Parameters) {
     let axes = AXES * undrift_nav::shaping::MAX_ORDER;
     let mut parameters = Parameters::none();
@@ -40,6 +40,9 @@ fn models(states: usize) -> ([ShapingFilter; AXES], Parameters) {
             Parameter::MarkerRotation,
             Parameter::FrameTilt,
             Parameter::HardIron,
+            Parameter::Wind,
+            Parameter::TrimVelocity,
+            Parameter::RotorDrag,
         ];
         for kind in Parameter::ALL
             .into_iter()
@@ -193,6 +196,8 @@ fn same_run<const N: usize>(states: usize) {
     assert_same(&*own, &filter);
     own.inflate_heading(0.2, 0.01);
     filter.inflate_heading(0.2, 0.01);
+    own.inflate_sensor_errors(&[1e-4; AXES]);
+    filter.inflate_sensor_errors(&[1e-4; AXES]);
     assert_same(&*own, &filter);
     own.inflate_missed_motion(&turn, &velocity);
     filter.inflate_missed_motion(&turn, &velocity);

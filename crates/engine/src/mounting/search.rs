@@ -91,6 +91,7 @@ impl Search {
         let untied = Constraints {
             non_holonomic: None,
             course: None,
+            air: None,
             ..settings.constraints.clone()
         };
         let mut search = Self {

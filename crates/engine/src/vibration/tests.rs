@@ -259,3 +259,19 @@ fn noise_counts_after_three_seconds_and_beyond_twice_the_density_and_a_quarter()
     assert_eq!(of(&vibration), [false; AXES]);
     assert_eq!(vibration.louder(), None);
 }
+
+/// A rise of the noise by a density N changes the biases by 1 √Hz · N, once; while it lasts they wander.
+#[test]
+fn biases_change_as_vibration_begins_and_wander_in_it() {
+    let mut vibration = Vibration::new(&sensors(), &[1.0; AXES]);
+    vibration.known = MEMORY;
+    assert_eq!(vibration.rectified(), [0.0; AXES]);
+    let beyond = 9e-6;
+    vibration.level[1] = vibration.model[1] + beyond;
+    let wanders = beyond * (0.05f64).powi(2) * 64.0 * STEP;
+    for expected in [beyond + wanders, wanders] {
+        let found = vibration.rectified();
+        assert!((found[1] / expected - 1.0).abs() < 1e-9, "{found:?}");
+        assert_eq!(found[0], 0.0);
+    }
+}

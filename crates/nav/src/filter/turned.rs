@@ -71,6 +71,7 @@ impl<const N: usize> Filter<N> {
         }
         use Parameter::{
             AccelMisalignment, AccelScale, GyroMisalignment, GyroScale, HardIron, LeverArm,
+            TrimVelocity,
         };
         for (scale, misalignment) in [
             (GyroScale, GyroMisalignment),
@@ -78,7 +79,7 @@ impl<const N: usize> Filter<N> {
         ] {
             self.turn_matrix(scale, misalignment, &c);
         }
-        for kind in [LeverArm, HardIron] {
+        for kind in [LeverArm, HardIron, TrimVelocity] {
             if let Some(at) = self.parameter_start(kind) {
                 self.mix(&[at, at + 1, at + 2], &|i, j| c[(i, j)]);
             }

@@ -1,7 +1,7 @@
 //! Uncertainty that is set or added from outside of the model: starts, gaps, contradicted solutions.
 
 use super::Filter;
-use crate::{Matrix3, Vector3, parameters::Parameter};
+use crate::{Matrix3, Vector3, covariance::AXES, parameters::Parameter};
 
 /// What a vehicle accelerates at its start [m/s²], one standard deviation.
 const START_ACCEL: f64 = 2.0;
@@ -107,6 +107,33 @@ impl<const N: usize> Filter<N> {
                     self.p[(at + i, at + j)] +=
                         gyro * gyro * sensor.h[i] * sensor.h[j] / (size * size);
                 }
+            }
+        }
+    }
+
+    /// Adds variance to the errors of the sensors, gyro x, y, z [rad²/s²] and accelerometer x, y, z [m²/s⁴]: for a bias that
+    /// is no longer what it was. It enters by the state that lasts longest; an axis without states keeps its error.
+    ///
+    /// ```
+    /// # use undrift_nav::{Quaternion, Vector3, earth::Geodetic, mechanisation::NavState};
+    /// # use undrift_nav::{filter::{Filter, InitialStd}, parameters::Parameters, shaping::ShapingFilter};
+    /// # let place = Geodetic::from_degrees(47.0, 8.0, 400.0);
+    /// # let nav = NavState { time: 0.0, position: place, v_n: Vector3::zeros(), q_nb: Quaternion::identity() };
+    /// # let std = InitialStd { position: Vector3::repeat(1.0), velocity: Vector3::repeat(0.1), attitude: Vector3::repeat(0.01) };
+    /// let sensor = ShapingFilter::constant(3e-3, 0.01)?;
+    /// let mut filter = Filter::<15>::new(nav, &std, [sensor; 6], Parameters::none())?;
+    /// filter.inflate_sensor_errors(&[16e-6, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    /// let std = filter.sensor_error_std();
+    /// assert!((std[0] - 5e-3).abs() < 1e-12 && (std[1] - 3e-3).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn inflate_sensor_errors(&mut self, variance: &[f64; AXES]) {
+        for (axis, variance) in variance.iter().enumerate() {
+            let (sensor, at) = (self.sensors.axis(axis), self.sensors.start(axis));
+            let seen = (0..sensor.order).filter(|i| sensor.h[*i] != 0.0);
+            let longest = seen.max_by(|a, b| sensor.f[*a][*a].total_cmp(&sensor.f[*b][*b]));
+            if let Some(i) = longest {
+                self.p[(at + i, at + i)] += variance / (sensor.h[i] * sensor.h[i]);
             }
         }
     }

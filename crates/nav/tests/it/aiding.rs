@@ -17,7 +17,7 @@ use undrift_nav::{
 };
 
 /// Nine, one state an axis, and all parameters.
-const N: usize = 9 + 6 + 45;
+const N: usize = 9 + 6 + 51;
 
 fn vector(scale: f64) -> impl Strategy<Value = Vector3> {
     prop::array::uniform3(-scale..scale).prop_map(Vector3::from)
@@ -222,6 +222,16 @@ proptest! {
         {
             check(&f, &nothing(), |f| f.observe_heading(heading, baseline).unwrap())?;
         }
+    }
+
+    #[test]
+    fn air_velocity(f in filter()) {
+        check(&f, &nothing(), |f| f.observe_air_velocity())?;
+    }
+
+    #[test]
+    fn rotor_drag(f in filter(), force in vector(10.0), drag in 0.1..0.4f64) {
+        check(&f, &nothing(), |f| f.observe_rotor_drag(&force, drag))?;
     }
 
     #[test]

@@ -69,6 +69,9 @@ UNITS: dict[str, dict[str, str]] = {
         "zero_angular_rate": "rad/s",
         "course": "rad",
         "course_min_speed": "m/s",
+        "air_velocity": "m/s",
+        "rotor_drag": "m/s^2",
+        "wind_std": "m/s",
         **dict.fromkeys(_VEHICLE_LENGTHS, "m"),
     },
     "states": {

@@ -204,6 +204,8 @@ pub enum Note {
     Nothing,
     /// The IMU moves along no one direction of its own: it is on no wheeled vehicle, or not fixed to it.
     NoWheels,
+    /// It leans into its accelerations, as what flies does, but no profile of what flies predicts withheld fixes better.
+    Flies,
     /// It has a forward direction, but moves across it more than wheels do.
     Slips {
         /// Velocity to the right beyond the solution's own error, RMS [m/s].

@@ -162,6 +162,8 @@ pub enum Comment<'a> {
     Heading,
     /// The profile of a wheeled vehicle, and what the motion says of it.
     Wheels(Wheels),
+    /// The profile of what flies.
+    Flight(Flight),
     /// The lever arm.
     LeverArm,
     /// The direction of the second antenna, where nothing shows it.
@@ -180,11 +182,22 @@ pub enum Wheels {
     Shown,
 }
 
+/// What flies, as the motion shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flight {
+    /// A copter: withheld fixes are likelier with the drag of its rotors.
+    Copter,
+    /// An aircraft: they are likelier with the velocity through the air that it keeps.
+    Aircraft,
+}
+
 /// What the motion shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Motion {
     /// Whether it is that of a wheeled vehicle.
     pub wheels: Wheels,
+    /// What it flies as.
+    pub flight: Option<Flight>,
     /// The changes of the receiver's velocity give the heading.
     pub heading: bool,
 }

@@ -239,7 +239,7 @@ fn mistakes_in_their_tables() {
         (
             vehicle("profile = \"boat\""),
             &[
-                "line 23, vehicle.profile: \"boat\" is not one of \"none\", \"car\", \"aircraft\", \"pedestrian\"",
+                "line 23, vehicle.profile: \"boat\" is not one of \"none\", \"car\", \"aircraft\", \"pedestrian\", \"copter\"",
             ],
         ),
         (
@@ -261,6 +261,22 @@ fn mistakes_in_their_tables() {
             &[
                 "vehicle.non_holonomic: \"0.1 m\": that is the unit of a length; expected a velocity",
             ],
+        ),
+        (
+            vehicle("air_velocity = \"1 m/s^2\""),
+            &[
+                "vehicle.air_velocity: \"1 m/s^2\": that is the unit of an acceleration; expected a velocity",
+            ],
+        ),
+        (
+            vehicle("profile = \"aircraft\"\nrotor_drag = \"0.2 m/s^2\""),
+            &[
+                "vehicle.rotor_drag: is for copters, \"air_velocity\" for aircraft: switch one of them \"off\"",
+            ],
+        ),
+        (
+            vehicle("wind_std = \"6 m/s\""),
+            &["vehicle.wind_std: has no effect without \"air_velocity\" or \"rotor_drag\""],
         ),
         (
             vehicle("zero_velocity = \"-1 m/s\""),

@@ -6,7 +6,7 @@ use crate::{
     drive::{Drive, Logs as Files},
     inspect::{POSITION_STD, Part},
     navigate::{Hindsight, settings},
-    outages::{Logs, OutageErrors, Schedule, run},
+    outages::{Logs, ModelOutcome, OutageErrors, Schedule, run},
     replay::Measurement,
     vehicle::Profile,
 };
@@ -89,15 +89,28 @@ fn likeliest(drive: &Drive) -> Option<(f64, usize)> {
     let runs: Vec<Vec<OutageErrors>> = parallel::map(SHARES.len(), |k| {
         let aiding = logs.aiding.iter().map(|one| scaled(*one, SHARES[k]));
         let aiding: Vec<_> = aiding.collect();
-        let ended = run(&logs.imu, &aiding, &[], &models, &|_| ());
-        let errors = ended.into_iter().filter_map(|(_, run)| run.ok());
-        errors.flat_map(|run| run.errors.per_outage).collect()
+        errors(run(&logs.imu, &aiding, &[], &models, &|_| ()))
     });
-    // A span without a fix near its end shows nothing, nor does an accuracy with which the drive is hardly navigated.
+    let judged = judged(&runs);
+    let (guess, _) = judged.first().filter(|(guess, _)| guess.spans >= LEAST)?;
+    let better = judged.iter().filter(|(one, _)| one.is_better_than(guess));
+    let (best, tried) = better.min_by(|(a, _), (b, _)| a.drift.total_cmp(&b.drift))?;
+    Some((SHARES[*tried], best.spans))
+}
+
+/// The outages of runs that ended.
+pub(super) fn errors(ended: Vec<ModelOutcome>) -> Vec<OutageErrors> {
+    let runs = ended.into_iter().filter_map(|(_, run)| run.ok());
+    runs.flat_map(|run| run.errors.per_outage).collect()
+}
+
+/// What was tried, the first without anything, by its place: how likely the withheld fixes are in the spans that all end.
+pub(super) fn judged(runs: &[Vec<OutageErrors>]) -> Vec<(Judged, usize)> {
+    // A span without a fix near its end shows nothing, nor does what hardly navigates a drive.
     let ends = |one: &OutageErrors| one.end.0[0].is_finite() && one.end.0[1].is_finite();
     let ended = |run: &[OutageErrors]| run.iter().filter(|one| ends(one)).count();
     let enough = KEPT * ended(&runs[0]) as f64;
-    let tried = runs.iter().zip(SHARES);
+    let tried = runs.iter().zip(0..);
     let tried: Vec<_> = tried
         .filter(|(run, _)| ended(run) as f64 >= enough)
         .collect();
@@ -107,12 +120,8 @@ fn likeliest(drive: &Drive) -> Option<(f64, usize)> {
     };
     let judged = tried
         .iter()
-        .map(|(run, share)| (Judged::new(run.iter().filter(in_all)), *share));
-    let judged: Vec<(Judged, f64)> = judged.collect();
-    let (guess, _) = judged.first().filter(|(guess, _)| guess.spans >= LEAST)?;
-    let better = judged.iter().filter(|(one, _)| one.is_better_than(guess));
-    let (best, share) = better.min_by(|(a, _), (b, _)| a.drift.total_cmp(&b.drift))?;
-    Some((*share, best.spans))
+        .map(|(run, at)| (Judged::new(run.iter().filter(in_all)), *at));
+    judged.collect()
 }
 
 /// The measurement with the standard deviations of a position multiplied.
@@ -126,12 +135,12 @@ fn scaled(mut measurement: Measurement, factor: f64) -> Measurement {
 }
 
 /// Horizontal errors at the ends of the spans.
-struct Judged {
-    spans: usize,
+pub(super) struct Judged {
+    pub(super) spans: usize,
     /// Logarithm of the likelihood under the predicted standard deviations, but for a constant.
-    likelihood: f64,
+    pub(super) likelihood: f64,
     /// Sum of squares \[m²\].
-    drift: f64,
+    pub(super) drift: f64,
     /// Share inside three standard deviations.
     inside: f64,
 }

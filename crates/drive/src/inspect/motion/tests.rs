@@ -6,7 +6,9 @@ use super::*;
 use std::fmt::Write as _;
 use undrift_io::Memory;
 use undrift_nav::sample::Position;
-use undrift_simulate::{GnssNoise, Trajectory, simulate};
+use undrift_nav::shaping::ShapingFilter;
+use undrift_results::inspect::Flight as Flies;
+use undrift_simulate::{Craft, Flight, GnssNoise, Simulation, Trajectory, fly, simulate};
 
 /// The IMU of a drive, in rad/s and g, z up, with `alter` on each of its samples, and its fixes, with velocities that are
 /// alternately so much too large and too small [m/s].
@@ -20,6 +22,14 @@ fn files_of(
     off: f64,
 ) -> [Inspection; 2] {
     let log = simulate(&Trajectory::car(180.0, 3), 50.0, None, noise, 3).unwrap();
+    files_from(&log, alter, off)
+}
+
+fn files_from(
+    log: &Simulation,
+    alter: impl Fn(&mut Vector3, &mut Vector3),
+    off: f64,
+) -> [Inspection; 2] {
     let mut imu = "time_s,gx,gy,gz,ax,ay,az\n".to_owned();
     for (k, sample) in log.imu.iter().enumerate() {
         let up = Vector3::new(1.0, -1.0, -1.0) / sample.dt;
@@ -134,6 +144,35 @@ fn a_drive_fits_whose_velocities_differ_by_no_more_than_is_stated() {
 fn a_car_is_known_by_its_motion() {
     let mut of = files(|_, _| (), 0.0);
     assert_eq!(motion(&mut of).wheels, Wheels::Shown);
+}
+
+/// With velocities of a copter that hovers at times an aircraft would predict withheld fixes better, by its rests on the ground.
+#[test]
+fn what_hovers_is_no_aircraft() {
+    let dt = 0.02;
+    let axis = |white: f64, turn_on: f64| {
+        let start = ShapingFilter::constant(turn_on, dt).unwrap();
+        ShapingFilter::white(white, dt)
+            .unwrap()
+            .plus(&start)
+            .unwrap()
+    };
+    let (gyro, accel) = (axis(2e-3, 3e-3), axis(5e-2, 0.1));
+    let sensors = [gyro, gyro, gyro, accel, accel, accel];
+    let noise = GnssNoise {
+        position_std: [1.5, 1.5, 3.0],
+        velocity_std: [0.1, 0.1, 0.2],
+        ..GnssNoise::default()
+    };
+    let flight = Flight {
+        craft: Craft::Copter(0.3),
+        wind: [4.0, -2.0],
+        gusts: 0.7,
+        duration: 420.0,
+    };
+    let log = fly(&flight, 50.0, Some(&sensors), &noise, 2).unwrap();
+    let found = motion(&mut files_from(&log, |_, _| (), 0.0)).flight;
+    assert_ne!(found, Some(Flies::Aircraft));
 }
 
 /// Positions good to centimetres are not left at a guess of 3 m; those good to 3 m are.
