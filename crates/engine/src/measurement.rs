@@ -283,6 +283,7 @@ mod tests {
         let fix = |time| {
             Measurement::Gnss(GnssFix {
                 attitude: None,
+                mean_velocity: None,
                 time,
                 position: None,
                 velocity: None,
@@ -324,6 +325,7 @@ mod tests {
         let fix = |time| {
             Measurement::Gnss(GnssFix {
                 attitude: None,
+                mean_velocity: None,
                 time,
                 position: Some((
                     undrift_nav::sample::Position::Geodetic(Default::default()),

@@ -229,6 +229,7 @@ fn gps(
         let velocity = velocity.and_then(|fields| finite(fields, message));
         let std = velocity_std.map_or(f64::NAN, |s| s.read(message));
         Ok(What::Fix(Fix {
+            mean_velocity: None,
             time: time(message),
             position: Some((Position::Geodetic(place), covariance)),
             velocity: velocity.map(|v_n| (v_n, independent(&Vector3::repeat(std)))),
