@@ -18,7 +18,9 @@ use crate::estimator::{Estimator, STAMP_ROUNDING};
 use alloc::boxed::Box;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
-use undrift_nav::{Vector3, aiding::Stretch, earth::STANDARD_GRAVITY, parameters::Parameter, sample::ImuSample};
+use undrift_nav::{
+    Vector3, aiding::Stretch, earth::STANDARD_GRAVITY, parameters::Parameter, sample::ImuSample,
+};
 
 /// A sample after more than this many intervals is a gap, not just late.
 const GAP_INTERVALS: f64 = 1.5;

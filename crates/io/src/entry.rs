@@ -285,6 +285,8 @@ pub enum StreamKind {
     Headings,
     /// Magnetic fields.
     Fields,
+    /// Raw observations of satellites, which give the fixes mean velocities by the carrier phase.
+    Observations,
     /// Nothing that is read here.
     Other,
 }

@@ -13,9 +13,7 @@
 //! a thousand epochs. Then the satellite without which the sum is least goes, while two satellites too many are left. The range's
 //! change of a satellite that slipped is that of its Doppler shift, with a standard deviation to match.
 
-use crate::{
-    Ephemerides, Epoch, L1_WAVELENGTH, Observation, SPEED_OF_LIGHT, ephemeris::Ephemeris,
-};
+use crate::{Ephemerides, Epoch, L1_WAVELENGTH, Observation, SPEED_OF_LIGHT, ephemeris::Ephemeris};
 use nalgebra::{Matrix4, Vector4};
 use undrift_nav::{
     Matrix3, Vector3,
@@ -91,13 +89,19 @@ pub fn displacement(
         let mut earlier = before.observations.iter();
         let then = earlier.find(|then| then.satellite == now.satellite)?;
         let orbit = ephemerides.of(now.satellite, after.time)?;
-        row(orbit, [(before.time, then), (after.time, now)], &here, &about, &ned_from_ecef)
+        row(
+            orbit,
+            [(before.time, then), (after.time, now)],
+            &here,
+            &about,
+            &ned_from_ecef,
+        )
     };
     let mut rows: Vec<Row> = after.observations.iter().filter_map(row).collect();
     for _ in 0..=MOST_SLIPS {
         let found = solve(&rows, &here, &about)?;
         if found.squares <= exceeded_by_chance(rows.len().checked_sub(4)?) {
-        let by_doppler = rows.iter().filter(|row| row.by_doppler).count();
+            let by_doppler = rows.iter().filter(|row| row.by_doppler).count();
             let covariance = found.covariance.fixed_view::<3, 3>(0, 0);
             return Some(Displacement {
                 over,
@@ -144,7 +148,8 @@ fn row(
         return None;
     }
     let (then, now) = (then.1, now.1);
-    let tracked = now.lock >= then.lock.min(over) && now.lock > 0.0
+    let tracked = now.lock >= then.lock.min(over)
+        && now.lock > 0.0
         && now.half_subtracted == then.half_subtracted;
     let phases = then.phase.zip(now.phase).filter(|_| tracked);
     let lower = 1.0 / sin_now;

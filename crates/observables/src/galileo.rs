@@ -18,10 +18,22 @@ impl Pages {
         }
         // 112 bits of the even half, 16 of the odd one.
         let last = page.unsigned(98, 16) << 16 | page.unsigned(odd + 2, 16);
-        let data = [page.unsigned(2, 32), page.unsigned(34, 32), page.unsigned(66, 32), last];
+        let data = [
+            page.unsigned(2, 32),
+            page.unsigned(34, 32),
+            page.unsigned(66, 32),
+            last,
+        ];
         let number = page.unsigned(2, 6) as usize;
         *self.0.get_mut(number.wrapping_sub(1))? = Some(data);
-        let [Some(first), Some(second), Some(third), Some(fourth), Some(fifth)] = &self.0 else {
+        let [
+            Some(first),
+            Some(second),
+            Some(third),
+            Some(fourth),
+            Some(fifth),
+        ] = &self.0
+        else {
             return None;
         };
         ephemeris([first, second, third, fourth, fifth].map(|words| Bits { words, width: 32 }))
@@ -43,9 +55,8 @@ fn ephemeris([first, second, third, fourth, fifth]: [Bits; 5]) -> Option<Ephemer
         return None;
     }
     // Signal health and data validity on E1-B, accuracy.
-    let healthy = fifth.unsigned(69, 2) == 0
-        && fifth.unsigned(72, 1) == 0
-        && third.unsigned(120, 8) != 255;
+    let healthy =
+        fifth.unsigned(69, 2) == 0 && fifth.unsigned(72, 1) == 0 && third.unsigned(120, 8) != 255;
     let minute = 60.0;
     Some(Ephemeris {
         system: System::Galileo,

@@ -138,6 +138,11 @@ fn described(name: &str) -> (StreamKind, &'static str) {
             StreamKind::Headings,
             "second antenna as seen from the first",
         ),
+        carrier::NAME => (
+            StreamKind::Observations,
+            "code, carrier phase and Doppler shift of each satellite",
+        ),
+        "RXM-SFRBX" => (StreamKind::Other, "messages of the satellites"),
         "NAV-COV" => (StreamKind::Other, "covariances of position and velocity"),
         _ => (StreamKind::Other, ""),
     }

@@ -36,7 +36,22 @@ fn against_rtk(fixes: &[GnssFix], steps: usize) -> (Vector3, usize) {
         if let (Some(by_carrier), true) = (by_carrier, span.iter().all(fixed)) {
             let by_rtk = place(&span[0]).offset_to(&place(&span[steps]));
             let off = by_carrier - by_rtk;
-            if steps == 1 { let m = span[1].mean_velocity.unwrap(); println!("D {:.3} off {:?} sd {:?} pvt {:?}", span[1].time, off.map(|x| (x*1e3).round()).as_slice(), m.covariance.diagonal().map(|x| (x.sqrt()*m.over*1e3).round()).as_slice(), ((span[0].velocity.unwrap().0+span[1].velocity.unwrap().0)*0.5*m.over-by_rtk).map(|x| (x*1e3).round()).as_slice()); }
+            if steps == 1 {
+                let m = span[1].mean_velocity.unwrap();
+                println!(
+                    "D {:.3} off {:?} sd {:?} pvt {:?}",
+                    span[1].time,
+                    off.map(|x| (x * 1e3).round()).as_slice(),
+                    m.covariance
+                        .diagonal()
+                        .map(|x| (x.sqrt() * m.over * 1e3).round())
+                        .as_slice(),
+                    ((span[0].velocity.unwrap().0 + span[1].velocity.unwrap().0) * 0.5 * m.over
+                        - by_rtk)
+                        .map(|x| (x * 1e3).round())
+                        .as_slice()
+                );
+            }
             sum += off.component_mul(&off);
             count += 1;
         }
@@ -52,7 +67,12 @@ fn a_walk_by_the_carrier_is_that_of_rtk() {
     let with = fixes.iter().filter_map(|fix| fix.mean_velocity);
     let with: Vec<_> = with.collect();
     let std = with.iter().map(|mean| mean.covariance.diagonal());
-    println!("{} of {} fixes, σ {:?}", with.len(), fixes.len(), (std.sum::<Vector3>() / with.len() as f64).map(f64::sqrt));
+    println!(
+        "{} of {} fixes, σ {:?}",
+        with.len(),
+        fixes.len(),
+        (std.sum::<Vector3>() / with.len() as f64).map(f64::sqrt)
+    );
     for steps in [1, 4, 20] {
         let (rms, count) = against_rtk(&fixes, steps);
         println!("{steps} steps: {rms:?} m of {count}");
@@ -67,6 +87,13 @@ fn at_rest() {
         return;
     };
     for fix in &fixes {
-        println!("{} {:?} {:?} {:?}", fix.time, fix.quality, fix.velocity.map(|v| (v.0, v.1[(0,0)].sqrt())), fix.mean_velocity.map(|m| (m.v_n, m.covariance.diagonal().map(f64::sqrt))));
+        println!(
+            "{} {:?} {:?} {:?}",
+            fix.time,
+            fix.quality,
+            fix.velocity.map(|v| (v.0, v.1[(0, 0)].sqrt())),
+            fix.mean_velocity
+                .map(|m| (m.v_n, m.covariance.diagonal().map(f64::sqrt)))
+        );
     }
 }

@@ -464,7 +464,9 @@ mod mean_velocity {
             let rate = Vector3::new(0.2 * t, -0.3, 0.8 - t);
             let force = Vector3::new(2.0 - 9.0 * t, 3.0 * t, -9.8 + 4.0 * t * t);
             let before = *filter.nav();
-            filter.step(&ImuSample::from_rates(t, DT, rate, force)).unwrap();
+            filter
+                .step(&ImuSample::from_rates(t, DT, rate, force))
+                .unwrap();
             stretch.add(&before, filter.nav());
         }
         filter.observe_mean_velocity(measured, lever, &stretch)
@@ -483,7 +485,9 @@ mod mean_velocity {
             attitude: Vector3::repeat(0.1),
         };
         let sensor = ShapingFilter::constant(0.1, DT).unwrap();
-        let sensor = sensor.plus(&ShapingFilter::white(2e-3, DT).unwrap()).unwrap();
+        let sensor = sensor
+            .plus(&ShapingFilter::white(2e-3, DT).unwrap())
+            .unwrap();
         Filter::new(nav, &std, [sensor; AXES], Parameters::none()).unwrap()
     }
 
@@ -495,7 +499,11 @@ mod mean_velocity {
         let observed = path(&mut filter, &lever, &Vector3::zeros());
         let way = from.offset_to(&filter.antenna_position(&lever)) / 0.4;
         // Trapezoids of 10 ms, the Earth's curvature under the way.
-        assert!((observed.innovation - way).amax() < 2e-4, "{}", observed.innovation);
+        assert!(
+            (observed.innovation - way).amax() < 2e-4,
+            "{}",
+            observed.innovation
+        );
         // White noise N of each accelerometer over T: N² T / 3.
         let white = observed.extra.trace() / 3.0;
         assert!((white / (4e-6 * 0.4 / 3.0) - 1.0).abs() < 1e-9, "{white}");
@@ -533,7 +541,10 @@ mod mean_velocity {
             // Left out: the turn of the body within T for the accelerometers, a gyro's drift within T: T/2 of each.
             let allowed = if column < 9 { 2e-3 } else { 0.12 };
             let scale = made.amax().max(error.amax() * 1e-3);
-            assert!((made - said).amax() < allowed * scale, "{column}: {made} {said}");
+            assert!(
+                (made - said).amax() < allowed * scale,
+                "{column}: {made} {said}"
+            );
             assert!(made.amax() > 1e-6, "{column}");
         }
     }

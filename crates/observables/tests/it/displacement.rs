@@ -106,7 +106,10 @@ fn a_reported_slip_leaves_the_doppler_shift() {
     }
     // All by their Doppler shifts: a velocity to some cm/s.
     let mut slipped = after.clone();
-    slipped.observations.iter_mut().for_each(|seen| seen.phase = None);
+    slipped
+        .observations
+        .iter_mut()
+        .for_each(|seen| seen.phase = None);
     let way = by(&sky, &[before.clone(), slipped], &to, &v_n);
     let off = (way.ned / 0.2 - v_n).norm();
     assert!(way.satellites == 0 && off > 0.01 && off < 0.3, "{off}");
@@ -125,7 +128,10 @@ fn nothing_is_said_without_a_check() {
     assert!(!none(&before, &after));
     // Backwards, of one instant, too far apart.
     assert!(none(&after, &before) && none(&before, &before));
-    let late = Epoch { time: before.time + 2.5, ..after.clone() };
+    let late = Epoch {
+        time: before.time + 2.5,
+        ..after.clone()
+    };
     assert!(none(&before, &late));
     // Phases that contradict each other.
     let mut torn = after.clone();

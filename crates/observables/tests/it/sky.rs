@@ -111,7 +111,10 @@ impl Sky {
             let mut noise = || -> f64 { StandardNormal.sample(&mut self.generator) };
             let cycles = self.slipped[usize::from(*number)] + 1000.0 * f64::from(*number);
             observations.push(Observation {
-                satellite: Satellite { system: System::Gps, number: *number },
+                satellite: Satellite {
+                    system: System::Gps,
+                    number: *number,
+                },
                 pseudorange: pseudorange + noise(),
                 phase: Some((pseudorange + self.noise * noise()) / L1_WAVELENGTH + cycles),
                 phase_std: 0.01,
@@ -120,6 +123,9 @@ impl Sky {
                 half_subtracted: false,
             });
         }
-        Epoch { time: time + clock, observations }
+        Epoch {
+            time: time + clock,
+            observations,
+        }
     }
 }

@@ -89,6 +89,7 @@ impl TopicReader {
             StreamKind::Velocity
             | StreamKind::LocalPoses
             | StreamKind::Headings
+            | StreamKind::Observations
             | StreamKind::Other => Self::Velocity(Box::new(local_velocity(layout)?)),
         })
     }
