@@ -23,7 +23,7 @@ use undrift_nav::{
 /// Satellites lower than this \[rad\] are left out.
 const LOWEST: f64 = 10.0 / 180.0 * std::f64::consts::PI;
 /// Multipath of a phase at the zenith \[m\]; lower it grows by 1/sin of the elevation.
-const MULTIPATH: f64 = 0.003;
+const MULTIPATH: f64 = 0.004;
 /// What is left of the change of troposphere and ionosphere at the zenith, in the same way [m/s].
 const ATMOSPHERE: f64 = 0.001;
 /// Standard deviation of a change of range by the Doppler shifts at both ends [m/s].

@@ -286,6 +286,9 @@ impl Run {
         let mean = fix.mean_velocity.as_ref();
         let stretch = mean.and_then(|mean| solution.stretch(mean.over, due));
         let filter = &mut *solution.filter;
+        // Its own velocity would be late by another delay.
+        let apart = mean.is_some() && stretch.is_none() && latency.velocity.is_some();
+        let part = if apart { Some(Part::Position) } else { part };
         let held = Held { part, due, stretch };
         let updates = self
             .receiver
@@ -322,7 +325,7 @@ impl Run {
             }
         }
         if let Some(solution) = &mut self.solution {
-            if carries_velocity(fix, part) {
+            if begins {
                 solution.begin_stretch();
             }
             solution.node(self.settings.nodes, observer);

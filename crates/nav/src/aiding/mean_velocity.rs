@@ -121,8 +121,8 @@ impl<const N: usize> Filter<N> {
         if let Some(at) = self.parameter_start(Parameter::LeverArm) {
             h.fixed_view_mut::<3, 3>(0, at).copy_from(&turned);
         }
-        let offset = self.parameter_start(Parameter::VelocityTimeOffset);
-        if let Some(at) = offset.or(self.parameter_start(Parameter::TimeOffset)) {
+        // A receiver may filter its own velocities, and be late with them; its phases are of the epoch.
+        if let Some(at) = self.parameter_start(Parameter::TimeOffset) {
             // Later by dt, the way is longer by the velocity at its end and shorter by that at its start.
             self.time_columns(&mut h, at, &(-stretch.gained / over));
         }

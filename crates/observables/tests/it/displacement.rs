@@ -43,13 +43,14 @@ fn without_noise_the_way_is_exact_but_for_air_and_place() {
         let off = to.displaced(&Vector3::new(6.0, -6.0, 5.0));
         let wrong = by(&sky, &epochs, &off, &v_n);
         let error = (wrong.ned - way.ned).norm();
-        assert!(error > 2e-4 * over && error < 2e-3 * over, "{error}");
+        assert!(error > 2e-5 * over && error < 2e-3 * over, "{error}");
     }
 }
 
 #[test]
 fn errors_are_as_the_covariance_says() {
     let mut sky = Sky::new(START, 2);
+    sky.noise = 0.006;
     let v_n = Vector3::new(12.0, 5.0, -1.0);
     let (mut sum, mut spread) = (0.0, Matrix3::zeros());
     let runs = 300;
@@ -64,7 +65,7 @@ fn errors_are_as_the_covariance_says() {
     let nees = sum / f64::from(3 * runs);
     assert!((0.3..1.0).contains(&nees), "{nees}");
     let rms = (spread / f64::from(runs)).diagonal().map(f64::sqrt);
-    assert!(rms.amax() < 0.012, "{rms} m");
+    assert!(rms.amax() < 0.024, "{rms} m");
 }
 
 #[test]

@@ -134,3 +134,89 @@ impl Carrier {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use undrift_nav::earth::Geodetic;
+    use undrift_nav::sample::FixQuality;
+
+    /// RXM-RAWX with a row a signal: system, satellite, signal, status, code of the phase's standard deviation.
+    fn rawx(time_of_week: f64, week: u16, rows: &[[u8; 5]]) -> Vec<u8> {
+        let mut payload = time_of_week.to_le_bytes().to_vec();
+        payload.extend(week.to_le_bytes());
+        payload.extend([18, rows.len() as u8, 0, 1, 0, 0]);
+        for (k, [system, satellite, signal, status, std]) in rows.iter().enumerate() {
+            let k = k as f64;
+            payload.extend((2e7 + k).to_le_bytes());
+            payload.extend((1e8 + k).to_le_bytes());
+            payload.extend((-1500.5f32).to_le_bytes());
+            payload.extend([*system, *satellite, *signal, 0]);
+            payload.extend(2500u16.to_le_bytes());
+            payload.extend([45, 3, *std, 5, *status, 0]);
+        }
+        payload
+    }
+
+    #[test]
+    fn observations_are_of_gps_and_galileo_with_what_is_vouched_for() {
+        let rows = [
+            [0, 10, 0, 0b0111, 2],
+            [0, 10, 3, 0b0111, 2],
+            [2, 7, 0, 0b1111, 1],
+            [6, 8, 0, 0b0111, 1],
+            [0, 11, 0, 0b0011, 1],
+            [0, 12, 0, 0b0111, 15],
+            [0, 13, 0, 0b0110, 1],
+        ];
+        let mut carrier = Carrier::default();
+        let payload = rawx(604_799.9, 2381, &rows);
+        let epoch = carrier.epoch(&payload).unwrap();
+        let seen: Vec<_> = epoch.observations.iter().collect();
+        let numbers: Vec<u8> = seen.iter().map(|seen| seen.satellite.number).collect();
+        assert_eq!(numbers, [10, 7, 11, 12]);
+        assert_eq!(seen[1].satellite.system, System::Galileo);
+        assert_eq!(
+            (seen[1].pseudorange, seen[1].phase),
+            (2e7 + 2.0, Some(1e8 + 2.0))
+        );
+        assert_eq!(
+            (seen[0].doppler, seen[0].lock, seen[0].phase_std),
+            (-1500.5, 2.5, 0.008)
+        );
+        assert!(seen[1].half_subtracted && !seen[0].half_subtracted);
+        assert!(seen[2].phase.is_none() && seen[3].phase.is_none());
+        // On past the week's end; cut short at any byte.
+        let next = carrier.epoch(&rawx(0.1, 2382, &rows)).unwrap();
+        assert!((next.time - 604_800.1).abs() < 1e-9);
+        for length in 0..payload.len() {
+            assert!(carrier.message(RAWX, &payload[..length]).is_none());
+        }
+    }
+
+    #[test]
+    fn a_fix_has_the_raw_measurements_of_its_instant() {
+        let fix = |time| Fix {
+            time,
+            position: Some((
+                Position::Geodetic(Geodetic::from_degrees(47.0, 8.0, 400.0)),
+                None,
+            )),
+            velocity: None,
+            mean_velocity: None,
+            quality: FixQuality::Single,
+        };
+        let mut carrier = Carrier::default();
+        for k in 0..7 {
+            let payload = rawx(100.0 + 0.25 * f64::from(k), 2381, &[]);
+            carrier.message(RAWX, &payload).unwrap();
+        }
+        assert_eq!(carrier.epochs.len(), KEPT);
+        // The clock of the receiver is 5 ms slow; no ephemeris, so no velocity.
+        assert!(carrier.mean_velocity(&fix(101.005)).is_none());
+        assert_eq!(carrier.before.as_ref().map(|epoch| epoch.time), Some(101.0));
+        assert_eq!(carrier.epochs.len(), 2);
+        assert!(carrier.mean_velocity(&fix(101.1)).is_none());
+        assert!(carrier.before.is_none());
+    }
+}
