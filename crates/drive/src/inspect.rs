@@ -270,9 +270,6 @@ fn of_streams(streams: &[Stream], notes: &mut Vec<Note>) -> Vec<Part> {
         if kind == StreamKind::Fixes {
             let velocities = of(StreamKind::Velocity);
             part.choices.push(("velocity_topic", velocities));
-            let carrier = of(StreamKind::Observations).into_iter().next();
-            let line = |name| Line::new("velocity_topic", name, Known::Carrier { with: 0, of: 0 });
-            part.lines.extend(carrier.map(line));
         }
         parts.push(part);
     }

@@ -36,7 +36,6 @@ pub(super) fn measure(path: &Path, logs: &mut Logs, format: Format, part: &mut P
                     part.lines.push(unit);
                     continue;
                 }
-                by_carrier(&measured, part);
                 part.lines.extend(axes);
                 part.lines.extend(vehicle_heading(part));
                 part.measured = Some(measured);
@@ -45,21 +44,6 @@ pub(super) fn measure(path: &Path, logs: &mut Logs, format: Format, part: &mut P
         }
         return;
     }
-}
-
-/// How many fixes have a velocity by the carrier phase; the line that asks for it goes where none has.
-fn by_carrier(measured: &Measured, part: &mut Part) {
-    let (with, of) = (measured.mean_velocities, measured.records);
-    part.lines.retain_mut(|line| match &mut line.known {
-        Known::Carrier {
-            with: count,
-            of: all,
-        } => {
-            (*count, *all) = (with, of);
-            with > 0
-        }
-        _ => true,
-    });
 }
 
 /// The unit of the forces of a log that should have them in m/s², where gravity shows that it has another. A telephone that
@@ -214,12 +198,11 @@ fn fixes(mut reader: GnssReader) -> Result<Measured, ReadError> {
         FixQuality::Unknown,
     ];
     let mut kinds = [0u64; 5];
-    let (mut velocities, mut by_carrier) = (0u64, 0u64);
+    let mut velocities = 0u64;
     for fix in reader.by_ref() {
         let fix = fix?;
         span.add(fix.time);
         velocities += u64::from(fix.velocity.is_some());
-        by_carrier += u64::from(fix.mean_velocity.is_some());
         for (count, kind) in kinds.iter_mut().zip(KINDS) {
             *count += u64::from(fix.quality == kind);
         }
@@ -227,7 +210,6 @@ fn fixes(mut reader: GnssReader) -> Result<Measured, ReadError> {
     let mut measured = span.measured(reader.skipped(), reader.epoch());
     measured.content = Some(Content::Fixes { kinds, velocities });
     measured.untold_velocities = reader.untold_velocities();
-    measured.mean_velocities = by_carrier;
     Ok(measured)
 }
 

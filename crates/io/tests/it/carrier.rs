@@ -75,7 +75,9 @@ fn a_receiver_that_is_put_down_stands_still() {
     };
     // Of the last seven seconds, 1 Hz.
     let last = fixes.iter().rev().take(7);
-    let speeds: Vec<f64> = last.map(|fix| fix.mean_velocity.unwrap().v_n.norm()).collect();
+    let speeds: Vec<f64> = last
+        .map(|fix| fix.mean_velocity.unwrap().v_n.norm())
+        .collect();
     assert!(speeds.iter().all(|speed| *speed < 0.06), "{speeds:?} m/s");
     let with = fixes.iter().filter(|fix| fix.mean_velocity.is_some());
     assert!(with.count() > 70);

@@ -130,9 +130,6 @@ pub(super) fn known(known: &Known) -> String {
                 "estimated from forces, speeds and turns of this drive, yaw to ±{std_deg:.1} deg; \"auto\" is more accurate on a longer drive"
             );
         }
-        Known::Carrier { with, of } => {
-            return format!("velocities by the carrier phase, of {with} of {of} fixes");
-        }
         Known::Field(strength) => return format!("by the strength of the field, {strength:.0} uT"),
         Known::FieldTurns => "so the field turns against the gyros",
         Known::VehicleHeading => "assumed: the message is the heading of the vehicle; \"90 deg\" where it is that from the left antenna to the right one",

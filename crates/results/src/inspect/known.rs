@@ -148,13 +148,6 @@ pub enum Known {
     Scatter,
     /// Poses are thinned, since those that follow at once err alike.
     Thinned,
-    /// By the carrier phase, for some of the fixes.
-    Carrier {
-        /// How many fixes have one.
-        with: u64,
-        /// How many fixes there are.
-        of: u64,
-    },
     /// Assumed, as the message is defined so: the heading is the vehicle's.
     VehicleHeading,
     /// Estimated in motion: the direction of the second antenna.

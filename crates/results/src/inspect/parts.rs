@@ -87,9 +87,6 @@ pub struct Measured {
     pub skipped: String,
     /// Velocities left out because the log does not tell how certain they are.
     pub untold_velocities: u64,
-    /// Fixes with a mean velocity by the carrier phase.
-    #[serde(skip)]
-    pub mean_velocities: u64,
     /// Mean magnitude of the specific force \[m/s²\].
     #[serde(skip)]
     pub size_of_force: Option<f64>,

@@ -90,15 +90,6 @@ fn navigated(name: &str, logs: &[PathBuf]) -> bool {
     code == 0
 }
 
-#[test]
-fn velocities_by_the_carrier_are_proposed_where_they_are() {
-    if let Some(walk) = public::find("walk0827-ubx-raw/gnss_1730.ubx") {
-        let (code, stdout, _) = run("inspect", &[walk], &[]);
-        assert_eq!(code, 0);
-        assert!(stdout.contains("velocity_topic = \"RXM-RAWX\""), "{stdout}");
-    }
-}
-
 type Damage = fn(Vec<u8>) -> Vec<u8>;
 const DAMAGES: [(&str, Damage); 6] = [
     ("cut off", |log| log[..log.len() * 3 / 5].to_vec()),
