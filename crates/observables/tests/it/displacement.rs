@@ -43,7 +43,7 @@ fn without_noise_the_way_is_exact_but_for_air_and_place() {
         let off = to.displaced(&Vector3::new(6.0, -6.0, 5.0));
         let wrong = by(&sky, &epochs, &off, &v_n);
         let error = (wrong.ned - way.ned).norm();
-        assert!(error > 2e-5 * over && error < 2e-3 * over, "{error}");
+        assert!(error > 2e-5 * over && error < 4e-3 * over, "{error}");
     }
 }
 
