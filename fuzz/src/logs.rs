@@ -44,7 +44,7 @@ pub fn log(format: Format, data: &[u8]) {
                         ..GnssLog::new(format)
                     }),
                 ),
-                StreamKind::Velocity => fixes(
+                StreamKind::Velocity | StreamKind::Observations => fixes(
                     path,
                     &with_stds(GnssLog {
                         velocity: name,

@@ -252,6 +252,7 @@ fn replayed(kind: BiasModel, first: u8, events: &[Event]) {
                 };
                 aiding.push(Measurement::Gnss(GnssFix {
                     attitude: None,
+                    mean_velocity: None,
                     time: later(&aiding, time + event.numbers[4].clamp(0.0, 1.0)),
                     position: (event.kind & 0x08 == 0)
                         .then_some((Position::Geodetic(place), noise)),

@@ -329,6 +329,7 @@ pub unsafe extern "C" fn undrift_navigator_fix(
         let velocity = velocity.map(|v| (v.velocity.into(), v.covariance.into()));
         let in_time = navigator.inner.fix(GnssFix {
             attitude: None,
+            mean_velocity: None,
             time,
             position,
             velocity,

@@ -456,6 +456,7 @@ mod tests {
         let place = Position::Geodetic(Geodetic::from_degrees(45.0, 7.0, 0.0));
         let fix = GnssFix {
             attitude: None,
+            mean_velocity: None,
             time: 0.0,
             position: Some((place, diagonal([12.0, 16.0, 9.0]))),
             velocity: Some((Vector3::zeros(), diagonal([0.75, 0.64, 0.51]))),

@@ -136,6 +136,7 @@ mod tests {
         rejected.note(3.0, [None, update(Outcome::Rejected)]);
         let fix = |time: f64| GnssFix {
             attitude: None,
+            mean_velocity: None,
             time,
             position: Some((
                 Position::Geodetic(Geodetic::from_degrees(45.0, 7.0, 0.0)),

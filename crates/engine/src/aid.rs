@@ -18,7 +18,7 @@ use alloc::vec::Vec;
 use undrift_events::{Aid, ScalarLog};
 use undrift_nav::{
     Quaternion, Vector3,
-    aiding::Observation,
+    aiding::{Observation, Stretch},
     filter::Filter,
     sample::{GnssFix, MagneticField, Position, Scalar},
 };
@@ -215,6 +215,15 @@ pub enum Aiding {
         /// Time at which it holds \[s\]; the filter is there or after it.
         due: f64,
     },
+    /// Mean GNSS velocity since a fix, by the carrier phase.
+    MeanVelocity {
+        /// Mean velocity of the antenna over ground, north, east, down \[m/s\].
+        v_n: Vector3,
+        /// IMU → antenna, body axes, as configured \[m\].
+        lever_arm: Vector3,
+        /// What the samples say of the time; the filter is at its end.
+        stretch: Stretch,
+    },
     /// Heading by the course over ground, from north to east \[rad\].
     Course(f64),
     /// The vehicle is at rest: no velocity, three numbers \[m/s\].
@@ -316,6 +325,11 @@ pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Op
         } => Observed::Three(gnss::observe_velocity(
             filter, v_n, lever_arm, correlated, *due,
         )),
+        Aiding::MeanVelocity {
+            v_n,
+            lever_arm,
+            stretch,
+        } => Observed::Three(filter.observe_mean_velocity(v_n, lever_arm, stretch)),
         Aiding::Course(course) => Observed::One(filter.observe_course(*course)?),
         Aiding::ZeroVelocity => Observed::Three(filter.observe_zero_velocity()),
         Aiding::EarthRate(rate) => Observed::Three(filter.observe_earth_rate(rate)),

@@ -210,6 +210,7 @@ mod tests {
             let place = start.displaced(&Vector3::new(3.0 * time, -4.0 * time + side, 0.0));
             GnssFix {
                 attitude: None,
+                mean_velocity: None,
                 time,
                 position: Some((Position::Geodetic(place), Matrix3::identity())),
                 velocity: None,

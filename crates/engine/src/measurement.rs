@@ -213,7 +213,12 @@ impl Queue {
             }
         }
         if latency.velocity.is_some() {
-            for fix in self.fixes.drain(..) {
+            for fix in core::mem::take(&mut self.fixes) {
+                if fix.mean_velocity.is_some() {
+                    // Of one instant: the delay of the receiver's own velocities is none of the phases'.
+                    self.fixes.push_back(fix);
+                    continue;
+                }
                 if fix.position.is_some() || fix.velocity.is_none() {
                     self.positions.push_back(fix);
                 }
@@ -283,6 +288,7 @@ mod tests {
         let fix = |time| {
             Measurement::Gnss(GnssFix {
                 attitude: None,
+                mean_velocity: None,
                 time,
                 position: None,
                 velocity: None,
@@ -324,6 +330,7 @@ mod tests {
         let fix = |time| {
             Measurement::Gnss(GnssFix {
                 attitude: None,
+                mean_velocity: None,
                 time,
                 position: Some((
                     undrift_nav::sample::Position::Geodetic(Default::default()),

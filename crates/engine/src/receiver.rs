@@ -45,6 +45,7 @@ use nalgebra::Vector2;
 use undrift_events::{Aid, Part};
 use undrift_nav::{
     Matrix3, Vector3,
+    aiding::Stretch,
     earth::STANDARD_GRAVITY,
     filter::{FilterError, Gate, Update},
     sample::{GnssFix, Position},
@@ -180,11 +181,11 @@ impl Receiver {
         (way / span - v).norm() < ODD_SPEED + ODD_ACCEL * span + ODD_SIGMAS * sigmas
     }
 
-    /// Updates the filter, which is at or after the time `due` \[s\] at which the fix holds, with its
-    /// position and velocity, or with one of them.
+    /// Updates the filter, which is at or after the time at which the fix holds, with its position and velocity, or with one of them. A mean
+    /// velocity takes the velocity's place where the motion since its start is known.
     ///
     /// Returns the updates of position and velocity, each `None` where the fix, the settings or
-    /// `part` leave it out.
+    /// the part leave it out.
     ///
     /// # Errors
     /// In each: [`FilterError`] of a covariance that is no covariance, or of a correction that the
@@ -193,8 +194,7 @@ impl Receiver {
         &mut self,
         filter: &mut dyn Estimator,
         fix: &GnssFix,
-        part: Option<Part>,
-        due: f64,
+        &Held { part, due, stretch }: &Held,
         settings: &Settings,
         summary: &mut Summary,
     ) -> [Option<Result<Update, FilterError>>; 2] {
@@ -252,8 +252,8 @@ impl Receiver {
             && with_velocity
             && part != Some(Part::Position)
         {
-            let (white, correlated) = settings.fix_errors.split_velocity(&r);
-            let aiding = Aiding::Velocity {
+            let (mut white, correlated) = settings.fix_errors.split_velocity(&r);
+            let mut aiding = Aiding::Velocity {
                 v_n,
                 lever_arm,
                 correlated,
@@ -261,6 +261,14 @@ impl Receiver {
             };
             if let Some(innovation) = filter.innovation(&aiding) {
                 summary.regress(&innovation, &v_n, &r.diagonal());
+            }
+            if let (Some(mean), Some(stretch)) = (&fix.mean_velocity, stretch) {
+                white = mean.covariance;
+                aiding = Aiding::MeanVelocity {
+                    v_n: mean.v_n,
+                    lever_arm,
+                    stretch,
+                };
             }
             // One that goes on while the position is held is of use.
             let held = self.same.is_some_and(|(.., held)| held == Some(v_n));
@@ -367,6 +375,16 @@ impl Receiver {
             summary.adapted[i] = channel.scale.mean();
         }
     }
+}
+
+/// When a fix holds, and of what.
+pub(super) struct Held {
+    /// The part of it, where it is not all.
+    pub(super) part: Option<Part>,
+    /// Time \[s\].
+    pub(super) due: f64,
+    /// The motion over its mean velocity's time, where that is known.
+    pub(super) stretch: Option<Stretch>,
 }
 
 /// A part of a fix, and how it is to be judged.

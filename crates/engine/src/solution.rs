@@ -18,7 +18,9 @@ use crate::estimator::{Estimator, STAMP_ROUNDING};
 use alloc::boxed::Box;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
-use undrift_nav::{Vector3, earth::STANDARD_GRAVITY, parameters::Parameter, sample::ImuSample};
+use undrift_nav::{
+    Vector3, aiding::Stretch, earth::STANDARD_GRAVITY, parameters::Parameter, sample::ImuSample,
+};
 
 /// A sample after more than this many intervals is a gap, not just late.
 const GAP_INTERVALS: f64 = 1.5;
@@ -41,6 +43,9 @@ const MOST_ANGLE: f64 = 0.5;
 /// How long a product of errors lasts, until a vehicle has turned or the errors are known \[s\].
 const PRODUCT_LASTS: f64 = 5.0;
 
+/// A mean velocity begins at the fix before within this \[s\]: rounded stamps, and a latency that changed.
+const SAME_START: f64 = 2e-3;
+
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Solution {
     /// Error state, covariance, and the navigation state.
@@ -48,6 +53,8 @@ pub(super) struct Solution {
     pub(super) filter: Box<dyn Estimator>,
     /// Time of its start \[s\].
     pub(super) began: f64,
+    /// Motion since the last fix that was not withheld.
+    stretch: Option<Stretch>,
     /// While a gap is being bridged.
     bridge: Option<Bridge>,
     /// Time of the last node of a smoother \[s\].
@@ -67,12 +74,22 @@ impl Clone for Solution {
     }
 }
 
+/// Moves the filter within its sample to `time` \[s\], with `None` to its end, and notes the motion.
+fn advance(filter: &mut dyn Estimator, stretch: &mut Option<Stretch>, time: Option<f64>) {
+    let before = *filter.nav();
+    filter.advance(time);
+    if let Some(stretch) = stretch {
+        stretch.add(&before, filter.nav());
+    }
+}
+
 impl Solution {
     pub(super) fn new(filter: Box<dyn Estimator>) -> Self {
         Self {
             began: filter.nav().time,
             products_until: filter.nav().time,
             filter,
+            stretch: None,
             bridge: None,
             last_node: f64::NEG_INFINITY,
         }
@@ -135,11 +152,24 @@ impl Solution {
             while bridge.reached() < time - STAMP_ROUNDING
                 && let Some(next) = bridge.next()
             {
-                self.filter.advance(None);
+                advance(&mut *self.filter, &mut self.stretch, None);
                 self.filter.begin(&next);
             }
         }
-        self.filter.advance(Some(time));
+        advance(&mut *self.filter, &mut self.stretch, Some(time));
+    }
+
+    /// Begins a stretch at a fix, which is here.
+    pub(super) fn begin_stretch(&mut self) {
+        self.stretch = Some(Stretch::new(self.filter.nav()));
+    }
+
+    /// The motion over the `span` \[s\] before `due` \[s\], where a fix began it and the filter is not past its end.
+    pub(super) fn stretch(&self, span: f64, due: f64) -> Option<Stretch> {
+        let off = |stretch: &Stretch| (due - span - stretch.start).abs();
+        let past = self.filter.nav().time - due;
+        let stretch = self.stretch.filter(|stretch| off(stretch) < SAME_START);
+        stretch.filter(|_| past.abs() < SAME_START)
     }
 
     /// Grows the covariance for the part of a long gap up to `time` \[s\] that it has not grown for.

@@ -63,6 +63,7 @@ mod tests {
         let r = Matrix3::new(0.04, 0.01, 0.02, 0.01, 0.04, 0.02, 0.02, 0.02, 0.09);
         GnssFix {
             attitude: None,
+            mean_velocity: None,
             time,
             position: None,
             velocity: Some((v_n, r)),

@@ -1,7 +1,7 @@
 //! Self-describing logs consist of entries of streams.
 
 use undrift_nav::earth::Geodetic;
-use undrift_nav::sample::{FixQuality, Position, TruthSample};
+use undrift_nav::sample::{FixQuality, MeanVelocity, Position, TruthSample};
 use undrift_nav::{Matrix3, Quaternion, Vector3};
 
 use crate::epoch::Epoch;
@@ -140,6 +140,8 @@ pub struct Fix {
     pub position: Option<(Position, Option<Matrix3>)>,
     /// Velocity north-east-down [m/s], and its covariance [(m/s)²].
     pub velocity: Option<(Vector3, Option<Matrix3>)>,
+    /// Mean velocity over the time up to it, by the carrier phase.
+    pub mean_velocity: Option<MeanVelocity>,
     /// What kind of solution the receiver calls it.
     pub quality: FixQuality,
 }
@@ -283,6 +285,8 @@ pub enum StreamKind {
     Headings,
     /// Magnetic fields.
     Fields,
+    /// Raw observations of satellites, which give the fixes mean velocities by the carrier phase.
+    Observations,
     /// Nothing that is read here.
     Other,
 }

@@ -6,6 +6,7 @@
 //! | measurement | row |
 //! |---|---|
 //! | GNSS position, velocity | [`Filter::observe_position`], [`Filter::observe_velocity`] |
+//! | its mean over the time since a fix, by the carrier phase | [`Filter::observe_mean_velocity`] |
 //! | wheel speed; no side slip, no lift | [`Filter::observe_odometer`], [`Filter::observe_non_holonomic`] |
 //! | course of a vehicle that drives where it points | [`Filter::observe_course`] |
 //! | heading by two antennas | [`Filter::observe_heading`] |
@@ -53,6 +54,7 @@ mod earth_rate;
 mod heading;
 mod level;
 mod magnetometer;
+mod mean_velocity;
 mod non_holonomic;
 mod odometer;
 mod pose;
@@ -69,6 +71,7 @@ use crate::{
 use nalgebra::{SMatrix, SVector};
 
 pub use crate::observation::Observation;
+pub use mean_velocity::Stretch;
 
 /// Observation of the azimuth of the direction `f` in `n` [rad, from north to east], by its innovation wrapped to (−π, π] and its
 /// row on ψ; and the change of the azimuth with `f`. `None` where `f` points within 10° of up or down.

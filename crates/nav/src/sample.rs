@@ -87,6 +87,9 @@ pub struct GnssFix {
     /// Velocity over ground north-east-down [m/s] with its covariance [(m/s)²].
     /// It is the antenna's velocity: in a turn the lever arm moves it against the IMU's.
     pub velocity: Option<(Vector3, Matrix3)>,
+    /// Mean velocity of the antenna over the time up to the fix, by the carrier phase, where the receiver's observations give one. A filter
+    /// that knows the way since the fix before uses it in place of `velocity` ([`Filter::observe_mean_velocity`](crate::filter::Filter::observe_mean_velocity)).
+    pub mean_velocity: Option<MeanVelocity>,
     /// Attitude of the marker, `q_nk`, which turns vectors of the marker's axes into north, east, down, and the covariance of its
     /// error as a small rotation about north, east, down \[rad²\]. Motion capture, visual and laser odometry have one; how the marker's
     /// axes lie in the body is stated where it is used ([`Filter::observe_attitude`](crate::filter::Filter::observe_attitude)).
@@ -112,6 +115,7 @@ impl GnssFix {
             time,
             position: Some((Position::Geodetic(place), variances(std.into()))),
             velocity: None,
+            mean_velocity: None,
             attitude: None,
             quality: FixQuality::Unknown,
         }
@@ -163,8 +167,12 @@ impl GnssFix {
             let mut numbers = q.coords.iter().chain(r.iter());
             numbers.all(|v| v.is_finite())
         };
+        let of_mean = |mean: &MeanVelocity| {
+            of_velocity(&(mean.v_n, mean.covariance)) && mean.over.is_finite() && mean.over > 0.0
+        };
         self.time.is_finite()
             && self.position.as_ref().is_none_or(of_position)
+            && self.mean_velocity.as_ref().is_none_or(of_mean)
             && self.velocity.as_ref().is_none_or(of_velocity)
             && self.attitude.as_ref().is_none_or(of_attitude)
     }
@@ -172,6 +180,21 @@ impl GnssFix {
 
 fn variances(std: Vector3) -> Matrix3 {
     Matrix3::from_diagonal(&std.component_mul(&std))
+}
+
+/// Way of the antenna over a time that ends with a fix, divided by that time.
+///
+/// Its error is white from one to the next only nearly: neighbours share an epoch, whose noise enters them with opposite signs. To take them as
+/// independent overstates the error of the way over several.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct MeanVelocity {
+    /// Length of the time \[s\], above 0.
+    pub over: f64,
+    /// Mean velocity over ground, north, east, down [m/s].
+    pub v_n: Vector3,
+    /// Its covariance [(m/s)²].
+    pub covariance: Matrix3,
 }
 
 /// Kind of GNSS solution, from the coarsest to the finest.

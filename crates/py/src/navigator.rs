@@ -120,6 +120,7 @@ impl Navigator {
     fn fix(&self, py: Python<'_>, time: f64, position: Part, velocity: Part) -> PyResult<bool> {
         let fix = GnssFix {
             attitude: None,
+            mean_velocity: None,
             time,
             position: position.map(|([lat, lon, height], covariance)| {
                 let place = Position::Geodetic(Geodetic { lat, lon, height });

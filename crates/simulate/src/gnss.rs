@@ -147,6 +147,7 @@ impl Iterator for GnssFixes<'_> {
             |std: &[f64; 3]| Matrix3::from_diagonal(&Vector3::from_fn(|i, _| std[i] * std[i]));
         Some(GnssFix {
             attitude: None,
+            mean_velocity: None,
             time,
             position: noise.with_position.then(|| {
                 (

@@ -33,6 +33,7 @@ fn alternating(size: f64) -> Vec<ImuSample> {
 fn at_speed(speed: f64) -> Vec<Measurement> {
     let fix = |k: i32| GnssFix {
         attitude: None,
+        mean_velocity: None,
         time: f64::from(k),
         position: None,
         velocity: Some((Vector3::new(speed, 0.0, 0.0), Default::default())),

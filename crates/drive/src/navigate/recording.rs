@@ -314,6 +314,7 @@ mod tests {
         let covariance = Matrix3::from_diagonal(&Vector3::new(4.0, 9.0, 16.0));
         GnssFix {
             attitude: None,
+            mean_velocity: None,
             time,
             position: Some((Position::Geodetic(place), covariance)),
             velocity: None,

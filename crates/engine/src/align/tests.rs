@@ -29,6 +29,7 @@ fn started(
         let variance = Matrix3::identity() * (POSITION * POSITION);
         let fix = GnssFix {
             attitude: None,
+            mean_velocity: None,
             time,
             position: Some((Position::Geodetic(place), variance)),
             velocity: measured.map(|std| (Vector3::new(12.0, 0.0, 0.0), diagonal(&std))),
@@ -97,6 +98,7 @@ fn the_imu_starts_where_the_antenna_is_without_its_arm() {
     );
     let fix = GnssFix {
         attitude: None,
+        mean_velocity: None,
         time: 1.0,
         position: Some((Position::Geodetic(place), Matrix3::identity())),
         velocity: Some((v, Matrix3::identity())),

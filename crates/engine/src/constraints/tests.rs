@@ -135,6 +135,7 @@ fn what_only_the_sensors_see_holds_the_velocity_less() {
 fn fix(time: f64, v_n: Vector3, std: f64) -> GnssFix {
     GnssFix {
         attitude: None,
+        mean_velocity: None,
         time,
         position: None,
         velocity: Some((v_n, Matrix3::identity() * (std * std))),

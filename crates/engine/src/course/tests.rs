@@ -39,6 +39,7 @@ impl Drive {
         let (sin, cos) = (course * DEG).sin_cos();
         let fix = GnssFix {
             attitude: None,
+            mean_velocity: None,
             time: self.time,
             position: None,
             velocity: Some((

@@ -244,6 +244,7 @@ fn a_track_is_of_sound_fixes_in_metres() {
         let place = start.displaced(&(Vector3::new(10.0, 20.0, -30.0) * k as f64));
         GnssFix {
             attitude: None,
+            mean_velocity: None,
             time: k as f64,
             position: Some((Position::Geodetic(place), Matrix3::identity() * variance)),
             velocity: Some((Vector3::x(), Matrix3::identity() * velocity_variance)),
@@ -283,6 +284,7 @@ fn positions(wobble: f64) -> FixStudy {
         let place = Vector3::new(4.0 * time + side, side, side);
         GnssFix {
             attitude: None,
+            mean_velocity: None,
             time,
             position: Some((
                 Position::Geodetic(start.displaced(&place)),

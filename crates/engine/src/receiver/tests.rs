@@ -15,6 +15,13 @@ fn drive(seed: u64) -> Scenario {
     Scenario::new(&bend(), &receiver(), seed)
 }
 
+/// A whole fix at the start.
+const HELD: Held = Held {
+    part: None,
+    due: 0.0,
+    stretch: None,
+};
+
 /// A receiver without velocities.
 fn positions_only() -> GnssNoise {
     GnssNoise {
@@ -334,7 +341,7 @@ fn what_other_fixes_have_corrected_is_no_sign_that_the_present_one_is_held() {
     filter.inflate(&Vector3::zeros(), 5.0, 0.0);
     for (time, north) in [(0.0, 0.0), (0.2, 0.01), (0.4, 0.01)] {
         let still = fix(time, north, 0.0, 0.5);
-        receiver.update(&mut *filter, &still, None, 0.0, &settings, &mut summary);
+        receiver.update(&mut *filter, &still, &HELD, &settings, &mut summary);
     }
     assert!(filter.nav().v_n.norm() < 0.1, "corrected");
     assert!(!receiver.repeats());
@@ -373,6 +380,7 @@ fn fix(time: f64, north: f64, speed: f64, std: f64) -> GnssFix {
     let place = Geodetic::from_degrees(45.0, 7.0, 300.0).displaced(&Vector3::new(north, 0.0, 0.0));
     GnssFix {
         attitude: None,
+        mean_velocity: None,
         time,
         position: Some((Position::Geodetic(place), Matrix3::identity() * (std * std))),
         velocity: Some((
@@ -445,13 +453,13 @@ fn a_new_solution_keeps_what_is_known_of_the_receiver_and_nothing_of_the_old_one
             velocity: None,
             ..fix(0.2 * f64::from(k), way, 0.0, 0.02)
         };
-        receiver.update(&mut *filter, &off, None, 0.0, &settings, &mut summary);
+        receiver.update(&mut *filter, &off, &HELD, &settings, &mut summary);
     }
     let known = receiver.position.scale.factor();
     assert!(known > 10.0, "{known}");
     // A contradiction is open when the solution ends.
     let wild = fix(4.0, 500.0, 0.0, 0.02);
-    receiver.update(&mut *filter, &wild, None, 0.0, &settings, &mut summary);
+    receiver.update(&mut *filter, &wild, &HELD, &settings, &mut summary);
     assert!(summary.contradictions.is_empty());
     receiver.forget_solution(10.0, &mut summary);
     assert_eq!(

@@ -27,7 +27,7 @@ use super::{
 };
 use crate::{
     align::Aligned, course::CourseWatch, estimator::STAMP_ROUNDING, observer::Observer,
-    settings::GnssUse, solution::Solution, watch::Streak,
+    receiver::Held, settings::GnssUse, solution::Solution, watch::Streak,
 };
 use alloc::sync::Arc;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -283,10 +283,16 @@ impl Run {
             solution.node(self.settings.nodes, observer);
             return Ok(());
         }
+        let mean = fix.mean_velocity.as_ref();
+        let stretch = mean.and_then(|mean| solution.stretch(mean.over, due));
         let filter = &mut *solution.filter;
-        let updates =
-            self.receiver
-                .update(filter, fix, part, due, &self.settings, &mut self.summary);
+        // Its own velocity would be late by another delay.
+        let apart = mean.is_some() && stretch.is_none() && latency.velocity.is_some();
+        let part = if apart { Some(Part::Position) } else { part };
+        let held = Held { part, due, stretch };
+        let updates = self
+            .receiver
+            .update(filter, fix, &held, &self.settings, &mut self.summary);
         if begins {
             // One that the filter refuses is a bad fix as well.
             let attitude = pose::update(filter, fix, due, &settings, &mut self.summary);
@@ -319,6 +325,9 @@ impl Run {
             }
         }
         if let Some(solution) = &mut self.solution {
+            if begins {
+                solution.begin_stretch();
+            }
             solution.node(self.settings.nodes, observer);
         }
         Ok(())

@@ -71,6 +71,7 @@ mod tests {
         let std = |rule: QualityStd, quality, stated: f64| {
             let fix = GnssFix {
                 attitude: None,
+                mean_velocity: None,
                 time: 0.0,
                 position: Some((place, Matrix3::identity() * (stated * stated))),
                 velocity: None,

@@ -55,6 +55,7 @@ fn run(seed: u64, change: impl FnOnce(&mut Settings, &mut Vec<GnssFix>)) -> Ran 
             variance(2e-3),
         )),
         velocity: None,
+        mean_velocity: None,
         attitude: Some((pose.attitude, variance(0.1 * DEG))),
         quality: FixQuality::Unknown,
     };

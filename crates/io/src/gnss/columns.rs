@@ -194,6 +194,7 @@ impl FixColumns {
         let position = place.and_then(|place| self.position(place, row, skipped));
         Some(GnssFix {
             attitude: None,
+            mean_velocity: None,
             time: stamp * self.format.time_scale + self.format.fixes.time_offset,
             position,
             velocity: self.velocity(place, row, skipped),

@@ -1,7 +1,7 @@
 //! Fixes of a log that says itself what it holds.
 
 use undrift_nav::earth::Geodetic;
-use undrift_nav::sample::{GnssFix, Position};
+use undrift_nav::sample::{GnssFix, MeanVelocity, Position};
 use undrift_nav::{Matrix3, Vector3};
 
 use super::options::FixOptions;
@@ -101,6 +101,11 @@ impl LogFixes {
             let covariance = certain(own, options.velocity_std, factor, "gnss.velocity_std");
             Some((velocity, covariance?))
         });
+        let factor = options.velocity_std_factor;
+        let mean_velocity = fix.mean_velocity.map(|mean| MeanVelocity {
+            covariance: mean.covariance * (factor * factor),
+            ..mean
+        });
         self.untold_velocities += u64::from(fix.velocity.is_some() && velocity.is_none());
         if place.is_some() && position.is_none() {
             self.unknown.get_or_insert(at);
@@ -109,6 +114,7 @@ impl LogFixes {
         self.positions += u64::from(position.is_some());
         GnssFix {
             attitude: None,
+            mean_velocity,
             time: fix.time + options.time_offset,
             position,
             velocity: velocity.filter(|(_, p)| sound(p, at, skipped)),

@@ -77,6 +77,7 @@ impl Placed {
             position,
             velocity: None,
             attitude,
+            mean_velocity: None,
             quality: FixQuality::Unknown,
         };
         Some((time, fix))

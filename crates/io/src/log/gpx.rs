@@ -126,6 +126,7 @@ impl Point {
             return ready.skip(self.line, SkipKind::Text, format!("time {:?}", self.time));
         };
         let fix = Fix {
+            mean_velocity: None,
             time,
             position: Some((Position::Geodetic(position), None)),
             velocity: None,

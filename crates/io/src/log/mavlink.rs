@@ -220,6 +220,7 @@ impl Reader {
         ready.fix(
             at,
             Fix {
+                mean_velocity: None,
                 time,
                 position,
                 velocity,

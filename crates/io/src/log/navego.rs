@@ -137,9 +137,11 @@ fn fields_of(kind: StreamKind) -> &'static str {
         StreamKind::Fixes => "structure with t, lat, lon, h",
         StreamKind::Poses => "structure with t, lat, lon, h, roll, pitch, yaw",
         StreamKind::Velocity => "structure with t, vel",
-        StreamKind::LocalPoses | StreamKind::Headings | StreamKind::Fields | StreamKind::Other => {
-            "structure that is read"
-        }
+        StreamKind::LocalPoses
+        | StreamKind::Headings
+        | StreamKind::Fields
+        | StreamKind::Observations
+        | StreamKind::Other => "structure that is read",
     }
 }
 

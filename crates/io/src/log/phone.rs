@@ -78,6 +78,7 @@ impl Location {
         if position.is_some() || velocity.is_some() {
             let quality = FixQuality::Unknown;
             let fix = Fix {
+                mean_velocity: None,
                 time,
                 position,
                 velocity,

@@ -354,6 +354,7 @@ impl Recording {
             Type::NavSatFix => {
                 let (place, covariance, quality) = message::fix(&mut fields)?;
                 Fix {
+                    mean_velocity: None,
                     time,
                     position: Some((Position::Geodetic(place), covariance)),
                     velocity: None,
@@ -363,6 +364,7 @@ impl Recording {
             Type::TwistStamped | Type::TwistWithCovarianceStamped => {
                 let with_covariance = kind == Type::TwistWithCovarianceStamped;
                 Fix {
+                    mean_velocity: None,
                     time,
                     position: None,
                     velocity: Some(message::velocity(&mut fields, with_covariance)?),

@@ -209,6 +209,7 @@ impl Reader {
         });
         let quality = self.layout.quality.and_then(|at| self.value(at));
         Some(Fix {
+            mean_velocity: None,
             time,
             position: Some((
                 position,

@@ -328,6 +328,7 @@ fn fix_of(at: u64, time: f64, ins: &blocks::Ins, ready: &mut Ready) {
         return;
     };
     let fix = Fix {
+        mean_velocity: None,
         time,
         position: Some((Position::Geodetic(place), position)),
         velocity: ins.pose.v_n.map(|v_n| (v_n, velocity)),
@@ -369,6 +370,7 @@ fn end(epoch: &mut Option<Epoch>, ready: &mut Ready) {
         ready.fix(
             at,
             Fix {
+                mean_velocity: None,
                 time,
                 position,
                 velocity,

@@ -6,6 +6,7 @@
 //! file starts; those of the inertial samples are made of the sensors' own counter ([`clock`]).
 
 mod bytes;
+mod carrier;
 mod clock;
 mod epoch;
 mod frames;
@@ -17,6 +18,7 @@ use crate::ReadError;
 use crate::entry::{Entries, Heading, ImuReading, Stream, StreamKind, Wanted, What};
 use crate::skipped::SkipKind;
 use crate::source::Source;
+use carrier::Carrier;
 use clock::SensorClock;
 use epoch::{Epoch, HEADINGS, POSITIONS, VELOCITIES, Weeks};
 use frames::LAYOUT;
@@ -46,8 +48,8 @@ const NAMES: [([u8; 2], &str); 22] = [
     ([0x01, 0x35], "NAV-SAT"),
     (epoch::RELPOSNED, "NAV-RELPOSNED"),
     ([0x01, 0x43], "NAV-SIG"),
-    ([0x02, 0x13], "RXM-SFRBX"),
-    ([0x02, 0x15], "RXM-RAWX"),
+    (carrier::SFRBX, "RXM-SFRBX"),
+    (carrier::RAWX, carrier::NAME),
     ([0x10, 0x10], "ESF-STATUS"),
     ([0x10, 0x14], "ESF-ALG"),
     ([0x10, 0x15], "ESF-INS"),
@@ -69,7 +71,8 @@ pub(super) fn has_data(start: &[u8]) -> bool {
 }
 
 pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadError> {
-    check(wanted, "UBX", [&INERTIAL, &POSITIONS, &VELOCITIES])?;
+    let velocities = [&VELOCITIES[..], &[carrier::NAME]].concat();
+    check(wanted, "UBX", [&INERTIAL, &POSITIONS, &velocities])?;
     if let Wanted::Headings(name) = wanted {
         check_name(name, "UBX", &HEADINGS, "stream of headings")?;
     }
@@ -84,9 +87,14 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
         })),
         Wanted::Fixes {
             position, velocity, ..
-        } => Purpose::Fixes([position, velocity]),
+        } => {
+            // The receiver's own velocity is at an instant: it stays beside the carrier's.
+            let by_carrier = velocity.as_deref() == Some(carrier::NAME);
+            let velocity = velocity.filter(|_| !by_carrier);
+            Purpose::Fixes([position, velocity], by_carrier.then(Box::default))
+        }
         Wanted::Poses(name) | Wanted::LocalPoses(name) | Wanted::Fields(name) => {
-            Purpose::Fixes([name, None])
+            Purpose::Fixes([name, None], None)
         }
         Wanted::Headings(_) => Purpose::Headings,
     };
@@ -130,6 +138,11 @@ fn described(name: &str) -> (StreamKind, &'static str) {
             StreamKind::Headings,
             "second antenna as seen from the first",
         ),
+        carrier::NAME => (
+            StreamKind::Observations,
+            "code, carrier phase and Doppler shift of each satellite",
+        ),
+        "RXM-SFRBX" => (StreamKind::Other, "messages of the satellites"),
         "NAV-COV" => (StreamKind::Other, "covariances of position and velocity"),
         _ => (StreamKind::Other, ""),
     }
@@ -153,8 +166,8 @@ struct Reader {
 /// What is made of the messages.
 enum Purpose {
     Imu(Box<Imu>),
-    /// Fixes by the messages with these names of positions and velocities.
-    Fixes([Option<String>; 2]),
+    /// Fixes by the messages with these names of positions and velocities, with mean velocities by the carrier.
+    Fixes([Option<String>; 2], Option<Box<Carrier>>),
     Headings,
 }
 
@@ -182,6 +195,12 @@ impl Reader {
         payload: &[u8],
         ready: &mut Ready,
     ) -> Result<(), ReadError> {
+        if let Purpose::Fixes(_, Some(carrier)) = &mut self.purpose
+            && carrier.message(kind, payload).is_none()
+        {
+            too_short(at, kind, payload, ready);
+            return Ok(());
+        }
         let tow = epoch::time_of_week(kind, payload);
         let tow =
             tow.filter(|_| kind != epoch::RELPOSNED || matches!(self.purpose, Purpose::Headings));
@@ -191,7 +210,7 @@ impl Reader {
         }
         let imu = match &mut self.purpose {
             Purpose::Imu(imu) => Some(imu),
-            Purpose::Fixes(_) | Purpose::Headings => None,
+            Purpose::Fixes(..) | Purpose::Headings => None,
         };
         if let (Some(stream), Some(imu)) = (imu_stream(kind), imu) {
             return imu.message(at, stream, kind, payload, ready);
@@ -207,11 +226,8 @@ impl Reader {
                     .and_then(|startup| imu.sensors.at_startup(startup))
                     .or(epoch.exact);
             }
-            Purpose::Fixes(_) | Purpose::Headings if !whole => {
-                let detail = format!("{} of {} bytes", name(kind), payload.len());
-                ready.skip(at, SkipKind::MissingField, detail);
-            }
-            Purpose::Fixes(_) | Purpose::Headings => {}
+            Purpose::Fixes(..) | Purpose::Headings if !whole => too_short(at, kind, payload, ready),
+            Purpose::Fixes(..) | Purpose::Headings => {}
         }
         Ok(())
     }
@@ -225,8 +241,10 @@ impl Reader {
         let time = dated.then(|| self.weeks.seconds(&epoch));
         match (&mut self.purpose, time) {
             (Purpose::Imu(imu), Some(time)) => imu.tie(&epoch, time, ready)?,
-            (Purpose::Fixes(names), Some(time)) => {
-                if let Some(fix) = epoch.fix(time, names, ready) {
+            (Purpose::Fixes(names, carrier), Some(time)) => {
+                if let Some(mut fix) = epoch.fix(time, names, ready) {
+                    let carrier = carrier.as_mut();
+                    fix.mean_velocity = carrier.and_then(|carrier| carrier.mean_velocity(&fix));
                     ready.fix(epoch.at, fix);
                 }
             }
@@ -238,7 +256,7 @@ impl Reader {
                 None => {}
             },
             (Purpose::Headings, None) => {}
-            (Purpose::Fixes(_), None) => epoch.skip(ready),
+            (Purpose::Fixes(..), None) => epoch.skip(ready),
             (Purpose::Imu(_), None) => {}
         }
         Ok(())
@@ -293,6 +311,12 @@ impl Imu {
                 .mend("remove the samples before it: their GPS time is unknown")
         })
     }
+}
+
+/// Counts a message that is too short for what it holds.
+fn too_short(at: u64, kind: [u8; 2], payload: &[u8], ready: &mut Ready) {
+    let detail = format!("{} of {} bytes", name(kind), payload.len());
+    ready.skip(at, SkipKind::MissingField, detail);
 }
 
 fn imu_stream(kind: [u8; 2]) -> Option<&'static str> {

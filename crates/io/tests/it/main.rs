@@ -1,5 +1,6 @@
 //! Readers and writers on golden, damaged and public files.
 
+mod carrier;
 mod dates;
 mod hostile;
 mod properties;

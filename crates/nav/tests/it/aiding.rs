@@ -459,3 +459,103 @@ fn white_noise_in_a_wheel_is_read_with_its_scale() {
     filter.apply_correction(&SVector::ith(at, 0.25));
     assert!((extra(&filter) / plain - 1.25 * 1.25).abs() < 1e-12);
 }
+
+mod mean_velocity {
+    use super::*;
+    use undrift_nav::aiding::Stretch;
+
+    const DT: f64 = 0.01;
+
+    /// A filter and what it goes through: 0.4 s of turns and forces that change.
+    fn path(filter: &mut Filter<15>, lever: &Vector3, measured: &Vector3) -> Observation<3, 15> {
+        let mut stretch = Stretch::new(filter.nav());
+        for k in 1..=40 {
+            let t = DT * f64::from(k);
+            let rate = Vector3::new(0.2 * t, -0.3, 0.8 - t);
+            let force = Vector3::new(2.0 - 9.0 * t, 3.0 * t, -9.8 + 4.0 * t * t);
+            let before = *filter.nav();
+            filter
+                .step(&ImuSample::from_rates(t, DT, rate, force))
+                .unwrap();
+            stretch.add(&before, filter.nav());
+        }
+        filter.observe_mean_velocity(measured, lever, &stretch)
+    }
+
+    fn start() -> Filter<15> {
+        let nav = NavState {
+            time: 0.0,
+            position: Geodetic::from_degrees(47.0, 8.0, 400.0),
+            v_n: Vector3::new(8.0, -3.0, 0.4),
+            q_nb: from_rpy(&Vector3::new(0.2, -0.1, 1.1)),
+        };
+        let std = InitialStd {
+            position: Vector3::repeat(1.0),
+            velocity: Vector3::repeat(1.0),
+            attitude: Vector3::repeat(0.1),
+        };
+        let sensor = ShapingFilter::constant(0.1, DT).unwrap();
+        let sensor = sensor
+            .plus(&ShapingFilter::white(2e-3, DT).unwrap())
+            .unwrap();
+        Filter::new(nav, &std, [sensor; AXES], Parameters::none()).unwrap()
+    }
+
+    #[test]
+    fn the_prediction_is_the_way_of_the_antenna_over_its_time() {
+        let lever = Vector3::new(0.4, -0.2, -1.3);
+        let mut filter = start();
+        let from = filter.antenna_position(&lever);
+        let observed = path(&mut filter, &lever, &Vector3::zeros());
+        let way = from.offset_to(&filter.antenna_position(&lever)) / 0.4;
+        // Trapezoids of 10 ms, the Earth's curvature under the way.
+        assert!(
+            (observed.innovation - way).amax() < 2e-4,
+            "{}",
+            observed.innovation
+        );
+        // White noise N of each accelerometer over T: N² T / 3.
+        let white = observed.extra.trace() / 3.0;
+        assert!((white / (4e-6 * 0.4 / 3.0) - 1.0).abs() < 1e-9, "{white}");
+    }
+
+    /// An error at the start goes through the mechanisation; the row, on what has come of it, gives the same innovation.
+    #[test]
+    fn rows_are_what_errors_before_the_stretch_make() {
+        let lever = Vector3::new(0.4, -0.2, -1.3);
+        let measured = Vector3::new(7.0, -2.0, 0.0);
+        for column in 3..15 {
+            let nudge = [0.0, 0.1, 1e-4, 1e-4, 1e-3][column / 3];
+            let with = |sign: f64| {
+                let mut filter = start();
+                let mut error = SVector::<f64, 15>::zeros();
+                error[column] = sign * nudge;
+                filter.apply_correction(&error);
+                let observed = path(&mut filter, &lever, &measured);
+                (filter, observed)
+            };
+            let ((plus, high), (minus, low)) = (with(1.0), with(-1.0));
+            let mut error = SVector::<f64, 15>::zeros();
+            let dv = plus.nav().v_n - minus.nav().v_n;
+            let psi = -(plus.nav().q_nb * minus.nav().q_nb.inverse()).scaled_axis();
+            for i in 0..3 {
+                error[3 + i] = dv[i];
+                error[6 + i] = psi[i];
+            }
+            for i in 9..15 {
+                // Truth less estimate.
+                error[i] = minus.estimates()[i] - plus.estimates()[i];
+            }
+            let made = high.innovation - low.innovation;
+            let said = (high.h + low.h) * 0.5 * error;
+            // Left out: what a gyro's error turns within T, f T²/6 of it, and the body's turn within T for the accelerometers.
+            let allowed = match column {
+                0..9 => 2e-3 * made.amax().max(error.amax() * 1e-3),
+                9..12 => 0.35 * error.amax(),
+                _ => 0.2 * made.amax(),
+            };
+            assert!((made - said).amax() < allowed, "{column}: {made} {said}");
+            assert!(made.amax() > 1e-6, "{column}");
+        }
+    }
+}

@@ -35,6 +35,7 @@ pub(super) fn stated(mut measurements: Vec<Measured>, errors: &FixErrors) -> Vec
     };
     let fix = errors.apply(&GnssFix {
         attitude: None,
+        mean_velocity: None,
         time: 0.0,
         position: of("position").map(|(at, r)| (Position::Geodetic(geodetic(at)), r)),
         velocity: of("velocity").map(|(v, r)| (Vector3::from(v), r)),

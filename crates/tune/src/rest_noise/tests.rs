@@ -18,6 +18,7 @@ fn fixes(speeds: &[(f64, f64)]) -> Vec<Measurement> {
     let fix = |(time, speed): &(f64, f64)| {
         Measurement::Gnss(GnssFix {
             attitude: None,
+            mean_velocity: None,
             time: *time,
             position: None,
             velocity: Some((

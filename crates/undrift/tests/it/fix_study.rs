@@ -70,6 +70,7 @@ fn fixes(errors: &Errors, seed: u64) -> Vec<GnssFix> {
         let noise = Vector3::from_fn(|_, _| normal()) * 0.03;
         let fix = GnssFix {
             attitude: None,
+            mean_velocity: None,
             time,
             position: Some((
                 Position::Baseline { base: origin, ned },

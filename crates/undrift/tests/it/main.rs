@@ -4,6 +4,7 @@ mod alignment;
 mod architecture;
 mod arrivals;
 mod assertions;
+mod carrier;
 mod circles;
 mod epochs;
 mod faults;
@@ -19,6 +20,8 @@ mod pull_away;
 mod references;
 mod rest;
 mod shaping_forms;
+#[path = "../../../observables/tests/it/sky.rs"]
+mod sky;
 mod smoothed_errors;
 mod smoothing;
 mod streams;

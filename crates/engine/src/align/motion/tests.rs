@@ -114,6 +114,7 @@ fn velocities_are_apart_by_their_extremes() {
     for (north, east, down) in [(1.0, 2.0, 50.0), (4.0, -1.0, 0.0), (2.0, 3.0, -9.0)] {
         aligner.fixes.push_back(GnssFix {
             attitude: None,
+            mean_velocity: None,
             time: 1.0,
             position: None,
             velocity: Some((Vector3::new(north, east, down), Matrix3::identity())),

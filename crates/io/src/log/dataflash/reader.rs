@@ -247,6 +247,7 @@ fn fix(values: &Values, accuracy: Option<&Values>, weeks: &mut WeekClock) -> Res
     // 0: the receiver gives none downwards.
     let velocity = velocity.filter(|_| vertical != 0.0);
     Ok(Fix {
+        mean_velocity: None,
         time,
         position: Some((
             Position::Geodetic(place),

@@ -128,6 +128,7 @@ fn fixes(variable: &mut Variable, count: usize) -> Result<ReadRow, String> {
         };
         let velocity = velocity.as_ref().and_then(|v| finite(v, index, count));
         Ok(What::Fix(Fix {
+            mean_velocity: None,
             time,
             position: Some((Position::Geodetic(place), covariance(&std))),
             velocity: velocity.map(|velocity| (velocity, covariance(&velocity_std))),

@@ -169,6 +169,7 @@ impl Epoch {
             ready.skip(self.at, SkipKind::Uncertainty, detail);
         }
         let fix = Fix {
+            mean_velocity: None,
             time: 0.0,
             position: Some((Position::Geodetic(position), self.covariance)),
             // No reference: half of it is missing.

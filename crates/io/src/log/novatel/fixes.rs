@@ -94,6 +94,7 @@ impl Fixes {
 
 fn empty(time: f64) -> Fix {
     Fix {
+        mean_velocity: None,
         time,
         position: None,
         velocity: None,

@@ -73,6 +73,7 @@ mod tests {
     fn fix(time: f64, with_position: bool) -> Fix {
         let place = Position::Geodetic(Geodetic::from_degrees(48.0, 11.0, 500.0));
         Fix {
+            mean_velocity: None,
             time,
             position: with_position.then_some((place, None)),
             velocity: (!with_position).then_some((Vector3::x(), None)),

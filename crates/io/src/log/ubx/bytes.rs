@@ -27,3 +27,7 @@ pub(super) fn i4(payload: &[u8], at: usize) -> Option<i32> {
 pub(super) fn r4(payload: &[u8], at: usize) -> Option<f32> {
     array(payload, at).map(f32::from_le_bytes)
 }
+
+pub(super) fn r8(payload: &[u8], at: usize) -> Option<f64> {
+    array(payload, at).map(f64::from_le_bytes)
+}

@@ -243,6 +243,7 @@ impl Epoch {
             .fix
             .map_or_else(Default::default, |(_, quality)| quality);
         (position.is_some() || velocity.is_some()).then_some(Fix {
+            mean_velocity: None,
             time,
             position,
             velocity,

@@ -89,6 +89,7 @@ impl TopicReader {
             StreamKind::Velocity
             | StreamKind::LocalPoses
             | StreamKind::Headings
+            | StreamKind::Observations
             | StreamKind::Other => Self::Velocity(Box::new(local_velocity(layout)?)),
         })
     }
@@ -229,6 +230,7 @@ fn gps(
         let velocity = velocity.and_then(|fields| finite(fields, message));
         let std = velocity_std.map_or(f64::NAN, |s| s.read(message));
         Ok(What::Fix(Fix {
+            mean_velocity: None,
             time: time(message),
             position: Some((Position::Geodetic(place), covariance)),
             velocity: velocity.map(|v_n| (v_n, independent(&Vector3::repeat(std)))),

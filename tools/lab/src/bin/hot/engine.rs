@@ -56,6 +56,7 @@ fn fix(time: f64) -> GnssFix {
     let place = Geodetic::from_degrees(45.0, 7.0, 300.0);
     GnssFix {
         attitude: None,
+        mean_velocity: None,
         time,
         position: Some((Position::Geodetic(place), Matrix3::identity())),
         velocity: Some((Vector3::zeros(), Matrix3::identity() * 0.01)),

@@ -1,0 +1,151 @@
+//! Velocities by the carrier phase on a simulated car: what they are worth in an outage, and whether the filter is honest about them.
+
+use crate::sky::Sky;
+use undrift::{
+    align::{AlignSettings, Heading},
+    nav::{
+        sample::{GnssFix, MeanVelocity, Position},
+        shaping::ShapingFilter,
+    },
+    outages::{self, ModelRun},
+    reference::HORIZONTAL,
+    replay::{Aid, Measurement, Outage, Settings},
+    simulate::{GnssNoise, Simulation, Trajectory, simulate},
+};
+use undrift_observables::{Epoch, displacement};
+
+const RATE: f64 = 100.0;
+
+/// A cheap IMU: 0.7 deg/√h and 0.06 m/s/√h, biases of 0.3 deg/s and 10 mg that walk slowly.
+fn sensors() -> [ShapingFilter; 6] {
+    let dt = 1.0 / RATE;
+    let axis = |white: f64, turn_on: f64, walk: f64| {
+        let bias = ShapingFilter::random_walk(walk, dt).unwrap();
+        let start = ShapingFilter::constant(turn_on, dt).unwrap();
+        let white = ShapingFilter::white(white, dt).unwrap();
+        white.plus(&bias).unwrap().plus(&start).unwrap()
+    };
+    let (gyro, accel) = (axis(2e-4, 5e-3, 1e-5), axis(1e-3, 0.1, 1e-4));
+    [gyro, gyro, gyro, accel, accel, accel]
+}
+
+/// A car whose receiver has positions of metres and velocities of 5 cm/s.
+fn drive(seed: u64, rate_hz: f64) -> Simulation {
+    let gnss = GnssNoise {
+        position_std: [1.5, 1.5, 3.0],
+        velocity_std: [0.05; 3],
+        rate_hz,
+        ..GnssNoise::default()
+    };
+    simulate(
+        &Trajectory::car(400.0, seed),
+        RATE,
+        Some(&sensors()),
+        &gnss,
+        seed,
+    )
+    .unwrap()
+}
+
+/// The fixes with mean velocities by the code and carrier that the antenna saw.
+fn with_carrier(log: &Simulation, seed: u64) -> Vec<GnssFix> {
+    let start = 302_400.0;
+    let mut sky = Sky::new(start, seed);
+    let mut before: Option<Epoch> = None;
+    let mut truth = log.truth.iter();
+    let with = |fix: &GnssFix| {
+        let at = truth.find(|row| row.time > fix.time - 1e-6).unwrap();
+        assert!((at.time - fix.time).abs() < 1e-6);
+        let v_n = at.v_n.unwrap();
+        let clock = 1e-4 + 1e-7 * fix.time;
+        let now = sky.epoch(start + fix.time, &at.position, &v_n, clock);
+        let (Some((Position::Geodetic(place), _)), Some((about, _))) = (fix.position, fix.velocity)
+        else {
+            panic!("{fix:?}");
+        };
+        let way = before
+            .take()
+            .and_then(|before| displacement(&sky.ephemerides, &before, &now, &place, &about));
+        before = Some(now);
+        GnssFix {
+            mean_velocity: way.map(|way| MeanVelocity {
+                over: way.over,
+                v_n: way.ned / way.over,
+                covariance: way.covariance / (way.over * way.over),
+            }),
+            ..*fix
+        }
+    };
+    log.gnss.iter().map(with).collect()
+}
+
+/// GNSS cut for `length` \[s\] every 40 s.
+fn run(log: &Simulation, fixes: &[GnssFix], length: f64) -> ModelRun {
+    let heading = log.truth[0].rpy.unwrap().z;
+    let start = |k: i32| 100.0 + 40.0 * f64::from(k);
+    let cut = |k| Outage {
+        start: start(k),
+        end: start(k) + length,
+    };
+    let settings = Settings {
+        outages: (0..7).filter(|_| length > 0.0).map(cut).collect(),
+        align: AlignSettings {
+            heading: Heading::Given(heading, 0.02),
+            ..AlignSettings::default()
+        },
+        ..Settings::new(sensors())
+    };
+    let aiding = Measurement::from_fixes(fixes);
+    let models = [("test".to_owned(), settings)];
+    let runs = outages::run(&log.imu, &aiding, &log.truth, &models, &|_| {});
+    runs.into_iter().next().unwrap().1.unwrap()
+}
+
+/// Horizontal drift with the carrier in parts of that without, over these drives.
+fn ratio(seeds: std::ops::Range<u64>, rate_hz: f64, length: f64) -> f64 {
+    let mut squares = [0.0; 2];
+    for seed in seeds {
+        let log = drive(seed, rate_hz);
+        let by_carrier = with_carrier(&log, seed);
+        for (sum, fixes) in squares.iter_mut().zip([&log.gnss, &by_carrier]) {
+            let rms = run(&log, fixes, length).errors.rms.0[HORIZONTAL];
+            *sum += rms * rms;
+        }
+    }
+    let ratio = (squares[1] / squares[0]).sqrt();
+    println!(
+        "{rate_hz} Hz, {length} s: {ratio:.3} of {:.2} m",
+        squares[0].sqrt()
+    );
+    ratio
+}
+
+#[test]
+fn once_a_second_the_carrier_halves_the_drift() {
+    assert!(ratio(1..4, 1.0, 10.0) < 0.65);
+    assert!(ratio(1..4, 1.0, 30.0) < 0.8);
+}
+
+/// Five velocities a second are averaged by the filter: less is left to gain.
+#[test]
+fn five_times_a_second_it_gains_a_tenth() {
+    assert!(ratio(1..4, 5.0, 10.0) < 0.95);
+    assert!(ratio(1..4, 5.0, 30.0) < 0.95);
+}
+
+#[test]
+fn the_filter_is_honest_with_it() {
+    let (mut nis, mut count) = (0.0, 0);
+    for seed in 21..25 {
+        let log = drive(seed, 1.0);
+        let run = run(&log, &with_carrier(&log, seed), 0.0);
+        let velocity = run.summary.innovations[Aid::Velocity];
+        assert_eq!(velocity.rejected, 0);
+        nis += velocity.nis_sum;
+        count += velocity.dof_sum;
+    }
+    let nis = nis / count as f64;
+    // The stated noise is that of a phase near trees, above the simulated one.
+    println!("NIS {nis:.3} of {count}");
+    assert!((0.25..1.1).contains(&nis), "{nis}");
+}
