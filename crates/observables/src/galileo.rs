@@ -44,7 +44,7 @@ impl Pages {
 fn checksum(page: &Bits) -> u32 {
     (0..114).chain(128..128 + 82).fold(0, |sum, at| {
         let carry = (sum >> 23) & 1 ^ page.unsigned(at, 1);
-        (sum << 1 ^ carry * 0x86_4cfb) & 0xff_ffff
+        ((sum << 1) ^ (carry * 0x86_4cfb)) & 0xff_ffff
     })
 }
 

@@ -3,7 +3,9 @@
 mod implausible;
 mod kinds;
 mod weight;
-pub use kinds::{FarParameter, LeftOut, Log, NoError, Severity, TemperatureUse, WhyLeftOut, WrappedAxis};
+pub use kinds::{
+    FarParameter, LeftOut, Log, NoError, Severity, TemperatureUse, WhyLeftOut, WrappedAxis,
+};
 pub use weight::{is_doubtful, is_jump, ranked, verdict};
 
 use undrift_events::{Contradiction, FixMend, Lean, Part, RestartCause, SensorChange, WindowPart};

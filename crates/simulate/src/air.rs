@@ -226,6 +226,7 @@ pub fn fly(
             let velocity = (v_n + faster, covariance(&gnss.velocity_std));
             log.gnss.push(GnssFix {
                 attitude: None,
+                mean_velocity: None,
                 time,
                 position: gnss.with_position.then_some(position),
                 velocity: gnss.with_velocity.then_some(velocity),

@@ -2,7 +2,9 @@
 
 use super::*;
 use undrift_events::{Contradiction, FixMend, Lean, Part, RestartCause, WindowPart};
-use undrift_results::findings::{FarParameter, LeftOut, Log, NoError, Severity, TemperatureUse, WhyLeftOut};
+use undrift_results::findings::{
+    FarParameter, LeftOut, Log, NoError, Severity, TemperatureUse, WhyLeftOut,
+};
 
 /// Fifteen positions of a jump.
 fn jump() -> Contradiction {

@@ -1,8 +1,8 @@
 use super::*;
 
-use super::super::FarParameter;
+use crate::findings::{FarParameter, WrappedAxis};
 use Severity::{Note, Unusable, Warning};
-use undrift_events::FixMend;
+use undrift_events::{FixMend, SensorChange};
 
 fn late(delay: f64) -> Finding {
     Finding::Late { delay }
