@@ -13,6 +13,8 @@ use crate::{
     estimator::STAMP_ROUNDING,
 };
 use alloc::{collections::VecDeque, vec::Vec};
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
 use undrift_nav::{Vector3, sample::GnssFix};
 
 /// Positions that a velocity about one of them is read from lie no further from it than this \[s\].

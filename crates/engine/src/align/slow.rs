@@ -5,7 +5,7 @@ use super::{
     seen::{Seen, over_ground},
 };
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
-use nalgebra::ComplexField;
+use nalgebra::{ComplexField, RealField};
 
 /// A craft that moved for so long without getting faster is slow \[s\].
 const LONG: f64 = 30.0;

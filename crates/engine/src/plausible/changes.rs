@@ -16,7 +16,7 @@
 use super::turns::{ENOUGH_PUSH, ENOUGH_TURN, Regression, TURN_SCALE};
 use alloc::vec::Vec;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
-use nalgebra::ComplexField;
+use nalgebra::{ComplexField, RealField};
 use nalgebra::{Matrix2, Vector2};
 use undrift_events::{ChangeOf, SensorChange};
 
