@@ -50,9 +50,9 @@ pub struct Observation {
     pub satellite: Satellite,
     /// Pseudorange \[m\], by the clock of the receiver.
     pub pseudorange: f64,
-    /// Carrier phase [cycles], growing with the range; `None` where the receiver does not vouch for it and its half cycles.
+    /// Carrier phase \[cycles\], growing with the range; `None` where the receiver does not vouch for it and its half cycles.
     pub phase: Option<f64>,
-    /// Standard deviation of the phase [cycles] as the receiver states it.
+    /// Standard deviation of the phase \[cycles\] as the receiver states it.
     pub phase_std: f64,
     /// Doppler shift \[Hz\], positive of a satellite that comes nearer.
     pub doppler: f64,
