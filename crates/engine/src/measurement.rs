@@ -215,7 +215,7 @@ impl Queue {
         if latency.velocity.is_some() {
             for fix in core::mem::take(&mut self.fixes) {
                 if fix.mean_velocity.is_some() {
-                    // Of one instant: the delay of the receiver's own velocities is none of the phases'.
+                    // Of one instant: the phases do not have the delay of the receiver's own velocities.
                     self.fixes.push_back(fix);
                     continue;
                 }

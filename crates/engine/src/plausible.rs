@@ -22,6 +22,7 @@
 mod alternation;
 mod changes;
 mod moves;
+mod regression;
 mod turns;
 
 use crate::{align::Heading, derived::Positions, settings::Settings};
@@ -200,12 +201,14 @@ impl Plausible {
             // Then the course is no measure of the sensors.
             found.push(wrong);
         } else if let Some(down) = down {
-            // What changes is neither right nor wrong in the whole log.
+            // What changes is neither right nor wrong in the whole log; another axis is wrong in all of it.
+            let of_turns = self.turns.turns(&down);
+            let of_axis = |of: &Implausible| matches!(of, Implausible::TurnAxis(_));
             let changed = self.turns.change(down.z.abs() > LEVEL);
-            if let Some(changed) = changed {
+            if let Some(changed) = changed.filter(|_| !of_turns.iter().any(of_axis)) {
                 found.push(Implausible::Changed(changed));
             } else {
-                found.extend(self.turns.turns(&down));
+                found.extend(of_turns);
                 if self.level && down.z > DOWN {
                     found.extend(self.turns.pushes());
                 }

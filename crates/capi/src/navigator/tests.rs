@@ -241,7 +241,7 @@ fn what_is_wrong_has_a_status() {
         let mut other = navigator;
         let sensors = self::sensors().map(Sensor::from);
         let wrong = NavigatorSettings {
-            vehicle: 4,
+            vehicle: 5,
             ..settings()
         };
         let status = undrift_navigator_new(&wrong, sensors.as_ptr(), null(), &raw mut other);

@@ -20,7 +20,7 @@ pub(super) enum Force {
     Unknown(Known),
 }
 
-/// Units of specific forces that gravity tells apart.
+/// Units of specific forces, which gravity shows.
 const FORCES: [&str; 5] = ["m/s^2", "g", "mg", "ft/s^2", "ug"];
 
 /// The unit of accelerometer samples by their median magnitude, which gravity makes; `interval` \[s\] is

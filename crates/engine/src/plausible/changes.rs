@@ -13,7 +13,7 @@
 //! Sums about the means: a bias and its changes do not count. A scale between 0.6 and 1.7 is left to the states of the filter, and
 //! to the banks of those that lean into turns.
 
-use super::turns::{ENOUGH_PUSH, ENOUGH_TURN, Regression, TURN_SCALE};
+use super::regression::{ENOUGH_PUSH, ENOUGH_TURN, Regression, TURN_SCALE};
 use alloc::vec::Vec;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::{ComplexField, RealField};
@@ -184,7 +184,7 @@ impl Changes {
             [of(before), of(after)]
         });
         let splits: Vec<_> = splits
-            .filter(|sides| sides.iter().all(|side| side.turns.n() >= LEAST_WINDOWS))
+            .filter(|sides| sides.iter().all(|side| side.turns.n >= LEAST_WINDOWS))
             .collect();
         let best = |left: &dyn Fn(&[Block; 2]) -> Option<f64>| {
             let scored = splits

@@ -17,9 +17,9 @@
 //! two-wheeler makes too.
 
 use super::changes::{Changes, Compared};
+use super::regression::{ENOUGH_PUSH, ENOUGH_TURN, Regression, TURN_SCALE};
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
-use core::ops::Range;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::RealField;
 use undrift_events::{Implausible, SensorChange};
@@ -39,79 +39,8 @@ const COURSE_STD: f64 = 0.1;
 const TURN_WINDOW: [f64; 2] = [0.9, 2.5];
 /// A larger turn in a window is an outlier \[rad\].
 const MOST_TURN: f64 = 1.0;
-/// Sum of squares of the turns that is enough to judge by \[rad²\]: one right-angle bend.
-pub(super) const ENOUGH_TURN: f64 = 0.25;
 /// From one entry of the history of turns to the next \[s\].
 const HISTORY_STEP: f64 = 0.1;
-/// Multiples of the gyros' turns that the course may turn by: a bank makes 1/cos of it.
-pub(super) const TURN_SCALE: Range<f64> = 0.6..1.7;
-/// Sum of squares of the accelerations that is enough to judge by \[m²/s⁴\]: some ten seconds of 0.5 m/s².
-pub(super) const ENOUGH_PUSH: f64 = 2.5;
-
-/// Sums of a regression of y on x with means.
-#[derive(Clone, Copy, Default)]
-#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Regression {
-    /// Pairs so far.
-    n: f64,
-    x: f64,
-    y: f64,
-    xx: f64,
-    xy: f64,
-    yy: f64,
-}
-
-impl Regression {
-    /// Sums are of raw values: windows are short, so that their means are small against their
-    /// scatter.
-    pub(super) fn add(&mut self, x: f64, y: f64) {
-        self.n += 1.0;
-        self.x += x;
-        self.y += y;
-        self.xx += x * x;
-        self.xy += x * y;
-        self.yy += y * y;
-    }
-
-    /// Takes in the pairs of another.
-    pub(super) fn join(&mut self, other: &Self) {
-        self.n += other.n;
-        self.x += other.x;
-        self.y += other.y;
-        self.xx += other.xx;
-        self.xy += other.xy;
-        self.yy += other.yy;
-    }
-
-    /// Pairs so far.
-    pub(super) fn n(&self) -> f64 {
-        self.n
-    }
-
-    /// Sum of squares of y that the regression leaves.
-    pub(super) fn left(&self) -> f64 {
-        self.power() * (1.0 - self.fit().1)
-    }
-
-    /// Sum of squares of y about its mean.
-    pub(super) fn power(&self) -> f64 {
-        self.yy - self.y * self.y / self.n.max(1.0)
-    }
-
-    /// Slope and coefficient of determination; zeros where x does not vary.
-    ///
-    /// By sums about the means: a bias of the gyros and a drift of the course do not count.
-    pub(super) fn fit(&self) -> (f64, f64) {
-        let n = self.n.max(1.0);
-        let (xx, xy) = (self.xx - self.x * self.x / n, self.xy - self.x * self.y / n);
-        let yy = self.power();
-        if xx > 1e-12 && yy > 1e-12 {
-            (xy / xx, xy * xy / (xx * yy))
-        } else {
-            (0.0, 0.0)
-        }
-    }
-}
 
 /// Angles about the vertical and about the body axes \[rad\], and specific force over time [m/s], body axes.
 #[derive(Clone, Copy, Default)]

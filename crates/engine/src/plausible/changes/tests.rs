@@ -63,7 +63,7 @@ fn a_gyro_that_changes_its_unit_or_fails() {
         assert_eq!((gyro(0.7, 0.0), gyro(1.5, 0.0)), (None, None));
     }
     assert_eq!(found(5000, |_, turn, force| (turn, force)), None);
-    // Wrong from end to end is another finding; too few windows are none.
+    // Wrong from end to end is another finding; too few windows show nothing.
     assert_eq!(found(200, |_, turn, force| (2.0 * turn, force)), None);
     let late = |k: usize, turn: f64, force| (if k < 190 { turn } else { 2.0 * turn }, force);
     assert_eq!(found(200, late), None);
