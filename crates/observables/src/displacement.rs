@@ -23,7 +23,9 @@ use undrift_nav::{
 /// Satellites lower than this \[rad\] are left out.
 const LOWEST: f64 = 10.0 / 180.0 * std::f64::consts::PI;
 /// Multipath of a phase at the zenith \[m\]; lower it grows by 1/sin of the elevation.
-const MULTIPATH: f64 = 0.004;
+const MULTIPATH: f64 = 0.0015;
+/// Factor on the standard deviation of what is found: multipath that satellites share, and slips that chance explains.
+const SHARED: f64 = 2.0;
 /// What is left of the change of troposphere and ionosphere at the zenith, in the same way [m/s].
 const ATMOSPHERE: f64 = 0.001;
 /// Standard deviation of a change of range by the Doppler shifts at both ends [m/s].
@@ -102,7 +104,7 @@ pub fn displacement(
         let found = solve(&rows, &here, &about)?;
         if found.squares <= exceeded_by_chance(rows.len().checked_sub(4)?) {
             let by_doppler = rows.iter().filter(|row| row.by_doppler).count();
-            let covariance = found.covariance.fixed_view::<3, 3>(0, 0);
+            let covariance = found.covariance.fixed_view::<3, 3>(0, 0) * (SHARED * SHARED);
             return Some(Displacement {
                 over,
                 ned: ned_from_ecef * found.way,

@@ -61,9 +61,9 @@ fn errors_are_as_the_covariance_says() {
         sum += (way.covariance.try_inverse().unwrap() * off).dot(&off);
         spread += off * off.transpose();
     }
-    // The stated phase noise is above the simulated one by the multipath of low satellites.
+    // Of 300 draws of three components the mean is good to 5 %; the noise is what the stated one and multipath are, twice.
     let nees = sum / f64::from(3 * runs);
-    assert!((0.3..1.0).contains(&nees), "{nees}");
+    assert!((0.7..1.25).contains(&nees), "{nees}");
     let rms = (spread / f64::from(runs)).diagonal().map(f64::sqrt);
     assert!(rms.amax() < 0.024, "{rms} m");
 }

@@ -482,7 +482,7 @@ fn a_ratio_of_gravity_or_turns_hints_at_the_unit() {
         (100.0, "100", "(the numbers look like mg or cm/s^2)"),
         (115.0, "115", "check imu.accel, imu.accel_unit and imu.data"),
         (3.28, "3.28", "(the numbers look like ft/s^2)"),
-        (1.02e5, "102 000", "(the numbers look like ug)"),
+        (1.02e5, "102\u{202f}000", "(the numbers look like ug)"),
         (1e-7, "0", "check imu.accel, imu.accel_unit and imu.data"),
         (
             2e-6,

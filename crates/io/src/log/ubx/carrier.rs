@@ -189,7 +189,8 @@ mod tests {
         // On past the week's end; cut short at any byte.
         let next = carrier.epoch(&rawx(0.1, 2382, &rows)).unwrap();
         assert!((next.time - 604_800.1).abs() < 1e-9);
-        for length in 0..payload.len() {
+        // All but the last byte, which is reserved.
+        for length in 0..payload.len() - 1 {
             assert!(carrier.message(RAWX, &payload[..length]).is_none());
         }
     }
