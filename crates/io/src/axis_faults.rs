@@ -40,6 +40,9 @@ const GROWS: f64 = 1.05;
 /// Share of a jump that is the most that the axis changes by from sample to sample, on average.
 const SMOOTH: f64 = 0.1;
 
+/// Samples from one whose change is added up to the next.
+const EVERY: u64 = 16;
+
 /// Jumps of an axis.
 #[derive(Clone, Copy, Default)]
 struct Jumps {
@@ -49,7 +52,7 @@ struct Jumps {
     since: f64,
     start: f64,
     jumps: u64,
-    /// Sum of the sizes of the other changes, and how many.
+    /// Sum of the sizes of every sixteenth change, and how many.
     changes: f64,
     count: u64,
 }
@@ -59,25 +62,30 @@ impl Jumps {
     fn push(&mut self, time: f64, value: f64) {
         let last = core::mem::replace(&mut self.last, value);
         self.most = self.most.max(value.abs());
+        if (value - last).abs() > 2.0 * NEAR * self.most {
+            self.jump(time, last, value);
+        }
+    }
+
+    /// A change by most of the range, or at its very beginning.
+    #[cold]
+    fn jump(&mut self, time: f64, last: f64, value: f64) {
         if self.most > GROWS * self.since {
             (self.since, self.jumps) = (self.most, 0);
         }
         let near = NEAR * self.most;
-        if last * value < 0.0 && last.abs() > near && value.abs() > near {
+        if last.abs().min(value.abs()) > near {
             if self.jumps == 0 {
                 self.start = time;
             }
             self.jumps += 1;
-        } else {
-            self.changes += (value - last).abs();
-            self.count += 1;
         }
     }
 
     fn wrapped(&self, axis: usize) -> Option<Wrapped> {
-        let smooth = self.changes < SMOOTH * 2.0 * self.most * self.count as f64;
-        let rests = 2 * self.count >= self.jumps;
-        (self.jumps >= LEAST_JUMPS && smooth && rests).then_some(Wrapped {
+        // A jump is a change that counts for itself.
+        let usual = SMOOTH * 2.0 * self.most * self.count as f64;
+        (self.jumps >= LEAST_JUMPS && self.changes < usual).then_some(Wrapped {
             axis,
             limit: self.most,
             start: self.start,
@@ -101,6 +109,15 @@ impl AxisWatch {
     #[inline]
     pub fn add(&mut self, time: f64, values: [f64; 6]) {
         self.held.add(time, values);
+        if self.samples.is_multiple_of(EVERY) {
+            for (axis, value) in self.jumps.iter_mut().zip(values) {
+                let change = (value - axis.last).abs();
+                if change < NEAR * axis.most {
+                    axis.changes += change;
+                    axis.count += 1;
+                }
+            }
+        }
         for (axis, value) in self.jumps.iter_mut().zip(values) {
             axis.push(time, value);
         }
