@@ -663,7 +663,7 @@ CAUSES = {
     r"gyro z bias|gyro z counts": r"vertical gyro|gyro z",
     r"gyros read|gyro z reads": r"gyro scale|gyro_unit|scale of the (vertical )?gyro",
     r"accelerometers read": r"accelerometers? (measure|scale)|accel_unit",
-    r"accelerometer x (bias|counts)": r"accelerometer x|accel(erometer)?s?'? (bias|scale|unit)|specific force",
+    r"accelerometer x (bias|counts)": r"accelerometer (x|along body)|accel(erometer)?s?'? (bias|scale|unit)|specific force",
     r"clock steps back": r"clock steps back",
     r"IMU clock": r"clock",
     r"outliers|% of positions|position \d+ m off|wrong integer": r"rejected|positions of the fixes jump|reflections|multipath",
