@@ -75,7 +75,7 @@ impl Air {
     pub const ROTOR_DRAG: Prior = Prior::constant(0.1);
 
     /// `parameters` with those that the motion through the air takes, without which it is not used: trim, drag of rotors, and wind
-    /// with this standard deviation at the start [m/s]; `None` where there is none, as in a room.
+    /// with this standard deviation at the start [m/s]; `None` for still air, as indoors.
     ///
     /// ```
     /// use undrift_engine::vehicle::Air;

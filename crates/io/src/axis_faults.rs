@@ -39,7 +39,6 @@ const NEAR: f64 = 0.85;
 const GROWS: f64 = 1.05;
 /// Share of a jump that is the most that the axis changes by from sample to sample, on average.
 const SMOOTH: f64 = 0.1;
-
 /// Samples from one whose change is added up to the next.
 const EVERY: u64 = 16;
 

@@ -53,7 +53,7 @@ pub enum Parameter {
     MarkerRotation,
     /// Tilt of the frame of poses against the horizon, about north and east \[rad\]: the rotation that takes north, east, down to its axes.
     FrameTilt,
-    /// Wind, the velocity of the air over ground, north and east [m/s]; there is none down.
+    /// Wind, the velocity of the air over ground, north and east [m/s]; vertical wind is taken as zero.
     Wind,
     /// Velocity through the air in body axes in which a craft is in trim [m/s]: the one an aircraft keeps, and the one in which a copter
     /// feels no drag across its thrust.

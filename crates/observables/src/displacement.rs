@@ -20,7 +20,7 @@ use undrift_nav::{
     earth::{EARTH_RATE, Geodetic},
 };
 
-/// Satellites lower than this \[rad\] are left out.
+/// Elevation mask \[rad\].
 const LOWEST: f64 = 10.0 / 180.0 * std::f64::consts::PI;
 /// Multipath of a phase at the zenith \[m\]; lower it grows by 1/sin of the elevation.
 const MULTIPATH: f64 = 0.0015;

@@ -17,7 +17,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift_nav::{
     Matrix3, Quaternion, Vector3, attitude,
     earth::{Geodetic, LocalEarth},
-    sample::{FixQuality, GnssFix, ImuSample, Position, TruthSample},
+    sample::{ImuSample, TruthSample},
     shaping::ShapingFilter,
 };
 
@@ -156,18 +156,14 @@ pub fn fly(
     gnss: &GnssNoise,
     seed: u64,
 ) -> Result<Simulation, SimulationError> {
-    if !(rate_hz > 0.0 && rate_hz.is_finite()) {
-        return Err(SimulationError::Rate);
-    }
+    super::check_rate(rate_hz)?;
     gnss.check()?;
     let samples = epochs(flight.duration, rate_hz);
     if samples > super::MAX_SAMPLES {
         return Err(SimulationError::TooLong);
     }
-    let mut errors = match filters {
-        Some(filters) => Some(SensorErrors::new(filters, rate_hz, seed)?),
-        None => None,
-    };
+    let errors = filters.map(|filters| SensorErrors::new(filters, rate_hz, seed));
+    let mut errors = errors.transpose()?;
     let dt = 1.0 / rate_hz;
     let mut gusts = Gusts::new(stream_seed(seed, 20), dt);
     let mut noise = Xoshiro256PlusPlus::seed_from_u64(stream_seed(seed, GNSS_STREAM));
@@ -210,28 +206,7 @@ pub fn fly(
         log.truth.push(truth(time, &place, &v_n, &q_nb));
         if time > next_fix - 0.5 * dt {
             next_fix += 1.0 / gnss.rate_hz;
-            let mut draw = |std: &[f64; 3]| {
-                Vector3::from_fn(|i, _| {
-                    let one: f64 = StandardNormal.sample(&mut noise);
-                    gnss.noise_scale * std[i] * one
-                })
-            };
-            let covariance =
-                |std: &[f64; 3]| Matrix3::from_diagonal(&Vector3::from(*std).map(|s| s * s));
-            let (off, faster) = (draw(&gnss.position_std), draw(&gnss.velocity_std));
-            let position = (
-                Position::Geodetic(place.displaced(&off)),
-                covariance(&gnss.position_std),
-            );
-            let velocity = (v_n + faster, covariance(&gnss.velocity_std));
-            log.gnss.push(GnssFix {
-                attitude: None,
-                mean_velocity: None,
-                time,
-                position: gnss.with_position.then_some(position),
-                velocity: gnss.with_velocity.then_some(velocity),
-                quality: FixQuality::Unknown,
-            });
+            log.gnss.push(gnss.fix(time, &place, &v_n, &mut noise));
         }
     }
     Ok(log)

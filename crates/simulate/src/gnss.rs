@@ -9,6 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use undrift_nav::{
     Matrix3, Vector3,
+    earth::Geodetic,
     sample::{FixQuality, GnssFix, Position},
 };
 
@@ -76,6 +77,37 @@ impl GnssNoise {
         };
         Err(SimulationError::Gnss(wrong))
     }
+
+    /// The fix at `time` \[s\] of an antenna at this position with this velocity, north, east, down [m/s].
+    pub(super) fn fix(
+        &self,
+        time: f64,
+        position: &Geodetic,
+        velocity: &Vector3,
+        generator: &mut Xoshiro256PlusPlus,
+    ) -> GnssFix {
+        // Six draws at every epoch, whatever is reported: one kind's noise does not move the other's.
+        let mut draw = |std: &[f64; 3]| {
+            Vector3::from_fn(|i, _| {
+                let w: f64 = StandardNormal.sample(generator);
+                w * std[i] * self.noise_scale
+            })
+        };
+        let position = position.displaced(&draw(&self.position_std));
+        let velocity = velocity + draw(&self.velocity_std);
+        let covariance =
+            |std: &[f64; 3]| Matrix3::from_diagonal(&Vector3::from_fn(|i, _| std[i] * std[i]));
+        let position = (Position::Geodetic(position), covariance(&self.position_std));
+        let velocity = (velocity, covariance(&self.velocity_std));
+        GnssFix {
+            attitude: None,
+            mean_velocity: None,
+            time,
+            position: self.with_position.then_some(position),
+            velocity: self.with_velocity.then_some(velocity),
+            quality: FixQuality::Unknown,
+        }
+    }
 }
 
 /// The fixes of a trajectory one by one, up to its duration. Streamed: memory does not grow.
@@ -133,33 +165,7 @@ impl Iterator for GnssFixes<'_> {
         self.next += 1;
         self.stepper.advance_to(time);
         let (position, velocity) = antenna(&self.stepper.state(), &noise.lever_arm);
-        let generator = &mut self.generator;
-        // Six draws at every epoch, whatever is reported: one kind's noise does not move the other's.
-        let mut draw = |std: &[f64; 3]| {
-            Vector3::from_fn(|i, _| {
-                let w: f64 = StandardNormal.sample(generator);
-                w * std[i] * noise.noise_scale
-            })
-        };
-        let position = position.displaced(&draw(&noise.position_std));
-        let velocity = velocity + draw(&noise.velocity_std);
-        let covariance =
-            |std: &[f64; 3]| Matrix3::from_diagonal(&Vector3::from_fn(|i, _| std[i] * std[i]));
-        Some(GnssFix {
-            attitude: None,
-            mean_velocity: None,
-            time,
-            position: noise.with_position.then(|| {
-                (
-                    Position::Geodetic(position),
-                    covariance(&noise.position_std),
-                )
-            }),
-            velocity: noise
-                .with_velocity
-                .then(|| (velocity, covariance(&noise.velocity_std))),
-            quality: FixQuality::Unknown,
-        })
+        Some(noise.fix(time, &position, &velocity, &mut self.generator))
     }
 }
 

@@ -88,6 +88,14 @@ pub enum SimulationError {
     Scalar,
 }
 
+/// An error for a rate of samples \[Hz\] that cannot be.
+fn check_rate(rate_hz: f64) -> Result<(), SimulationError> {
+    match rate_hz > 0.0 && rate_hz.is_finite() {
+        true => Ok(()),
+        false => Err(SimulationError::Rate),
+    }
+}
+
 /// Simulates a whole trajectory: the IMU at `rate_hz` with the sensor errors of `filters` (gyros
 /// about x, y, z, accelerometers along x, y, z; `None` is free of errors), and the GNSS receiver.
 ///
@@ -100,9 +108,7 @@ pub fn simulate(
     gnss: &GnssNoise,
     seed: u64,
 ) -> Result<Simulation, SimulationError> {
-    if !(rate_hz > 0.0 && rate_hz.is_finite()) {
-        return Err(SimulationError::Rate);
-    }
+    check_rate(rate_hz)?;
     let start = &trajectory.start;
     if !start.is_valid() || start.lat.abs() > 89f64.to_radians() {
         return Err(SimulationError::Start);
@@ -112,10 +118,8 @@ pub fn simulate(
     if samples.max(gnss::at_most(trajectory, gnss)) > MAX_SAMPLES {
         return Err(SimulationError::TooLong);
     }
-    let mut errors = match filters {
-        Some(filters) => Some(SensorErrors::new(filters, rate_hz, seed)?),
-        None => None,
-    };
+    let errors = filters.map(|filters| SensorErrors::new(filters, rate_hz, seed));
+    let mut errors = errors.transpose()?;
     let walk = IdealImu::new(trajectory, rate_hz);
     let mut imu = Vec::with_capacity(samples as usize);
     let mut truth = Vec::with_capacity(samples as usize + 1);

@@ -49,7 +49,7 @@ impl Identify {
             .collect()
     }
 
-    /// Not usable without any axis; with care where one is doubted, where the range of raw counts is a guess, where more of a recording was left out than its
+    /// Not usable without any axis; with care where one is doubted, where the range of raw counts is a guess, where more of a recording was excluded than its
     /// handling at the start or end, or where recordings are not of one sensor.
     pub fn verdict(&self) -> Usability {
         let of_one_sensor = self.pool.as_ref().is_none_or(|pool| pool.homogeneous);

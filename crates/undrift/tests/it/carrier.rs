@@ -1,5 +1,6 @@
 //! Velocities by the carrier phase on a simulated car: what they are worth in an outage, and whether the filter is honest about them.
 
+use super::streams::cheap_imu;
 use crate::sky::Sky;
 use undrift::{
     align::{AlignSettings, Heading},
@@ -16,17 +17,9 @@ use undrift_observables::{Epoch, displacement};
 
 const RATE: f64 = 100.0;
 
-/// A cheap IMU: 0.7 deg/√h and 0.06 m/s/√h, biases of 0.3 deg/s and 10 mg that walk slowly.
+/// 0.7 deg/√h and 0.06 m/s/√h, biases of 0.3 deg/s and 10 mg that walk slowly.
 fn sensors() -> [ShapingFilter; 6] {
-    let dt = 1.0 / RATE;
-    let axis = |white: f64, turn_on: f64, walk: f64| {
-        let bias = ShapingFilter::random_walk(walk, dt).unwrap();
-        let start = ShapingFilter::constant(turn_on, dt).unwrap();
-        let white = ShapingFilter::white(white, dt).unwrap();
-        white.plus(&bias).unwrap().plus(&start).unwrap()
-    };
-    let (gyro, accel) = (axis(2e-4, 5e-3, 1e-5), axis(1e-3, 0.1, 1e-4));
-    [gyro, gyro, gyro, accel, accel, accel]
+    cheap_imu([2e-4, 5e-3, 1e-5], [1e-3, 0.1, 1e-4], RATE)
 }
 
 /// A car whose receiver has positions of metres and velocities of 5 cm/s.

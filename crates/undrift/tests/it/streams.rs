@@ -18,18 +18,21 @@ use undrift::{
 const RATE: f64 = 100.0;
 const WHEEL: Vector3 = Vector3::new(-0.8, 0.7, 0.4);
 
-/// A cheap IMU: 1 deg/√h and 0.18 m/s/√h, biases of 0.3 deg/s and 10 mg that walk 0.04 deg/s and 2 mg
-/// in a quarter of an hour.
-fn sensors() -> [ShapingFilter; 6] {
-    let dt = 1.0 / RATE;
-    let axis = |white: f64, turn_on: f64, walk: f64| {
+/// A cheap IMU: white noise of gyros and accelerometers, the standard deviations of biases that stay, and by how much they walk.
+pub(super) fn cheap_imu(gyro: [f64; 3], accel: [f64; 3], rate_hz: f64) -> [ShapingFilter; 6] {
+    let dt = 1.0 / rate_hz;
+    let [gyro, accel] = [gyro, accel].map(|[white, turn_on, walk]| {
         let bias = ShapingFilter::random_walk(walk, dt).unwrap();
         let start = ShapingFilter::constant(turn_on, dt).unwrap();
         let white = ShapingFilter::white(white, dt).unwrap();
         white.plus(&bias).unwrap().plus(&start).unwrap()
-    };
-    let (gyro, accel) = (axis(3e-4, 5e-3, 2e-5), axis(3e-3, 0.1, 6e-4));
+    });
     [gyro, gyro, gyro, accel, accel, accel]
+}
+
+/// 1 deg/√h and 0.18 m/s/√h, biases of 0.3 deg/s and 10 mg that walk 0.04 deg/s and 2 mg in a quarter of an hour.
+fn sensors() -> [ShapingFilter; 6] {
+    cheap_imu([3e-4, 5e-3, 2e-5], [3e-3, 0.1, 6e-4], RATE)
 }
 
 struct Drive {

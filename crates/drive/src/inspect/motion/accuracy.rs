@@ -7,7 +7,7 @@ use crate::{
     inspect::{POSITION_STD, Part},
     navigate::{Hindsight, settings},
     outages::{Logs, ModelOutcome, OutageErrors, Schedule, run},
-    replay::Measurement,
+    replay::{Measurement, Settings},
     vehicle::Profile,
 };
 use std::path::Path;
@@ -43,19 +43,8 @@ pub(super) fn write(inspections: &mut [Inspection], places: [At; 2], logs: Files
     if !inspections[file].parts[part].lines.iter().any(guessed) {
         return;
     }
-    let of = |(file, part): At| -> (&Path, &Part) {
-        (&inspections[file].file, &inspections[file].parts[part])
-    };
-    let Ok(mut drive) = drive_of(&places.map(of), logs, None) else {
-        return;
-    };
-    if motion.heading {
-        drive.align.heading = Heading::Auto;
-    }
-    if motion.wheels == Wheels::Shown {
-        drive = drive.with_vehicle(Profile::Car);
-    }
-    let Some((share, spans)) = beginning(drive, LONGEST).and_then(|drive| likeliest(&drive)) else {
+    let drive = so_far(inspections, places, logs, motion);
+    let Some((share, spans)) = drive.and_then(|drive| likeliest(&drive)) else {
         return;
     };
     let mut lines = inspections[file].parts[part].lines.iter_mut();
@@ -69,23 +58,33 @@ pub(super) fn write(inspections: &mut [Inspection], places: [At; 2], logs: Files
     }
 }
 
+/// The beginning of the drive of an IMU and fixes, as far as its file is known by their motion.
+pub(super) fn so_far(
+    inspections: &[Inspection],
+    places: [At; 2],
+    logs: Files,
+    motion: Motion,
+) -> Option<Drive> {
+    let of = |(file, part): At| -> (&Path, &Part) {
+        (&inspections[file].file, &inspections[file].parts[part])
+    };
+    let mut drive = drive_of(&places.map(of), logs, None).ok()?;
+    if motion.heading {
+        drive.align.heading = Heading::Auto;
+    }
+    if motion.wheels == Wheels::Shown {
+        drive = drive.with_vehicle(Profile::Car);
+    }
+    beginning(drive, LONGEST)
+}
+
 /// The share of the guessed standard deviations with which the solution drifts least, of those under which the withheld positions are
 /// likelier than with the guess, and the number of spans that say so.
 fn likeliest(drive: &Drive) -> Option<(f64, usize)> {
     let logs = Logs::load(drive, Hindsight::Causal).ok()?;
     let settings = settings(&logs.drive, BiasModel::Arma).ok()?;
-    let withheld = |start: f64| {
-        let (every, count) = (EVERY, None);
-        let plan = Schedule::Every {
-            start,
-            every,
-            count,
-        };
-        let mut settings = settings.clone();
-        settings.outages = logs.plan(&plan, LENGTH).ok()?;
-        Some((String::new(), settings))
-    };
-    let models: Vec<_> = STARTS.into_iter().map(withheld).collect::<Option<_>>()?;
+    let withheld = STARTS.map(|start| withheld(&logs, &settings, [start, EVERY, LENGTH]));
+    let models: Vec<_> = withheld.into_iter().collect::<Option<_>>()?;
     let runs: Vec<Vec<OutageErrors>> = parallel::map(SHARES.len(), |k| {
         let aiding = logs.aiding.iter().map(|one| scaled(*one, SHARES[k]));
         let aiding: Vec<_> = aiding.collect();
@@ -96,6 +95,26 @@ fn likeliest(drive: &Drive) -> Option<(f64, usize)> {
     let better = judged.iter().filter(|(one, _)| one.is_better_than(guess));
     let (best, tried) = better.min_by(|(a, _), (b, _)| a.drift.total_cmp(&b.drift))?;
     Some((SHARES[*tried], best.spans))
+}
+
+/// The settings with spans of the fixes withheld: the first so long after the first fix, from one to the next, and length \[s\]. `None`
+/// where there is no room for one.
+pub(super) fn withheld(
+    logs: &Logs,
+    settings: &Settings,
+    [start, every, length]: [f64; 3],
+) -> Option<(String, Settings)> {
+    let plan = Schedule::Every {
+        start,
+        every,
+        count: None,
+    };
+    let outages = logs.plan(&plan, length).ok()?;
+    let settings = Settings {
+        outages,
+        ..settings.clone()
+    };
+    Some((String::new(), settings))
 }
 
 /// The outages of runs that ended.

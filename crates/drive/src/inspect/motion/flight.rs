@@ -4,20 +4,16 @@
 use super::{
     At, Inspection, Motion, Wheels,
     accuracy::{self, Judged},
-    beginning, drive_of,
 };
 use crate::{
-    align::Heading,
     drive::{Drive, Logs as Files},
     estimator::Estimator,
-    inspect::Part,
     navigate::{Hindsight, settings},
-    outages::{Logs, Schedule, run},
-    replay::{Observer, ReplayError, Settings, replay},
+    outages::{Logs, run},
+    replay::{Observer, ReplayError, replay},
     vehicle::Profile,
 };
 use nalgebra::Vector2;
-use std::path::Path;
 use undrift_base::parallel;
 use undrift_io::ReadError;
 use undrift_nav::{Vector3, mechanisation::NavState, sample::ImuSample};
@@ -39,9 +35,8 @@ const WINGS: f64 = 8.0;
 const STARTS: [f64; 2] = [40.0, 60.0];
 const EVERY: f64 = 40.0;
 const LENGTH: f64 = 20.0;
-/// Spans that are needed, and part of a log that is looked at \[s\].
+/// Spans that are needed.
 const SPANS: usize = 6;
-const LONGEST: f64 = 900.0;
 /// Logarithm of the likelihood that a profile has to gain, in all and for each span.
 const GAIN: (f64, f64) = (4.0, 0.2);
 /// Share of the sum of squared drifts that it may have of that without it.
@@ -57,14 +52,8 @@ pub(super) fn found(
     if motion.wheels == Wheels::Shown {
         return None;
     }
-    let of = |(file, part): At| -> (&Path, &Part) {
-        (&inspections[file].file, &inspections[file].parts[part])
-    };
-    let mut drive = drive_of(&places.map(of), files, None).ok()?;
-    if motion.heading {
-        drive.align.heading = Heading::Auto;
-    }
-    let logs = Logs::load(&beginning(drive, LONGEST)?, Hindsight::Causal).ok()?;
+    let drive = accuracy::so_far(inspections, places, files, motion)?;
+    let logs = Logs::load(&drive, Hindsight::Causal).ok()?;
     let (felt, fast) = leans(&logs)?;
     if felt > FELT {
         return None;
@@ -154,23 +143,8 @@ fn likeliest(logs: &Logs, fast: bool) -> Option<Flight> {
         let Ok(one) = settings(&with(&logs.drive, crafts[k]), BiasModel::Arma) else {
             return Vec::new();
         };
-        let cut = |start: f64| {
-            let (every, count) = (EVERY, None);
-            let plan = Schedule::Every {
-                start,
-                every,
-                count,
-            };
-            let outages = logs.plan(&plan, LENGTH).ok()?;
-            Some((
-                String::new(),
-                Settings {
-                    outages,
-                    ..one.clone()
-                },
-            ))
-        };
-        let models: Vec<_> = STARTS.into_iter().filter_map(cut).collect();
+        let withheld = |start| accuracy::withheld(logs, &one, [start, EVERY, LENGTH]);
+        let models: Vec<_> = STARTS.into_iter().filter_map(withheld).collect();
         accuracy::errors(run(&logs.imu, &logs.aiding, &[], &models, &|_| ()))
     });
     let judged = accuracy::judged(&tried);
