@@ -41,7 +41,7 @@ const bundle = async (entry, define = {}) => {
 const script = await bundle("page.js", {
   WORKER: JSON.stringify(await bundle("worker.js")),
   PRESETS: JSON.stringify(Object.keys(JSON.parse(written("presets.json")))),
-  VEHICLES: JSON.stringify(["car", "aircraft", "pedestrian"]),
+  VEHICLES: JSON.stringify(["car", "aircraft", "copter", "pedestrian"]),
   VERSION: JSON.stringify(version),
 });
 const style = reportStyle + readFileSync(path.join(here, "page.css"), "utf8");

@@ -29,7 +29,8 @@ use undrift_report::{say as sentences, sentence, text};
 ///
 /// Every bias model, or with several --model every noise model, navigates the drive with GNSS withheld during
 /// the outages. Errors inside them, against the truth or else the withheld fixes, are reported as maximum, RMS
-/// and median over the outages.
+/// and median over the outages. By default also what each constraint and sensor beside GNSS saves: the last
+/// model without it.
 #[derive(Args)]
 #[command(after_help = "Examples:
   undrift outages imu.csv gnss.pos --length 30
@@ -108,6 +109,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         outputs,
     )?;
     let compared = compared(&arguments.model, models, &kinds);
+    // Of models by name the drift of these is asked for.
+    let without = arguments.bias_models.is_none() && arguments.model.len() < 2;
     let hindsight = Hindsight::asked(arguments.look_ahead, arguments.smooth);
     let logs = Logs::load(&drive, hindsight)
         .map_err(|error| anyhow!(sentences::unsolved(error.findings(), error)))?;
@@ -117,9 +120,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let cuts = logs.plan_or_usual(asked, length, start);
     let cuts = cuts.map_err(refused)?;
     let experiment = stage("navigation", || {
-        let bar = Bar::new("navigated", logs.samples(compared.len()), "samples");
+        let bar = Bar::new(
+            "navigated",
+            logs.samples(compared.len(), without),
+            "samples",
+        );
         let done = |more| bar.add(more);
-        logs.compare(&compared, &cuts, hindsight, &done)
+        logs.compare(&compared, &cuts, hindsight, without, &done)
             .map_err(anyhow::Error::from)
     })?;
     let mut runs = experiment

@@ -16,9 +16,9 @@ pub use words::RECEIVED;
 
 use undrift_nav::units::{Quantity, unit_factor};
 use words::{
-    ACCELS, ACCURACIES, ANTENNAS, COURSES, DATES, DIRECTIONS, ECEF_VELOCITIES, ECEFS, FIELDS, GRID,
-    GYROS, HEIGHTS, LATITUDES, LONGITUDES, POSITION_STDS, SPEEDS, SUFFIXES, TIME_ENDINGS,
-    TIME_UNITS, TIMES, VELOCITIES, VELOCITY_STDS,
+    ACCELS, ACCURACIES, ANTENNAS, CLIMBS, COURSES, DATES, DIRECTIONS, ECEF_VELOCITIES, ECEFS,
+    FIELDS, GRID, GYROS, HEIGHTS, LATITUDES, LONGITUDES, POSITION_STDS, SPEEDS, SUFFIXES,
+    TIME_ENDINGS, TIME_UNITS, TIMES, VELOCITIES, VELOCITY_STDS,
 };
 
 /// Meaning of a column.
@@ -309,6 +309,8 @@ fn of_letters(name: &str) -> Option<Meaning> {
         Some(Meaning::Grid(axis))
     } else if let Some(place) = direction(&VELOCITY_STDS).or_else(|| velocity_std(name)) {
         Some(Meaning::VelocityStd(place.min(2)))
+    } else if CLIMBS.contains(&name) {
+        Some(Meaning::VelocityUp)
     } else if let Some(place) = direction(&VELOCITIES) {
         Some(match place {
             3 => Meaning::VelocityUp,

@@ -177,7 +177,7 @@ pub fn read(opened: Opened, format: &RecordFormat) -> Result<Record, ReadError> 
         ..Record::default()
     };
     let known = match opened.format() {
-        _ if !format.columns.is_empty() => None,
+        _ if !format.columns.is_empty() || opened.has_rows() => None,
         Format::KfGins => Some(layouts::kf_gins_imu()),
         Format::Euroc => Some(layouts::euroc_imu()),
         log if log.is_log() => {
@@ -458,5 +458,26 @@ mod tests {
             let slower = record.slower().unwrap();
             assert!(!slower.gyro && (slower.rate_hz - 25.0).abs() < 1e-6);
         }
+    }
+    /// A receiver's sentences once a second between the samples change nothing of these.
+    #[test]
+    fn rows_between_sentences_are_a_record() {
+        let of = |sentences: bool| {
+            let mut text = String::new();
+            for k in 0..2000 {
+                let (t, w) = (0.01 * f64::from(k), 1e-3 * f64::from(k % 7 - 3));
+                if sentences && k % 100 == 0 {
+                    text +=
+                        "$GPRMC,100000.00,A,4717.11399,N,00833.91590,E,0.004,77.52,091202,,,A*5E\n";
+                }
+                text += &format!("IMU,{t:.3},{w},0.01,0.02,0.1,{w},-9.81\n");
+            }
+            let stream = std::io::Cursor::new(text.into_bytes());
+            let opened = Opened::stream(Path::new("log.txt"), stream).unwrap();
+            read(opened, &RecordFormat::default()).unwrap()
+        };
+        let (alone, between) = (of(false), of(true));
+        assert_eq!(alone.length(), 2000);
+        assert_eq!(alone.samples, between.samples);
     }
 }

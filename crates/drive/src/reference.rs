@@ -74,15 +74,20 @@ impl Errors {
         Self::of_antenna(&antenna, &filter.antenna_velocity(lever_b), fix)
     }
 
-    /// Errors of an antenna's position and velocity [m/s] against a fix; the attitude stays unknown.
+    /// Errors of an antenna's position and velocity [m/s] against a fix; the attitude stays unknown, and so do components that the
+    /// fix leaves open, as the height of a receiver that gives latitude and longitude, or the vertical velocity beside a course.
     pub fn of_antenna(antenna: &Geodetic, velocity: &Vector3, fix: &GnssFix) -> Self {
-        let dr = match fix.position {
-            Some((Position::Geodetic(measured), _)) => measured.offset_to(antenna),
-            Some((Position::Baseline { base, ned }, _)) => base.ned_to(antenna) - ned,
-            None => Vector3::repeat(f64::NAN),
-        };
-        let dv = fix.velocity.map(|(v, _)| velocity - v);
-        Self::new(&dr, dv, None)
+        let dr = fix.position.map(|(measured, noise)| {
+            let off = match measured {
+                Position::Geodetic(measured) => measured.offset_to(antenna),
+                Position::Baseline { base, ned } => base.ned_to(antenna) - ned,
+            };
+            measured_of(off, &noise)
+        });
+        let dv = fix
+            .velocity
+            .map(|(v, noise)| measured_of(velocity - v, &noise));
+        Self::new(&dr.unwrap_or(Vector3::repeat(f64::NAN)), dv, None)
     }
 
     /// These errors, with those of `others` in place of unknown components.
@@ -100,6 +105,21 @@ impl Errors {
             self.0[i].abs().max(other.0[i].abs())
         }))
     }
+}
+
+/// A component of a fix is open where its standard deviation is so many times that of the best.
+const OPEN: f64 = 50.0;
+
+/// The components that a fix with this covariance measures; the others are unknown.
+fn measured_of(error: Vector3, noise: &Matrix3) -> Vector3 {
+    let variance = noise.diagonal();
+    let most = OPEN * OPEN * variance.min();
+    error.zip_map(
+        &variance,
+        |error, of| {
+            if of < most { error } else { f64::NAN }
+        },
+    )
 }
 
 /// Covariances that a solution gives its position \[m²\], velocity \[m²/s²\] and misalignment \[rad²\],
@@ -160,13 +180,21 @@ impl Predicted {
     }
 
     /// Normalised error squared of each of [`GROUPS`] per degree of freedom, 1 on the average when the
-    /// covariance is right; NaN where an error is unknown.
+    /// covariance is right, of the components that are known; NaN where none is.
     pub fn nees(&self, q_nb: &Quaternion, errors: &Errors) -> [f64; 3] {
         let all = self.of_components(q_nb);
         std::array::from_fn(|group| {
-            let e = Vector3::from_column_slice(&errors.0[GROUPS[group].1..][..3]);
-            let factor = nalgebra::Cholesky::new(all[group]);
-            factor.map_or(f64::NAN, |factor| e.dot(&factor.solve(&e)) / 3.0)
+            let mut e = Vector3::from_column_slice(&errors.0[GROUPS[group].1..][..3]);
+            let mut p = all[group];
+            let unknown = Vec::from_iter((0..3).filter(|i| e[*i].is_nan()));
+            for i in &unknown {
+                p.row_mut(*i).fill(0.0);
+                p.column_mut(*i).fill(0.0);
+                (e[*i], p[(*i, *i)]) = (0.0, 1.0);
+            }
+            let known = (3 - unknown.len()) as f64;
+            let factor = nalgebra::Cholesky::new(p);
+            factor.map_or(f64::NAN, |factor| e.dot(&factor.solve(&e)) / known)
         })
     }
 }
@@ -490,5 +518,26 @@ mod tests {
         assert_eq!((known.0[0], known.0[1]), (4.0, 1.0));
         assert!(where_known(&[Errors::UNKNOWN], rms).0[0].is_nan());
         assert!(median(&[]).0[0].is_nan());
+    }
+
+    /// A vertical velocity of 20 m/s beside 0.2 m/s is no reference; what is left has two degrees of freedom.
+    #[test]
+    fn what_a_fix_leaves_open_is_unknown() {
+        let at = Geodetic::from_degrees(48.0, 11.0, 400.0);
+        let fix = |vertical: f64| {
+            let std = [0.2, 0.2, vertical];
+            GnssFix::at(0.0, at, [3.0, 3.0, 6.0]).with_velocity(Vector3::zeros(), std)
+        };
+        let velocity = Vector3::new(0.4, -0.6, 5.0);
+        let against = |fix: &GnssFix| Errors::of_antenna(&at, &velocity, fix);
+        let [open, whole] = [fix(20.0), fix(0.4)].map(|fix| against(&fix));
+        assert_eq!(whole.0[4..7], [0.4, -0.6, 5.0]);
+        assert!(open.0[4..6] == [0.4, -0.6] && open.0[6].is_nan());
+        assert_eq!(open.0[..3], [0.0; 3]);
+        let own = Predicted([Matrix3::zeros(); 3]).against_fix(&fix(20.0));
+        let level = Quaternion::identity();
+        let [_, nees, attitude] = own.nees(&level, &open);
+        // (2² + 3²)/2, and not with a third that is (5/20)².
+        assert!((nees - 6.5).abs() < 1e-9 && attitude.is_nan(), "{nees}");
     }
 }

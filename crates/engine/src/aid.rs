@@ -113,6 +113,23 @@ impl Measurement {
         self
     }
 
+    /// Whether it is a measurement of this kind, by which its updates are counted.
+    ///
+    /// ```
+    /// use undrift_engine::{Aid, Measurement, Scalar};
+    /// let height = Measurement::Barometer(Scalar { time: 3.0, value: 412.0, std: 1.0 });
+    /// assert!(height.is(Aid::Barometer) && !height.is(Aid::Odometer));
+    /// ```
+    pub fn is(&self, aid: Aid) -> bool {
+        match self {
+            Self::Gnss(_) => matches!(aid, Aid::Position | Aid::Velocity | Aid::Attitude),
+            Self::Odometer(_) => aid == Aid::Odometer,
+            Self::Barometer(_) => aid == Aid::Barometer,
+            Self::Heading(_) => aid == Aid::Heading,
+            Self::Magnetometer(_) => aid == Aid::Magnetometer,
+        }
+    }
+
     /// Its name for a message, where a time or a value of it is not finite.
     pub(crate) fn unusable(&self) -> Option<&'static str> {
         let (what, finite) = match self {

@@ -5,6 +5,7 @@
 //! scatter of the motion itself, since its errors are correlated in time and the filter takes them for white
 //! ([`NonHolonomic::CAR`]).
 
+use undrift_events::Aid;
 use undrift_nav::{
     Vector3,
     parameters::{Parameter, Parameters, Prior},
@@ -144,6 +145,26 @@ pub struct Constraints {
     pub odometer_lever: Vector3,
     /// Direction of the second antenna as seen from the first in the body, from forward to right \[rad\].
     pub heading_baseline: f64,
+}
+
+impl Constraints {
+    /// These without the one whose updates are counted as `aid`; levers and directions of sensors stay.
+    ///
+    /// ```
+    /// use undrift_engine::{Aid, vehicle::Profile};
+    /// let car = Profile::Car.constraints().without(Aid::NonHolonomic);
+    /// assert!(car.non_holonomic.is_none() && car.zero_velocity.is_some());
+    /// ```
+    #[must_use]
+    pub fn without(mut self, aid: Aid) -> Self {
+        match aid {
+            Aid::NonHolonomic => self.non_holonomic = None,
+            Aid::Air => self.air = None,
+            Aid::ZeroVelocity => (self.zero_velocity, self.zero_angular_rate) = (None, None),
+            _ => {}
+        }
+        self
+    }
 }
 
 /// The non-holonomic constraint: the middle of the axle that does not steer moves along the vehicle's forward axis alone.

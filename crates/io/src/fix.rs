@@ -50,26 +50,36 @@ pub enum VelocityAxes {
     Ecef,
     /// Speed over ground, course \[deg\] clockwise from north; the third column is not looked at.
     Course,
+    /// The same with the velocity down in the third.
+    CourseDown,
+    /// The same with the velocity up in the third.
+    CourseUp,
 }
 
 impl VelocityAxes {
     /// The three numbers of a row as a vector, of the unit that has this factor to m/s.
     pub(crate) fn vector(self, row: Vector3, scale: f64) -> Vector3 {
-        match self {
-            Self::Course => {
-                let (east, north) = row.y.to_radians().sin_cos();
-                Vector3::new(north, east, 0.0) * (row.x * scale)
-            }
-            _ => row * scale,
+        if !self.is_course() {
+            return row * scale;
         }
+        let (east, north) = row.y.to_radians().sin_cos();
+        let vertical = if self == Self::Course { 0.0 } else { row.z };
+        Vector3::new(row.x * north, row.x * east, vertical) * scale
+    }
+
+    /// Whether the first two columns are speed and course.
+    pub(crate) fn is_course(self) -> bool {
+        matches!(self, Self::Course | Self::CourseDown | Self::CourseUp)
     }
 
     /// What turns such a velocity to north, east, down at a place; `None` where that takes a place and
     /// there is none.
     pub(crate) fn to_ned(self, place: Option<Geodetic>) -> Option<Matrix3> {
         match self {
-            Self::Down | Self::Course => Some(Matrix3::identity()),
-            Self::Up => Some(Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0))),
+            Self::Down | Self::Course | Self::CourseDown => Some(Matrix3::identity()),
+            Self::Up | Self::CourseUp => {
+                Some(Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0)))
+            }
             Self::Ecef => place.map(|place| place.ned_from_ecef()),
         }
     }

@@ -362,9 +362,13 @@ impl Opened {
         Table::new(&name, source, options)
     }
 
-    /// Sentences of NMEA may have the rows of a sensor between them: a table where that is asked for.
+    /// Whether it is sentences of NMEA with the rows of an inertial sensor between them: a table where that is asked for.
+    pub fn has_rows(&self) -> bool {
+        self.format() == Format::Nmea && tagged::may_be(&self.start)
+    }
+
     fn as_rows(&mut self) {
-        if self.format() == Format::Nmea && tagged::may_be(&self.start) {
+        if self.has_rows() {
             self.rewritten(tagged::between_sentences);
         }
     }

@@ -2,6 +2,7 @@
 //! files that appear whole.
 
 mod csv;
+mod ellipses;
 mod file;
 mod fixed;
 mod geojson;

@@ -103,6 +103,7 @@ pub fn outages<'py>(
     drive: &Drive,
     bias_models: Vec<String>,
     models: Vec<(String, Py<NoiseModel>)>,
+    without: bool,
     length: f64,
     count: Option<usize>,
     every: Option<f64>,
@@ -129,8 +130,8 @@ pub fn outages<'py>(
         let logs = Logs::load(&drive.drive, hindsight)
             .map_err(|error| say::unsolved(error.findings(), error))?;
         let cuts = logs.plan_or_usual(asked, length, start)?;
-        counted.set_total(logs.samples(compared.len()));
-        let experiment = logs.compare(&compared, &cuts, hindsight, &|samples| {
+        counted.set_total(logs.samples(compared.len(), without));
+        let experiment = logs.compare(&compared, &cuts, hindsight, without, &|samples| {
             counted.add(samples);
         })?;
         let result = logs.result(&drive.file, &experiment, &sentence);

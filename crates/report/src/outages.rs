@@ -2,6 +2,7 @@
 
 mod drift;
 mod way;
+mod without;
 
 use super::{
     Block, Cell, Section, Table,
@@ -68,7 +69,7 @@ pub fn sections(runs: &[Run<'_, Outages>]) -> Vec<Section> {
         summary(runs, &models),
         drift(&models),
         models_way(runs),
-        tables(&models),
+        tables(runs, &models),
     ];
     sections.into_iter().flatten().collect()
 }
@@ -119,7 +120,11 @@ fn summary(runs: &[Run<'_, Outages>], models: &[Model<'_>]) -> Option<Section> {
     let verdicts = runs
         .iter()
         .map(|(name, run)| Some(verdict_of(name, &run.findings)));
-    let blocks = verdicts.chain([text(findings(models)), warnings(&warned)]);
+    let beside = runs
+        .iter()
+        .flat_map(|(name, run)| without::sentences(name, run));
+    let found = findings(models).into_iter().chain(beside);
+    let blocks = verdicts.chain([text(found), warnings(&warned)]);
     Section::new("GNSS outages", blocks.chain(done).flatten())
 }
 
@@ -263,6 +268,7 @@ pub fn plain(result: &Outages, mark: Mark) -> String {
     let mut found = vec![cuts(result)];
     if !models.is_empty() {
         found.extend(findings(&models));
+        found.extend(without::sentences("", result));
     }
     found.retain(|line| !line.is_empty());
     let models: Vec<&Model<'_>> = models.iter().collect();
@@ -282,6 +288,7 @@ pub fn plain(result: &Outages, mark: Mark) -> String {
         blocks.push(Block::Text("Errors inside the outages:".into()));
         blocks.extend(tables);
         blocks.extend(consistency(&models).map(Block::Table));
+        blocks.extend(without::table("", result).map(Block::Table));
     }
     plain::plain(blocks.into_iter().map(Some), mark)
 }
@@ -339,7 +346,7 @@ fn consistency(models: &[&Model<'_>]) -> Option<Table> {
 }
 
 /// Table 4: maximum, root mean square and median of each model's largest errors.
-fn tables(models: &[Model<'_>]) -> Option<Section> {
+fn tables(runs: &[Run<'_, Outages>], models: &[Model<'_>]) -> Option<Section> {
     let statistics: [(&str, &str, Statistic); 4] = [
         (
             "rms",
@@ -362,7 +369,11 @@ fn tables(models: &[Model<'_>]) -> Option<Section> {
     let of_models = statistics
         .into_iter()
         .filter_map(|(name, caption, of)| table_of(name, caption, &models, of));
-    let blocks = of_models.chain(consistency(&models)).map(Block::Table);
+    let without = runs
+        .iter()
+        .filter_map(|(name, run)| without::table(name, run));
+    let all = of_models.chain(consistency(&models)).chain(without);
+    let blocks = all.map(Block::Table);
     Section::new("Errors inside the outages", blocks)
 }
 

@@ -36,6 +36,9 @@ pub struct Outages {
     pub noise_models: BTreeMap<String, NoiseModelRun>,
     /// What the outages did to each of them.
     pub models: BTreeMap<String, ModelErrors>,
+    /// The last of `order` without one kind of measurement beside GNSS at a time, by the kind, where that was run.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub without: BTreeMap<String, ModelErrors>,
     /// The models that could not be run, and why.
     pub failed: BTreeMap<String, String>,
     /// "truth", or "gnss" where the withheld fixes are the reference.

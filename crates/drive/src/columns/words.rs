@@ -314,6 +314,7 @@ pub(super) const GRID: [&[&str]; 2] = [
     ],
 ];
 pub(super) const VELOCITIES: [&str; 4] = ["v", "vel", "velocity", "vned"];
+pub(super) const CLIMBS: [&str; 3] = ["climb", "climbrate", "rateofclimb"];
 pub(super) const SPEEDS: [&str; 7] = [
     "speed",
     "gspeed",

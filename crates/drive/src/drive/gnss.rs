@@ -223,27 +223,41 @@ fn read_stds<'a>(
     }
 }
 
-/// The columns of the velocity and its axes: `velocity`, or `speed` and `course`.
+/// The columns of the velocity and its axes: `velocity`, or `speed` and `course` with `vertical_velocity` or without.
 fn read_velocity(section: &Section) -> Result<(Option<[Column; 3]>, VelocityAxes), ConfigError> {
     let velocity = keys::columns(section, "velocity")?;
     let axes = section.word("velocity_axes", &VELOCITY_AXES)?;
-    let polar = (
-        keys::column(section, "speed")?,
-        keys::column(section, "course")?,
-    );
-    match (velocity, polar) {
-        (velocity, (None, None)) => Ok((velocity, axes.unwrap_or_default())),
-        (Some(_), _) => Err(section.error("speed", "set velocity, or speed and course, not both")),
-        (None, (Some(_), None)) => Err(section.missing("course", "needed with speed")),
-        (None, (None, Some(_))) => Err(section.missing("speed", "needed with course")),
-        (None, (Some(_), Some(_))) if axes.is_some() => {
-            Err(section.error("velocity_axes", "speed and course have no axes: remove it"))
+    let [speed, course, vertical] =
+        ["speed", "course", "vertical_velocity"].map(|key| keys::column(section, key));
+    let (speed, course, vertical) = (speed?, course?, vertical?);
+    let polar = match (speed, course) {
+        (None, None) if vertical.is_some() => {
+            return Err(section.missing("speed", "needed with vertical_velocity"));
         }
-        (None, (Some(speed), Some(course))) => {
-            let columns = [speed.clone(), course, speed];
-            Ok((Some(columns), VelocityAxes::Course))
+        (None, None) => return Ok((velocity, axes.unwrap_or_default())),
+        _ if velocity.is_some() => {
+            return Err(section.error("speed", "set velocity, or speed and course, not both"));
         }
-    }
+        (Some(_), None) => return Err(section.missing("course", "needed with speed")),
+        (None, Some(_)) => return Err(section.missing("speed", "needed with course")),
+        (Some(speed), Some(course)) => [speed, course],
+    };
+    let third = vertical.clone().unwrap_or_else(|| polar[0].clone());
+    let axes = match (vertical, axes) {
+        (None, None) => VelocityAxes::Course,
+        (None, Some(_)) => {
+            let wrong = "speed and course have no axes: remove it, or set vertical_velocity";
+            return Err(section.error("velocity_axes", wrong));
+        }
+        (Some(_), None | Some(VelocityAxes::Down)) => VelocityAxes::CourseDown,
+        (Some(_), Some(VelocityAxes::Up)) => VelocityAxes::CourseUp,
+        (Some(_), Some(_)) => {
+            let wrong = "a vertical velocity is \"north,east,down\" or \"north,east,up\"";
+            return Err(section.error("velocity_axes", wrong));
+        }
+    };
+    let [speed, course] = polar;
+    Ok((Some([speed, course, third]), axes))
 }
 
 /// The fixes in named columns of a table.

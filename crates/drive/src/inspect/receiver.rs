@@ -244,14 +244,22 @@ impl Columns {
             None => vec![Line::new("position_std", POSITION_STD, Known::NoColumns)],
         });
         let velocity = self.velocity();
-        let is_level = velocity.is_empty();
+        let mut is_level = velocity.is_empty();
         let (velocity, unit) = match self.found.polar {
             // Their unit takes a look at the numbers.
             [Some(speed), Some(course)] if is_level && !self.table.rows.is_empty() => {
-                let polar = [("speed", speed), ("course", course)];
+                let unit = self.speed_unit(place, speed);
+                let vertical = self.vertical(speed, unit.as_ref());
+                let polar = [("speed", speed), ("course", course)].into_iter();
+                let named = polar.chain(vertical.map(|place| ("vertical_velocity", place)));
                 let line =
                     |(key, place)| Line::new(key, self.name(place), self.found.known.clone());
-                (Vec::from(polar.map(line)), self.speed_unit(place, speed))
+                let mut lines = Vec::from_iter(named.map(line));
+                if vertical.is_some() && self.found.up {
+                    lines.push(Line::new("velocity_axes", "north,east,up", NAMES));
+                }
+                is_level = vertical.is_none();
+                (lines, unit)
             }
             _ => {
                 let unit = self.found.velocity[0].and_then(|place| self.unit(place));
@@ -322,6 +330,14 @@ impl Columns {
             None => {}
         }
         lines
+    }
+
+    /// The column of a vertical velocity beside a speed, where its unit is that of the speed.
+    fn vertical(&self, speed: usize, found: Option<&Line>) -> Option<usize> {
+        let place = self.found.velocity[2]?;
+        let metric = || found.is_none().then(|| "m/s".to_owned());
+        let unit = self.unit(speed).or_else(metric);
+        (self.unit(place).is_none() || self.unit(place) == unit).then_some(place)
     }
 
     /// The unit of a speed: by its name, else that in which it fits the positions.

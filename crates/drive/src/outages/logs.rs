@@ -196,6 +196,7 @@ impl Logs {
             warnings: findings.iter().map(Statement::Finding).map(say).collect(),
             findings,
             noise_models: experiment.noise_models(),
+            without: experiment.without_each(say),
             ..result(&experiment.cuts, &experiment.runs, &self.track(), say)
         }
     }

@@ -288,7 +288,7 @@ impl FixColumns {
         let at = self.velocity?;
         let velocity = self.finite(row, at, skipped)?;
         // Telephones write −1 for a speed or course that they do not know.
-        if self.format.velocity_axes == VelocityAxes::Course && velocity.x.min(velocity.y) == -1.0 {
+        if self.format.velocity_axes.is_course() && velocity.x.min(velocity.y) == -1.0 {
             return None;
         }
         let scale = self.format.velocity_scale;

@@ -170,6 +170,17 @@ fn speeds_with_a_course_and_heights_in_another_unit() {
     let (east, north) = (VelocityAxes::Course, Vector3::new(36.0, 90.0, 36.0));
     let turned = east.vector(north, polar.velocity_scale);
     assert!((turned - Vector3::new(0.0, 10.0, 0.0)).norm() < 1e-12);
+    let climbing = Vector3::new(36.0, 90.0, 18.0);
+    for (axes, down) in [
+        (VelocityAxes::CourseDown, 5.0),
+        (VelocityAxes::CourseUp, -5.0),
+    ] {
+        let turned = axes.to_ned(None).unwrap() * axes.vector(climbing, polar.velocity_scale);
+        assert!(
+            (turned - Vector3::new(0.0, 10.0, down)).norm() < 1e-12,
+            "{axes:?}"
+        );
+    }
     let down = VelocityAxes::Down.vector(north, 0.5);
     assert_eq!(down, north * 0.5);
 }

@@ -1,5 +1,6 @@
 //! The track as GeoJSON, RFC 7946: a `LineString` of longitude, latitude and height above the
-//! ellipsoid for each span with and without GNSS, which the property `gnss` distinguishes, and its start and end in UTC where the log has a date.
+//! ellipsoid for each span with and without GNSS, which the property `gnss` distinguishes, and its start and end in UTC where the log has a date;
+//! after it the [ellipses](super::ellipses) as polygons with time and standard deviations.
 
 use std::io::{self, Write};
 
@@ -37,7 +38,17 @@ fn write_piece(buf: &mut Vec<u8>, piece: Piece<'_>, aside: &mut Aside) -> io::Re
                 let [start, end] = [start, end].map(|time| epoch.iso(time));
                 write!(buf, ",\"start\":\"{start}\",\"end\":\"{end}\"")?;
             }
-            write!(buf, "}}}}")
+            write!(buf, "}}}}")?;
+            for (row, polygon) in aside.ellipses.end() {
+                let corners = polygon.iter().map(|corner| format!("[{}]", place(corner)));
+                let corners = corners.collect::<Vec<_>>().join(",");
+                write!(
+                    buf,
+                    ",\n{{\"type\":\"Feature\",\"geometry\":{{\"type\":\"Polygon\",\"coordinates\":[[{corners}]]}},\"properties\":{{\"gnss\":{},\"time_s\":{:.3},\"north_std_m\":{:.3},\"east_std_m\":{:.3}}}}}",
+                    !outage, row.time, row.nav_std[0], row.nav_std[1]
+                )?;
+            }
+            Ok(())
         }
     }
 }

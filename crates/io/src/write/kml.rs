@@ -1,5 +1,5 @@
 //! The track as KML 2.2: a line for each span with and without GNSS, in green and red; where the log has a
-//! date a `gx:MultiTrack`, with the instants in UTC.
+//! date a `gx:MultiTrack`, with the instants in UTC. [Ellipses](super::ellipses) are of the same colours.
 //!
 //! Lines lie on the ground, since KML counts absolute altitudes from the sea level and the heights
 //! here are above the ellipsoid; the coordinates have them nevertheless.
@@ -23,7 +23,8 @@ pub(super) fn format(name: &str) -> TextFormat {
     // Colours are alpha, blue, green, red.
     for (id, colour) in [("gnss", "ff2ca02c"), ("no-gnss", "ff2827d6")] {
         head += &format!(
-            "<Style id=\"{id}\"><LineStyle><color>{colour}</color><width>4</width></LineStyle></Style>\n"
+            "<Style id=\"{id}\"><LineStyle><color>{colour}</color><width>4</width></LineStyle><PolyStyle><color>40{}</color></PolyStyle></Style>\n",
+            &colour[2..]
         );
     }
     TextFormat {
@@ -36,10 +37,7 @@ pub(super) fn format(name: &str) -> TextFormat {
 fn write_piece(buf: &mut Vec<u8>, piece: Piece<'_>, aside: &mut Aside) -> io::Result<()> {
     match (piece, aside.epoch) {
         (Piece::Begin { row, outage, .. }, epoch) => {
-            let (name, style) = match outage {
-                true => ("Without GNSS", "no-gnss"),
-                false => ("With GNSS", "gnss"),
-            };
+            let (name, style) = named(outage);
             writeln!(
                 buf,
                 "<Placemark><name>{name} from {:.1} s</name><styleUrl>#{style}</styleUrl>",
@@ -66,12 +64,39 @@ fn write_piece(buf: &mut Vec<u8>, piece: Piece<'_>, aside: &mut Aside) -> io::Re
             write_instant(buf, row, epoch, aside)
         }
         (Piece::Point(row), None) => write!(buf, "\n{}", place(&row.position)),
-        (Piece::End { .. }, Some(_)) => {
+        (Piece::End { outage, .. }, Some(_)) => {
             end_track(buf, aside);
-            writeln!(buf, "</gx:MultiTrack></Placemark>")
+            writeln!(buf, "</gx:MultiTrack></Placemark>")?;
+            write_ellipses(buf, outage, aside)
         }
-        (Piece::End { .. }, None) => writeln!(buf, "\n</coordinates></LineString></Placemark>"),
+        (Piece::End { outage, .. }, None) => {
+            writeln!(buf, "\n</coordinates></LineString></Placemark>")?;
+            write_ellipses(buf, outage, aside)
+        }
     }
+}
+
+/// What a span is called, and its style.
+fn named(outage: bool) -> (&'static str, &'static str) {
+    match outage {
+        true => ("Without GNSS", "no-gnss"),
+        false => ("With GNSS", "gnss"),
+    }
+}
+
+/// The ellipses of a span that has ended.
+fn write_ellipses(buf: &mut Vec<u8>, outage: bool, aside: &mut Aside) -> io::Result<()> {
+    let (_, style) = named(outage);
+    for (row, polygon) in aside.ellipses.end() {
+        let [north, east] = [row.nav_std[0], row.nav_std[1]];
+        let corners = polygon.iter().map(place).collect::<Vec<_>>().join(" ");
+        writeln!(
+            buf,
+            "<Placemark><name>95 % at {:.1} s: 1σ north {north:.3} m, east {east:.3} m</name><styleUrl>#{style}</styleUrl><Polygon><outerBoundaryIs><LinearRing><coordinates>{corners}</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark>",
+            row.time
+        )?;
+    }
+    Ok(())
 }
 
 /// An instant of a track, and its place for behind all of them.

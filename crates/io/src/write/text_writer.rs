@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use super::ellipses::Ellipses;
 use super::solution::SolutionRow;
 use super::spans::{Piece, Spans};
 use super::thinning::Thinning;
@@ -50,6 +51,16 @@ pub(super) struct Aside {
     /// Text that comes later, and of how many points.
     pub later: Vec<u8>,
     pub points: usize,
+    /// What is drawn of the standard deviations.
+    pub ellipses: Ellipses,
+}
+
+impl Aside {
+    fn pass(&mut self, piece: &Piece<'_>) {
+        if let Piece::Begin { row, .. } | Piece::Point(row) = piece {
+            self.ellipses.pass(row);
+        }
+    }
 }
 
 /// Writes solution rows as text. They are collected into blocks here; `out` needs no buffer.
@@ -103,8 +114,10 @@ impl<W: Write> TextWriter<W> {
             }
             Body::Lines(write) => {
                 let (block, aside) = (&mut self.block, &mut self.aside);
-                self.spans
-                    .push(row, outage, |piece| write(block, piece, aside))?;
+                self.spans.push(row, outage, |piece| {
+                    aside.pass(&piece);
+                    write(block, piece, aside)
+                })?;
             }
         }
         match self.block.len() >= BLOCK {
@@ -137,7 +150,10 @@ impl<W: Write> TextWriter<W> {
     pub fn into_inner(mut self) -> io::Result<W> {
         if let Body::Lines(write) = self.body {
             let (block, aside) = (&mut self.block, &mut self.aside);
-            self.spans.finish(|piece| write(block, piece, aside))?;
+            self.spans.finish(|piece| {
+                aside.pass(&piece);
+                write(block, piece, aside)
+            })?;
         }
         self.block.extend_from_slice(self.tail.as_bytes());
         self.out.write_all(&self.block)?;

@@ -203,13 +203,13 @@ fn kml_has_a_line_for_each_span() {
     let text = text_of(track(), SolutionFormat::Kml, &options);
     let names = elements(&text, "name");
     assert_eq!(names[0], "Harbour &lt;1&gt; &amp; &quot;back&quot;");
-    assert_eq!(names[2], "Without GNSS from 604798.0 s");
-    assert_eq!(
-        elements(&text, "styleUrl"),
-        ["#gnss", "#no-gnss", "#gnss"].map(str::to_owned)
-    );
+    assert_eq!(names[4], "Without GNSS from 604798.0 s");
+    // A line, and an ellipse at each of its ends.
+    let styles = ["#gnss", "#no-gnss", "#gnss"].map(|style| vec![style.to_owned(); 3]);
+    assert_eq!(elements(&text, "styleUrl"), styles.concat());
     let lines: Vec<Vec<f64>> = elements(&text, "coordinates")
         .iter()
+        .step_by(3)
         .map(|line| numbers(line))
         .collect();
     // Every other row; the ends of the spans are both theirs.
@@ -251,6 +251,13 @@ fn geojson_has_a_line_for_each_span() {
     assert_eq!(json["type"], "FeatureCollection");
     assert_eq!(json["name"], NAME);
     let features = json["features"].as_array().unwrap();
+    let is_line = |f: &&serde_json::Value| f["geometry"]["type"] == "LineString";
+    let (features, ellipses): (Vec<_>, Vec<_>) = features.iter().partition(is_line);
+    let times = ellipses.iter().map(|f| f["properties"]["time_s"].as_f64());
+    let ends = [
+        604_794.0, 604_798.0, 604_798.0, 604_802.0, 604_802.0, 604_806.0,
+    ];
+    assert_eq!(Vec::from_iter(times.flatten()), ends);
     let gnss: Vec<_> = features.iter().map(|f| &f["properties"]["gnss"]).collect();
     assert_eq!(gnss, [true, false, true]);
     assert_eq!(features[1]["properties"]["start_s"], 604_798.0);
@@ -287,9 +294,10 @@ fn lines(rows: &[(SolutionRow, bool)], every: Option<f64>) -> Vec<Vec<[f64; 3]>>
     let text = text_of(rows.iter().copied(), SolutionFormat::GeoJson, &options);
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     let features = json["features"].as_array().unwrap();
-    features
-        .iter()
-        .map(|f| serde_json::from_value(f["geometry"]["coordinates"].clone()).unwrap())
+    let lines = features.iter().map(|f| &f["geometry"]);
+    let lines = lines.filter(|geometry| geometry["type"] == "LineString");
+    lines
+        .map(|geometry| serde_json::from_value(geometry["coordinates"].clone()).unwrap())
         .collect()
 }
 

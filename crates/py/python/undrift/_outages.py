@@ -269,7 +269,8 @@ def outages(
         Folder of the logs of a drive file, if not its own.
     bias_models : str or iterable of str, optional
         The models that are compared, of white, paper, gauss-markov, random-walk, ar and arma; gauss-markov, random-walk, ar
-        and arma without it. One, arma without it, where ``models`` are compared.
+        and arma without it, the last also without each constraint and sensor beside GNSS (printed, and ``without`` of the
+        JSON). One, arma without it, where ``models`` are compared.
     models : mapping of str to model, or iterable of models
         Noise models to compare, each a file, a preset or a :class:`NoiseModel`, by their names or named as their files. The
         first is the one of the run without outages, which decides what fixes are a reference.
@@ -324,6 +325,7 @@ def outages(
             made._drive,
             kinds,
             named,
+            bias_models is None and not named,
             length,
             count,
             every,

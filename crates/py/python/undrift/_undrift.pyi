@@ -171,6 +171,7 @@ def outages(
     drive: Drive,
     bias_models: list[str],
     models: list[tuple[str, NoiseModel]],
+    without: bool,
     length: float,
     count: int | None,
     every: float | None,

@@ -80,7 +80,7 @@ pub(super) fn spans(result: &Identify) -> String {
         });
         let left_out = Vec::from_iter(parts).join(", ");
         let (start, end) = (used.start_s.0, used.end_s.0);
-        let text = format!("used {start:.0} to {end:.0} s, left out {left_out}.");
+        let text = format!("used {start:.0} to {end:.0} s, excluded {left_out}.");
         let text = of_several(result, used, text);
         match text.strip_prefix("used ") {
             Some(rest) => format!(" Used {rest}"),
@@ -122,7 +122,7 @@ mod tests {
         assert_eq!(doubts(&result), Vec::<String>::new());
         assert_eq!(
             spans(&result),
-            " Used 6 to 1800 s, left out 0 to 6 s (handled)."
+            " Used 6 to 1800 s, excluded 0 to 6 s (handled)."
         );
         result.used[0].left_out.push(Omitted {
             why: Omission::Step,
@@ -171,7 +171,7 @@ mod tests {
         );
         assert_eq!(
             spans(&result),
-            " Used 600 to 1200 s, left out 0 to 600 s (beyond the step), 1200 to 2400 s (beyond the step)."
+            " Used 600 to 1200 s, excluded 0 to 600 s (beyond the step), 1200 to 2400 s (beyond the step)."
         );
     }
 
@@ -206,7 +206,7 @@ mod tests {
         );
         assert_eq!(
             spans(&result),
-            " Used 1800 to 3600 s, left out 0 to 1800 s (warm-up)."
+            " Used 1800 to 3600 s, excluded 0 to 1800 s (warm-up)."
         );
         result.used[0].left_out = vec![cycle];
         assert_eq!(spans(&result), "");

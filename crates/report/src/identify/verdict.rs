@@ -75,7 +75,7 @@ fn doubt(name: &str, axis: &Axis) -> Option<String> {
     let why = match &axis.doubt()? {
         AxisDoubt::Constant => {
             return Some(format!(
-                "{name} is constant and was left out; check its column or the sensor"
+                "{name} is constant and was excluded; check its column or the sensor"
             ));
         }
         AxisDoubt::Failed(why) => why.clone(),
@@ -136,6 +136,6 @@ mod tests {
             error: Some(RecordError::Constant.to_string()),
             ..failed
         };
-        assert!(why(&constant).contains("is constant and was left out"));
+        assert!(why(&constant).contains("is constant and was excluded"));
     }
 }

@@ -425,3 +425,55 @@ fn warnings_name_the_model_that_they_are_of() {
         "{warned:?}"
     );
 }
+
+/// With a constraint the drift of each of eight outages is half as large, with a sensor it is now more, now less.
+#[test]
+fn what_each_constraint_saves_is_in_a_table_and_beyond_chance_in_a_sentence() {
+    let errors = |largest: &dyn Fn(usize) -> f64| {
+        let outage = |k: usize| OutageErrors {
+            max: Numbers::from([(HORIZONTAL.to_owned(), Number(largest(k)))]),
+            ..OutageErrors::default()
+        };
+        let per_outage = Vec::from_iter((0..8).map(outage));
+        let squares = per_outage.iter().map(|o| get(&o.max, HORIZONTAL).powi(2));
+        let rms = (squares.sum::<f64>() / 8.0).sqrt();
+        ModelErrors {
+            rms: Numbers::from([(HORIZONTAL.to_owned(), Number(rms))]),
+            per_outage,
+            ..ModelErrors::default()
+        }
+    };
+    let run = Outages {
+        order: vec!["white".into(), "arma".into()],
+        models: [("white", 9.0), ("arma", 3.0)]
+            .map(|(name, m)| (name.to_owned(), errors(&|_| m)))
+            .into(),
+        without: [
+            ("non_holonomic".to_owned(), errors(&|_| 6.0)),
+            (
+                "barometer".to_owned(),
+                errors(&|k| if k % 2 == 0 { 2.0 } else { 4.0 }),
+            ),
+        ]
+        .into(),
+        ..Outages::default()
+    };
+    let table = without::table("", &run).unwrap();
+    assert_eq!(
+        table.head,
+        ["model", "horizontal [m]", "ratio", "less with it"]
+    );
+    let rows: Vec<Vec<&str>> = table
+        .rows
+        .iter()
+        .map(|row| row.iter().map(|c| c.text.as_str()).collect())
+        .collect();
+    assert_eq!(rows[0], ["arma", "3.00", "–", "–"]);
+    assert_eq!(rows[1], ["without non-holonomic", "6.00", "0.50", "8 of 8"]);
+    assert_eq!(rows[2], ["without barometer", "3.16", "0.95", "4 of 8"]);
+    assert_eq!(
+        without::sentences("", &run),
+        ["Non-holonomic: 0.500 times the horizontal drift without it, less in 8 of 8 outages."]
+    );
+    assert!(without::table("", &result()).is_none());
+}

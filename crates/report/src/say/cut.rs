@@ -39,7 +39,7 @@ pub(super) fn left_out(left: &LeftOut) -> String {
     } else {
         String::new()
     };
-    format!("{none}{outages} of {of} outages {is} left out ({first}): {why}")
+    format!("{none}{outages} of {of} outages {is} excluded ({first}): {why}")
 }
 
 pub(super) fn not_run(models: &[String], all: bool, why: Option<&str>) -> String {

@@ -755,7 +755,7 @@ fn further_findings_have_their_sentences() {
                 of: 9,
                 first: 120.5,
             }),
-            "1 of 9 outages was left out (at 120.5 s): begins in a gap of the fixes",
+            "1 of 9 outages was excluded (at 120.5 s): begins in a gap of the fixes",
         ),
         (
             Finding::OutagesLeftOut(LeftOut {
@@ -764,7 +764,7 @@ fn further_findings_have_their_sentences() {
                 of: 9,
                 first: 60.0,
             }),
-            "3 of 9 outages were left out (the first at 60 s): begin before the solution does; start the outages later",
+            "3 of 9 outages were excluded (the first at 60 s): begin before the solution does; start the outages later",
         ),
         (
             Finding::OutagesLeftOut(LeftOut {
@@ -773,7 +773,7 @@ fn further_findings_have_their_sentences() {
                 of: 9,
                 first: 60.0,
             }),
-            "2 of 9 outages were left out (the first at 60 s): no reference at the end",
+            "2 of 9 outages were excluded (the first at 60 s): no reference at the end",
         ),
         (Finding::NoOutage, "no outage is left to measure in"),
         (
@@ -789,7 +789,7 @@ fn further_findings_have_their_sentences() {
                 of: 2,
                 first: 210.0,
             }),
-            "no outage is left to measure in: 2 of 2 outages were left out (the first at 210 s): begin in a gap of the fixes",
+            "no outage is left to measure in: 2 of 2 outages were excluded (the first at 210 s): begin in a gap of the fixes",
         ),
         (
             Finding::NotRun {

@@ -10,9 +10,11 @@ use undrift::{
     navigate::{Hindsight, Wanted},
     navigate_drive,
     outages::{Experiment, WhyLeftOut},
+    replay::Aid,
     results::Outages,
     simulate,
-    simulate::GnssNoise,
+    simulate::{Barometer, GnssNoise},
+    vehicle::Profile,
 };
 
 fn model() -> ImuModel {
@@ -133,4 +135,47 @@ fn the_verdict_of_outages_contains_that_of_navigate() {
         }
         assert!(verdict(&both).0 >= verdict(&alone).0);
     }
+}
+
+/// The last model without a constraint or a sensor is that of a drive which has none of it; what was not used has no row.
+#[test]
+fn each_constraint_and_sensor_is_left_out_by_itself() {
+    let (imu, fixes) = logs(240.0);
+    let car = Trajectory::car(240.0, 1);
+    let heights = Barometer::default().measure(&car, 1).unwrap();
+    let heights = Vec::from_iter(heights);
+    let gnss_only = drive(&imu, &fixes).with_vehicle(Profile::Car);
+    let whole = gnss_only.clone().with_barometer(&heights);
+    let run = |drive: &Drive, without| {
+        let logs = Logs::load(drive, Hindsight::Causal).unwrap();
+        let cuts = logs.plan(&Schedule::At(vec![90.0, 130.0, 170.0, 210.0]), 20.0);
+        let models = [BiasModel::White.into(), BiasModel::Arma.into()];
+        let done = &|_| ();
+        let experiment = logs.compare(&models, &cuts.unwrap(), Hindsight::Causal, without, done);
+        logs.result("drive.toml".as_ref(), &experiment.unwrap(), &|of| {
+            format!("{of:?}")
+        })
+    };
+    let all = run(&whole, true);
+    let names: Vec<&str> = all.without.keys().map(String::as_str).collect();
+    assert_eq!(names, ["barometer", "non_holonomic", "zero_velocity"]);
+    let mut sliding = whole.clone();
+    sliding.constraints = sliding.constraints.without(Aid::NonHolonomic);
+    let sliding = run(&sliding, false);
+    assert_eq!(all.without["non_holonomic"], sliding.models["arma"]);
+    assert_eq!(all.models, run(&whole, false).models);
+    let rms = |of: &Outages, key: &str| of.models["arma"].rms[key].0;
+    assert!(2.0 * rms(&all, "horizontal_m") < rms(&sliding, "horizontal_m"));
+    let height = [
+        &all.without["barometer"].rms["down_m"].0,
+        &rms(&run(&gnss_only, false), "down_m"),
+    ]
+    .map(|m| *m);
+    assert!((height[0] / height[1] - 1.0).abs() < 1e-3, "{height:?}");
+    assert!(
+        run(&gnss_only, true)
+            .without
+            .keys()
+            .all(|key| key != "barometer")
+    );
 }

@@ -237,28 +237,54 @@ def kml():
     assert validate(file_to_validate=HERE / "track.kml") is True
     document = fast.KML.parse(HERE / "track.kml")
     assert document.features[0].name == NAME
-    places = list(find_all(document, of_type=Placemark))
+    every = list(find_all(document, of_type=Placemark))
+    places = [place for place in every if place.name.startswith("With")]
     assert [p.style_url.url for p in places] == ["#gnss", "#no-gnss", "#gnss"]
+    # Of constant standard deviations there is an ellipse at the two ends of each span.
+    ellipses = [place for place in every if place not in places]
+    assert [p.style_url.url for p in ellipses] == ["#gnss"] * 2 + ["#no-gnss"] * 2 + ["#gnss"] * 2
+    for placemark, k in zip(ellipses, [k for span in SPANS for k in span[:2]], strict=True):
+        assert placemark.name == f"95 % at {START + 0.05 * k:.1f} s: 1σ north 0.500 m, east 0.750 m"
+        ellipse(placemark.kml_geometry.geometry.exterior.coords, k)
     for placemark, (first, last, gnss) in zip(places, SPANS):
         assert placemark.name.startswith("With GNSS" if gnss else "Without GNSS")
         points = [item for track in placemark.kml_geometry.tracks for item in track.track_items]
         for point, k in zip(points, range(first, last + 1, 2), strict=True):
             near(point.coord.coords[0], k)
             assert point.when.dt == utc(k), (point.when.dt, utc(k))
-    print("track.kml: valid by the schema of KML 2.2, three tracks with instants (fastkml, lxml)")
+    print("track.kml: valid by the schema of KML 2.2, three tracks with instants, six ellipses (fastkml, lxml)")
+
+
+def ellipse(corners, k):
+    """Closed, counterclockwise, its half axes 2.448 times 0.5 m north and 0.75 m east of the row's place."""
+    assert len(corners) == 25 and corners[0] == corners[-1]
+    metres = [((x - lon(k)) * 111320 * math.cos(math.radians(lat(k))), (y - lat(k)) * 110900) for x, y, _ in corners]
+    scale = math.sqrt(-2 * math.log(0.05))
+    for east, north in metres:
+        close(math.hypot(east / 0.75, north / 0.5), scale, relative=4e-3)
+    area = sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(metres, metres[1:])) / 2
+    close(area, 12 * math.sin(math.pi / 12) * 0.75 * 0.5 * scale**2, relative=8e-3)
 
 
 def geo():
     from datetime import datetime
 
     import geojson
+
+    geojson.geometry.DEFAULT_PRECISION = 9
     from shapely.geometry import shape
 
     with open(HERE / "track.geojson", encoding="utf-8") as stream:
         collection = geojson.load(stream)
     assert collection.is_valid, collection.errors()
     assert collection["name"] == NAME
-    for feature, (first, last, gnss) in zip(collection.features, SPANS, strict=True):
+    lines = [feature for feature in collection.features if feature.geometry["type"] == "LineString"]
+    ellipses = [feature for feature in collection.features if feature not in lines]
+    for feature, k in zip(ellipses, [k for span in SPANS for k in span[:2]], strict=True):
+        assert shape(feature.geometry).is_valid and feature.geometry["type"] == "Polygon"
+        close([feature.properties[key] for key in ["time_s", "north_std_m", "east_std_m"]], [START + 0.05 * k, 0.5, 0.75], relative=1e-9)
+        ellipse(feature.geometry["coordinates"][0], k)
+    for feature, (first, last, gnss) in zip(lines, SPANS, strict=True):
         assert feature.properties["gnss"] is gnss
         close(feature.properties["start_s"], START + 0.05 * first, relative=1e-12)
         for key, k in [("start", first), ("end", last)]:
@@ -267,7 +293,7 @@ def geo():
         assert line.has_z and line.is_valid and line.geom_type == "LineString"
         for point, k in zip(line.coords, range(first, last + 1, 2), strict=True):
             near(point, k)
-    print("track.geojson: a valid collection of three lines (geojson, shapely)")
+    print("track.geojson: a valid collection of three lines and six ellipses (geojson, shapely)")
 
 
 def gpx():

@@ -152,7 +152,7 @@ fn outages_before_the_solution_starts_are_said() {
     says(
         &outcome.stderr,
         &[
-            "1 of 2 outages was left out (at 5 s): begins before the solution does",
+            "1 of 2 outages was excluded (at 5 s): begins before the solution does",
             "start the outages later",
         ],
     );

@@ -354,6 +354,26 @@ fn a_speed_and_a_course_are_taken_where_nothing_else_is_a_velocity_and_rows_show
     );
 }
 
+/// Beside speed and course, where it is of the same unit: else it is not read, and the vertical velocity stays open.
+#[test]
+fn a_vertical_velocity_is_taken_beside_speed_and_course() {
+    let of = |speed: &str, vertical: &str| {
+        let names = ["time", "lat", "lon", "alt", speed, "course", vertical];
+        let row = |k: i32| {
+            let t = f64::from(k);
+            vec![t, 47.1 + 1e-5 * t, 8.5, 412.3 + 0.5 * t, 1.112, 0.0, 0.5]
+        };
+        let (_, found) = lines(&names, (0..40).map(row).collect());
+        let keys = ["vertical_velocity", "velocity_axes", "velocity_std"];
+        keys.map(|key| value(&found, key).unwrap_or_default())
+    };
+    let known = "0.2, 0.2, 0.4 m/s";
+    assert_eq!(of("speed_mps", "vel_down_mps"), ["vel_down_mps", "", known]);
+    assert_eq!(of("speed", "climb"), ["climb", "north,east,up", known]);
+    let open = ["", "", "0.2, 0.2, 20 m/s"];
+    assert_eq!(of("speed_kmh", "vel_down_mps"), open);
+}
+
 #[test]
 fn the_time_of_arrival_is_the_time_where_the_sensor_has_none() {
     let time = |names: &[&str]| by_names(&preview(names, Vec::new())).time;

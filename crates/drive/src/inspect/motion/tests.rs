@@ -146,9 +146,8 @@ fn a_car_is_known_by_its_motion() {
     assert_eq!(motion(&mut of).wheels, Wheels::Shown);
 }
 
-/// With velocities of a copter that hovers at times an aircraft would predict withheld fixes better, by its rests on the ground.
-#[test]
-fn what_hovers_is_no_aircraft() {
+/// What is found of a flight with gyros and accelerometers of this white noise [rad/s/√Hz, m/s²/√Hz].
+fn flies(craft: Craft, white: [f64; 2], seed: u64) -> Option<Flies> {
     let dt = 0.02;
     let axis = |white: f64, turn_on: f64| {
         let start = ShapingFilter::constant(turn_on, dt).unwrap();
@@ -157,7 +156,7 @@ fn what_hovers_is_no_aircraft() {
             .plus(&start)
             .unwrap()
     };
-    let (gyro, accel) = (axis(2e-3, 3e-3), axis(5e-2, 0.1));
+    let (gyro, accel) = (axis(white[0], 3e-3), axis(white[1], 0.1));
     let sensors = [gyro, gyro, gyro, accel, accel, accel];
     let noise = GnssNoise {
         position_std: [1.5, 1.5, 3.0],
@@ -165,14 +164,32 @@ fn what_hovers_is_no_aircraft() {
         ..GnssNoise::default()
     };
     let flight = Flight {
-        craft: Craft::Copter(0.3),
+        craft,
         wind: [4.0, -2.0],
         gusts: 0.7,
         duration: 420.0,
     };
-    let log = fly(&flight, 50.0, Some(&sensors), &noise, 2).unwrap();
-    let found = motion(&mut files_from(&log, |_, _| (), 0.0)).flight;
-    assert_ne!(found, Some(Flies::Aircraft));
+    let log = fly(&flight, 50.0, Some(&sensors), &noise, seed).unwrap();
+    motion(&mut files_from(&log, |_, _| (), 0.0)).flight
+}
+
+/// With velocities of a copter that hovers at times an aircraft would predict withheld fixes better, by its rests on the ground.
+#[test]
+fn what_hovers_is_no_aircraft() {
+    assert_ne!(
+        flies(Craft::Copter(0.3), [2e-3, 5e-2], 2),
+        Some(Flies::Aircraft)
+    );
+}
+
+/// A sensor that shakes shows what the air adds to it; one that predicts twenty seconds by itself does not need it.
+#[test]
+fn an_aircraft_is_known_where_its_sensor_shakes() {
+    for seed in [3, 7] {
+        let found = flies(Craft::Aircraft(16.0), [2e-3, 5e-2], seed);
+        assert_eq!(found, Some(Flies::Aircraft), "{seed}");
+    }
+    assert_eq!(flies(Craft::Aircraft(16.0), [2e-4, 2e-3], 3), None);
 }
 
 /// Positions good to centimetres are not left at a guess of 3 m; those good to 3 m are.

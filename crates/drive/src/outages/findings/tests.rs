@@ -130,6 +130,7 @@ fn experiment(runs: Vec<(&str, Option<Finding>)>, left_out: usize) -> Experiment
         uncut: Err(ReplayError::Write(std::io::Error::other("none"))),
         withheld: [0; 2],
         runs: runs.into_iter().map(run).collect(),
+        without: Vec::new(),
     }
 }
 
