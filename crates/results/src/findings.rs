@@ -8,6 +8,7 @@ pub use kinds::{
 };
 pub use weight::{is_doubtful, is_jump, ranked, verdict};
 
+use crate::inspect::PoseFault;
 use undrift_events::{Contradiction, FixMend, Lean, Part, RestartCause, SensorChange, WindowPart};
 
 /// One thing found.
@@ -136,6 +137,13 @@ pub enum Finding {
         /// The gyros measure gravity in place of the accelerometers.
         #[serde(default)]
         exchanged: bool,
+    },
+    /// Poses and samples do not go together as the drive file reads them.
+    Poses {
+        /// What is wrong.
+        fault: PoseFault,
+        /// Whether the drive file that was made of the logs takes it into account.
+        mended: bool,
     },
     /// Gravity does not point along body down.
     NotDown {

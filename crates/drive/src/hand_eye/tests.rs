@@ -56,7 +56,7 @@ fn hand() -> Trajectory {
 fn marker_lever_arm_gravity_clock_and_noise_are_those_of_the_room() {
     let (samples, poses) = room(&hand(), &truth());
     let found = hand_eye(&samples, &poses).unwrap();
-    assert_eq!(found.fault, None);
+    assert_eq!(found.faults, []);
     let turned = (found.marker.inverse() * truth().marker).angle();
     assert!(
         turned < 4.0 * found.marker_std && found.marker_std < 2e-3,
@@ -96,10 +96,10 @@ fn another_reading_of_the_same_numbers_is_found_and_said() {
     for (fault, wrong) in [
         (PoseFault::ScalarFirst, of_each(&poses, w_first)),
         (PoseFault::Inverse, of_each(&poses, inverse)),
-        (PoseFault::Unit("mm"), millimetres.collect()),
+        (PoseFault::Unit("mm".into()), millimetres.collect()),
     ] {
         let found = hand_eye(&samples, &wrong).unwrap();
-        assert_eq!(found.fault, Some(fault));
+        assert_eq!(found.faults, [fault.clone()]);
         assert!(
             (found.marker.inverse() * right.marker).angle() < 1e-3,
             "{fault:?}"
