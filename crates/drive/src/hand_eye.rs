@@ -22,7 +22,10 @@ use turns::{Fit, LEAST, Motion};
 use undrift_io::poses::LocalPose;
 use undrift_nav::sample::{GnssFix, Position};
 use undrift_nav::{Quaternion, Vector3, sample::ImuSample};
-use undrift_results::{findings::Finding, inspect::PoseFault};
+use undrift_results::{
+    findings::{Finding, PosesApart},
+    inspect::PoseFault,
+};
 
 /// Time between the poses that are compared \[s\], at least.
 pub(crate) const INTERVAL: f64 = 0.1;
@@ -80,6 +83,7 @@ pub(crate) fn hand_eye(samples: &[ImuSample], poses: &[LocalPose]) -> Result<Han
     let best = others.min_by(|a, b| a.position_std.total_cmp(&b.position_std));
     let mut found = match (as_read, best) {
         (Ok(found), Some(other)) if misfit(&other) < BETTER * misfit(&found) => other,
+        (Err(PoseFault::Mirrored), _) => return Err(PoseFault::Mirrored),
         (Ok(found), _) | (Err(_), Some(found)) => found,
         (Err(PoseFault::NoFit { correlation }), None) => {
             let other_rate = turns::rate(samples, &poses).filter(|rate| (rate - 1.0).abs() > RATE);
@@ -132,9 +136,11 @@ pub(crate) fn findings(
         Ok(found) => found.faults,
         Err(fault) => vec![fault],
     };
-    let finding = |fault| Finding::Poses {
-        fault,
-        mended: false,
+    let finding = |fault| {
+        Finding::Poses(PosesApart {
+            fault,
+            mended: false,
+        })
     };
     faults.into_iter().map(finding).collect()
 }

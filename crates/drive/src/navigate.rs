@@ -41,6 +41,7 @@ use undrift_io::{
 };
 use undrift_nav::{Matrix3, Quaternion, Vector3, parameters::Parameters, sample::GnssFix};
 use undrift_noise::{BiasModel, ImuModel};
+use undrift_results::findings::PosesApart;
 
 /// A navigated drive: the run's summary, what reading the logs showed, and what was asked for in [`Wanted`]. Its findings are values
 /// ([`Report::findings`]), its result for other programs is [`Report::result`].
@@ -438,9 +439,11 @@ pub fn pose_faults(drive: &Drive) -> Result<Vec<Finding>, NavigateError> {
     }
     let samples = drive.open_imu()?.collect::<Result<Vec<_>, _>>()?;
     let poses = drive.open_gnss()?.collect::<Result<Vec<_>, _>>()?;
-    let mended = drive.pose_faults.iter().map(|fault| Finding::Poses {
-        fault: fault.clone(),
-        mended: true,
+    let mended = drive.pose_faults.iter().map(|fault| {
+        Finding::Poses(PosesApart {
+            fault: fault.clone(),
+            mended: true,
+        })
     });
     let frame = match &drive.gnss.1 {
         GnssSource::Poses(poses) => poses.rotation,

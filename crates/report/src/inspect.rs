@@ -12,7 +12,7 @@ use known::known;
 use serde::Serialize;
 use std::path::Path;
 use undrift_io::visible;
-use undrift_results::findings::Finding;
+use undrift_results::findings::{Finding, PosesApart};
 use undrift_results::inspect::{
     Comment, Content, CounterRestarts, Flight, Inspection, Known, Measured, Model, Motion, Note,
     Part, PoseFault, Start, Wheels, about_gravity,
@@ -44,7 +44,15 @@ pub fn shown(inspection: &Inspection) -> impl Serialize {
 }
 
 fn notes(inspection: &Inspection) -> Vec<String> {
-    inspection.found.iter().map(note).collect()
+    let cut = is_cut(std::slice::from_ref(inspection));
+    let notes = inspection.found.iter();
+    notes.map(|of| note(of, cut)).collect()
+}
+
+/// Whether the drive file reads a part of the logs, in which the marker does not move against the IMU.
+fn is_cut(inspections: &[Inspection]) -> bool {
+    let mut notes = inspections.iter().flat_map(|file| &file.found);
+    notes.any(|note| matches!(note, Note::Poses(PoseFault::Piece { .. })))
 }
 
 fn remarks(measured: &Measured) -> Vec<String> {
@@ -111,7 +119,7 @@ pub fn comment(of: Comment) -> String {
     .into()
 }
 
-fn note(note: &Note) -> String {
+fn note(note: &Note, cut: bool) -> String {
     match note {
         Note::UnknownColumns => {
             "no header, and the columns cannot be identified from their values".into()
@@ -152,7 +160,7 @@ fn note(note: &Note) -> String {
         Note::NoGravity { ratio } => format!(
             "the mean specific force is {ratio:.2} times gravity: gravity seems to be removed, as from a \"linear acceleration\"; log the accelerometers with gravity"
         ),
-        Note::Poses(fault) => poses::fault(fault, false),
+        Note::Poses(fault) => poses::fault(fault, fault.is_mended(cut)),
         Note::NoMounting(why) => format!("axes guessed from gravity alone: {why}"),
         Note::Empty { table, streams } => {
             let what = match table.as_str() {
@@ -225,12 +233,12 @@ pub fn lead(inspections: &[Inspection]) -> Option<String> {
         _ => None,
     });
     let faults = Vec::from_iter(faults);
-    let cut = faults
-        .iter()
-        .any(|fault| matches!(fault, PoseFault::Piece { .. }));
-    let finding = |fault: &&PoseFault| Finding::Poses {
-        mended: fault.is_mended(cut),
-        fault: (*fault).clone(),
+    let cut = is_cut(inspections);
+    let finding = |fault: &&PoseFault| {
+        Finding::Poses(PosesApart {
+            mended: fault.is_mended(cut),
+            fault: (*fault).clone(),
+        })
     };
     let all = Vec::from_iter(faults.iter().map(finding));
     let worst = all.iter().map(|of| of.severity()).max()?;

@@ -97,7 +97,7 @@ pub fn say(finding: &Finding) -> String {
         F::NoisyHeights { factor } => fixes::noisy_heights(*factor),
         F::VelocityScale { ratio } => fixes::velocity_scale(*ratio),
         F::WrongGravity { ratio, exchanged } => sensors::wrong_gravity(*ratio, *exchanged),
-        F::Poses { fault, mended } => poses::fault(fault, *mended),
+        F::Poses(of) => poses::fault(&of.fault, of.mended),
         F::NotDown { down } => sensors::not_down(*down),
         F::WrongTurnRate { ratio } => sensors::wrong_turn_rate(*ratio),
         F::WrongTurnAxis { axis } => sensors::wrong_turn_axis(*axis),

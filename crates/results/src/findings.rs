@@ -3,12 +3,9 @@
 mod implausible;
 mod kinds;
 mod weight;
-pub use kinds::{
-    FarParameter, LeftOut, Log, NoError, Severity, TemperatureUse, WhyLeftOut, WrappedAxis,
-};
+pub use kinds::*;
 pub use weight::{is_doubtful, is_jump, ranked, verdict};
 
-use crate::inspect::PoseFault;
 use undrift_events::{Contradiction, FixMend, Lean, Part, RestartCause, SensorChange, WindowPart};
 
 /// One thing found.
@@ -139,12 +136,7 @@ pub enum Finding {
         exchanged: bool,
     },
     /// Poses and samples do not go together as the drive file reads them.
-    Poses {
-        /// What is wrong.
-        fault: PoseFault,
-        /// Whether the drive file that was made of the logs takes it into account.
-        mended: bool,
-    },
+    Poses(PosesApart),
     /// Gravity does not point along body down.
     NotDown {
         /// Its direction in body axes, forward, right, down.

@@ -84,6 +84,14 @@ impl Forces {
         }
         let (scale, scatter) = scaled(&long);
         let mut fault = None;
+        if scale < 0.0 && (scale + 1.0).abs() < 0.5 {
+            return Err(PoseFault::Mirrored);
+        }
+        if (scale - 1.0).abs() > NEAR
+            && let Some(axes) = other_axes(&long, scatter)
+        {
+            return Err(PoseFault::PositionAxes(axes));
+        }
         // Noise of the positions and little motion make it small: a unit is far from both.
         let unit = UNITS
             .iter()
@@ -91,10 +99,6 @@ impl Forces {
         let mut factor = 1.0;
         if let Some((name, unit)) = unit {
             (fault, factor) = (Some(PoseFault::Unit((*name).into())), *unit);
-        } else if (scale - 1.0).abs() > NEAR
-            && let Some(axes) = other_axes(&long, scatter)
-        {
-            return Err(PoseFault::PositionAxes(axes));
         }
         let without_scale = |rows: &mut Vec<Row>| {
             for row in rows {

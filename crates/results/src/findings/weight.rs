@@ -112,7 +112,7 @@ impl Finding {
             Self::WrongAxes { .. } | Self::WrongTurnAxis { .. } => Severity::Unusable,
             Self::WrongVelocity { mend: Some(_) } | Self::TwoReceivers { .. } => Severity::Unusable,
             Self::Constant { vertical: true, .. } => Severity::Unusable,
-            Self::Poses { fault, mended } => of_poses(fault, *mended),
+            Self::Poses(of) => of_poses(&of.fault, of.mended),
             // A vehicle that begins to move across its axis turns its course without its gyros.
             Self::SensorChanged(change) if change.what == ChangeOf::NoTurn => Severity::Warning,
             Self::Copied { .. } | Self::SensorChanged(_) => Severity::Unusable,
@@ -230,7 +230,7 @@ impl Finding {
             | Self::NoOutage
             | Self::NotRun { all: true, .. } => 0,
             Self::Copied { .. } | Self::Wrapped { .. } => 1,
-            Self::Poses { .. } if self.severity() > Severity::Note => 1,
+            Self::Poses(_) if self.severity() > Severity::Note => 1,
             Self::SensorChanged { .. } | Self::VelocityScale { .. } => 1,
             Self::OutagesLeftOut(of) if of.is_all() => 0,
             Self::Constant { .. }
