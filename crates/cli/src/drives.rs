@@ -135,6 +135,7 @@ impl Source {
         let logs = undrift::inspect::logs(&inspections, folder);
         let mut drive = Drive::with_logs(&text, &file.display().to_string(), folder, logs)?;
         drive.guessed_rate = undrift::inspect::guessed_rate(&inspections);
+        drive.pose_faults = undrift::inspect::pose_faults(&inspections);
         let keep = match kept.file() {
             Some(file) => format!("drive file: {}", shown(file)),
             None => format!("--save-drive {UNSAVED} keeps the drive file"),

@@ -57,6 +57,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let json = results::text(&Vec::from_iter(inspections.iter().map(report::shown)));
     let shown = arguments.json.write(&files, &json)?;
     if !shown {
+        if let Some(first) = report::lead(&inspections) {
+            terminal::say(first)?;
+        }
         for inspection in &inspections {
             terminal::say(report::text(inspection))?;
         }

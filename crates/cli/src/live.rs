@@ -58,11 +58,14 @@ pub struct Arguments {
     /// Source of the fixes
     #[arg(long, value_name = "SOURCE")]
     gnss: Option<String>,
+    /// Source of the poses of a drive file with [poses]
+    #[arg(long, value_name = "SOURCE", conflicts_with = "gnss")]
+    poses: Option<String>,
     /// Source of another log of the drive file, such as odometer=udp://:5001; repeatable
     #[arg(long, value_name = "TABLE=SOURCE")]
     sensor: Vec<String>,
     /// Replay the drive's own logs: 1 at their own pace, 20 twenty times as fast, 0 as fast as it goes
-    #[arg(long, value_name = "PACE", conflicts_with_all = ["imu", "gnss", "sensor"])]
+    #[arg(long, value_name = "PACE", conflicts_with_all = ["imu", "gnss", "poses", "sensor"])]
     replay: Option<f64>,
     /// Folder of the log files. Default: that of the drive file
     #[arg(long, value_name = "DIR")]
@@ -100,7 +103,11 @@ pub struct Arguments {
 impl Arguments {
     /// The sources that are asked for, by their tables.
     fn sources(&self) -> Result<Vec<(&str, &str)>> {
-        let named = [("imu", &self.imu), ("gnss", &self.gnss)];
+        let named = [
+            ("imu", &self.imu),
+            ("gnss", &self.gnss),
+            ("poses", &self.poses),
+        ];
         let named = named
             .into_iter()
             .filter_map(|(table, source)| Some((table, source.as_deref()?)));

@@ -20,7 +20,7 @@ use undrift::{
     noise::{BiasModel, ImuModel},
     results,
 };
-use undrift_report::{say as sentences, sentence, text};
+use undrift_report::{say as sentences, sentence_of, text};
 
 /// Navigate a drive: IMU and GNSS into position, velocity and attitude.
 ///
@@ -144,7 +144,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             .map_err(|error| anyhow!(sentences::unsolved(error.findings(), error)))
     })?;
     let about = drive.result(&file);
-    let result = report.result(arguments.bias_model, about, &sentence);
+    let result = report.result(
+        arguments.bias_model,
+        about,
+        &sentence_of(drive.poses.is_some()),
+    );
     print::judge(&result.findings);
     let shown = recording && arguments.result.write(&files, &results::text(&result))?;
     if !shown {

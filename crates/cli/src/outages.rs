@@ -23,7 +23,7 @@ use undrift::{
     replay::{Outage, STAMP_ROUNDING},
     results,
 };
-use undrift_report::{say as sentences, sentence, text};
+use undrift_report::{say as sentences, sentence_of, text};
 
 /// Cut GNSS repeatedly on a drive and measure how far each bias model drifts.
 ///
@@ -136,11 +136,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(found) = runs.find_map(|run| sentences::found(&run.summary.mountings)) {
         note(sentences::estimated(&found));
     }
-    let result = logs.result(&file, &experiment, &sentence);
+    let result = logs.result(&file, &experiment, &sentence_of(drive.poses.is_some()));
     print::judge(&result.findings);
     let json = results::text(&result);
     if !arguments.result.write(&files, &json)? {
-        say(sentences::verdict(&result.findings))?;
+        say(sentences::verdict_of(&result.findings, result.drive.posed))?;
         say(sentences::hindsight(result.look_ahead, result.smooth))?;
         say(text::outages(&result, style::heading))?;
     }

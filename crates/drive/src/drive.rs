@@ -76,6 +76,7 @@ use undrift_io::{
 };
 use undrift_nav::{Vector3, covariance::AXES, parameters::Parameters, units::Quantity};
 use undrift_noise::ImuModel;
+use undrift_results::inspect::PoseFault;
 
 /// A drive, ready to be read: from files, [`Drive::load`], or from memory, [`Drive::from_samples`].
 ///
@@ -152,6 +153,8 @@ pub struct Drive {
     pub logs: Logs,
     /// Rate of an inertial log without times \[Hz\], where it is a guess of [`crate::inspect`].
     pub guessed_rate: Option<f64>,
+    /// What [`crate::inspect`] found wrong with the poses and took into account.
+    pub pose_faults: Vec<PoseFault>,
 }
 
 impl Drive {
@@ -307,6 +310,7 @@ impl Drive {
             epoch: None,
             beginning: Beginning::default(),
             guessed_rate: None,
+            pose_faults: Vec::new(),
             logs,
         };
         if posed && drive.align.heading == Heading::Course {

@@ -10,21 +10,28 @@
 //!
 //! is linear in gravity, in the lever arm l, in the accelerometers' bias b and, as a check of the unit, in a scale of the positions.
 
+mod breaks;
 mod force;
 mod path;
 mod turns;
 
+use breaks::{Breaks, TURNED};
 use force::Forces;
-use turns::Turns;
+use std::ops::Range;
+use turns::{Fit, LEAST, Motion};
 use undrift_io::poses::LocalPose;
+use undrift_nav::sample::{GnssFix, Position};
 use undrift_nav::{Quaternion, Vector3, sample::ImuSample};
-use undrift_results::inspect::PoseFault;
+use undrift_results::{
+    findings::{Finding, PosesApart},
+    inspect::PoseFault,
+};
 
 /// Time between the poses that are compared \[s\], at least.
 pub(crate) const INTERVAL: f64 = 0.1;
 
 /// How poses lie against an IMU.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct HandEye {
     /// What is to be added to the times of the poses \[s\].
     pub clock: f64,
@@ -44,8 +51,8 @@ pub(crate) struct HandEye {
     pub attitude_std: f64,
     /// Correlation of the turns [–].
     pub correlation: f64,
-    /// What is wrong with the poses as they are read, where something else fits.
-    pub fault: Option<PoseFault>,
+    /// What is wrong with the poses as they are read, where something else fits, and where marker and IMU do not move as one.
+    pub faults: Vec<PoseFault>,
 }
 
 /// Turns that fit belong together above this correlation.
@@ -60,48 +67,261 @@ const BETTER: f64 = 0.3;
 /// # Errors
 /// What they lack or contradict.
 pub(crate) fn hand_eye(samples: &[ImuSample], poses: &[LocalPose]) -> Result<HandEye, PoseFault> {
-    let as_read = compared(samples, poses);
+    let (poses, frozen) = without_repeats(poses);
+    let as_read = compared(samples, &poses);
     let others = [
-        (PoseFault::ScalarFirst, of_each(poses, scalar_first)),
-        (PoseFault::Inverse, of_each(poses, inverse)),
+        (PoseFault::ScalarFirst, of_each(&poses, scalar_first)),
+        (PoseFault::Inverse, of_each(&poses, inverse)),
     ];
     let others = others.into_iter().filter_map(|(fault, reading)| {
-        let found = compared(samples, &reading).ok()?;
-        let fault = Some(fault);
-        Some(HandEye { fault, ..found })
+        let mut found = compared(samples, &reading).ok()?;
+        found.faults.insert(0, fault);
+        Some(found)
     });
     let misfit = |of: &HandEye| 1.0 - of.correlation;
-    let best = others.min_by(|a, b| misfit(a).total_cmp(&misfit(b)));
-    match (as_read, best) {
-        (Ok(found), Some(other)) if misfit(&other) < BETTER * misfit(&found) => Ok(other),
-        (Err(_), Some(other)) => Ok(other),
-        (as_read, _) => as_read,
+    // Turns do not show which of the two it is: in other axes of marker and frame one is the other.
+    let best = others.min_by(|a, b| a.position_std.total_cmp(&b.position_std));
+    let mut found = match (as_read, best) {
+        (Ok(found), Some(other)) if misfit(&other) < BETTER * misfit(&found) => other,
+        (Err(PoseFault::Mirrored), _) => return Err(PoseFault::Mirrored),
+        (Ok(found), _) | (Err(_), Some(found)) => found,
+        (Err(PoseFault::NoFit { correlation }), None) => {
+            let other_rate = turns::rate(samples, &poses).filter(|rate| (rate - 1.0).abs() > RATE);
+            return Err(
+                other_rate.map_or(PoseFault::NoFit { correlation }, |ratio| PoseFault::Rate {
+                    ratio,
+                }),
+            );
+        }
+        (Err(fault), None) => return Err(fault),
+    };
+    if found.clock.abs() > OTHER_CLOCK {
+        found.faults.push(PoseFault::Clock {
+            offset: found.clock,
+        });
     }
+    found.faults.extend(frozen);
+    Ok(found)
 }
+
+/// Clocks that are further apart are two, and not one with a delay \[s\].
+const OTHER_CLOCK: f64 = 3.0;
+
+/// What is wrong with the poses of a drive that is read, each a fix with an attitude, where they have attitudes.
+/// `frame` turns the axes of their frame to north, east, down.
+pub(crate) fn findings(
+    samples: &[ImuSample],
+    poses: &[GnssFix],
+    frame: &Quaternion,
+) -> Vec<Finding> {
+    let back = frame.inverse();
+    let pose = |fix: &GnssFix| {
+        let position = fix.position.and_then(|(position, _)| match position {
+            Position::Baseline { ned, .. } => Some(back * ned),
+            Position::Geodetic(_) => None,
+        });
+        Some(LocalPose {
+            time: fix.time,
+            position,
+            attitude: Some(back * fix.attitude?.0),
+            position_covariance: None,
+            attitude_covariance: None,
+        })
+    };
+    let poses = Vec::from_iter(poses.iter().filter_map(pose));
+    if poses.is_empty() {
+        return Vec::new();
+    }
+    let faults = match hand_eye(samples, &poses) {
+        Ok(found) => found.faults,
+        Err(fault) => vec![fault],
+    };
+    let finding = |fault| {
+        Finding::Poses(PosesApart {
+            fault,
+            mended: false,
+        })
+    };
+    faults.into_iter().map(finding).collect()
+}
+
+/// Clocks that differ by more than this share do not fit.
+const RATE: f64 = 5e-4;
+/// Poses that repeat the one before are a tracker's that has lost its marker, if they are more than this share.
+const REPEATED: f64 = 0.01;
+
+/// The poses without those that repeat the one before, which are named where they are many.
+fn without_repeats(poses: &[LocalPose]) -> (Vec<LocalPose>, Option<PoseFault>) {
+    let (mut left, mut time) = (Vec::<LocalPose>::with_capacity(poses.len()), None);
+    for pose in poses {
+        let same =
+            |last: &LocalPose| last.position == pose.position && last.attitude == pose.attitude;
+        match left.last().is_some_and(same) {
+            true => _ = time.get_or_insert(pose.time),
+            false => left.push(*pose),
+        }
+    }
+    let repeated = poses.len() - left.len();
+    let many = repeated as f64 > REPEATED * poses.len() as f64;
+    let poses = repeated as u64;
+    let fault = time
+        .filter(|_| many)
+        .map(|time| PoseFault::Frozen { poses, time });
+    (left, fault)
+}
+
+/// Turns with one marker, and what forces show of them.
+struct Piece {
+    turns: Range<usize>,
+    /// On the clock of the samples \[s\].
+    start: f64,
+    end: f64,
+    fit: Fit,
+    forces: Result<Forces, PoseFault>,
+}
+
+/// Looks at turns, and again at their parts where the lever arm changes.
+fn pieces(
+    samples: &[ImuSample],
+    poses: &[LocalPose],
+    motion: &Motion,
+    turns: Range<usize>,
+    into: &mut Vec<Piece>,
+) {
+    let (first, last) = (motion.turns[turns.start], motion.turns[turns.end - 1]);
+    let within = |pose: &&LocalPose| first.from <= pose.time && pose.time <= last.to;
+    let of_piece = Vec::from_iter(poses.iter().filter(within).copied());
+    let fit = motion.fit(turns.clone());
+    let forces = Forces::find(samples, &of_piece, motion, &fit.marker);
+    let changes = forces.as_ref().ok().and_then(|forces| forces.step);
+    let at = changes.map(|time| {
+        motion
+            .turns
+            .partition_point(|turn| turn.from + motion.clock < time)
+    });
+    if let Some(at) = at.filter(|at| turns.start + LEAST <= *at && at + LEAST <= turns.end) {
+        pieces(samples, poses, motion, turns.start..at, into);
+        pieces(samples, poses, motion, at..turns.end, into);
+        return;
+    }
+    into.push(Piece {
+        start: first.from + motion.clock,
+        end: last.to + motion.clock,
+        turns,
+        fit,
+        forces,
+    });
+}
+
+/// What differs from one piece to the next, if anything does: the marker and the lever arm beyond chance, or its frame.
+fn between(
+    before: &Piece,
+    after: &Piece,
+    jumps: &Breaks,
+    clock: f64,
+    motion: &Motion,
+) -> Option<PoseFault> {
+    let at = before.turns.end.saturating_sub(LEAST)..after.turns.start + LEAST;
+    let jump = jumps
+        .jumps
+        .iter()
+        .find(|of| of.2 && at.contains(&of.0.start));
+    let time = match jump {
+        Some((of, ..)) => motion.turns[of.start].to + clock,
+        None => 0.5 * (before.end + after.start),
+    };
+    let turned = before.fit.marker.angle_to(&after.fit.marker);
+    let beyond = |by: f64, std: [f64; 2]| by > 4.0 * std[0].hypot(std[1]);
+    let mut distance = 0.0;
+    if let (Ok(before), Ok(after)) = (&before.forces, &after.forces) {
+        let moved = (before.lever_arm - after.lever_arm).norm();
+        if moved > force::STEP && beyond(moved, [before.lever_arm_std, after.lever_arm_std]) {
+            distance = moved;
+        }
+    }
+    let turned = match turned > TURNED && beyond(turned, [before.fit.std, after.fit.std]) {
+        true => turned,
+        false => 0.0,
+    };
+    if turned > 0.0 || distance > 0.0 {
+        return Some(PoseFault::Slipped {
+            time,
+            angle_deg: turned.to_degrees(),
+            distance_m: distance,
+        });
+    }
+    jump.map(|(_, size, _)| PoseFault::Jumped {
+        time,
+        end: time,
+        angle_deg: size.to_degrees(),
+        lasting: true,
+    })
+}
+
+/// Slips on end without a jump that are a slide.
+const SLIDES: usize = 3;
 
 /// Compares samples and poses.
 fn compared(samples: &[ImuSample], poses: &[LocalPose]) -> Result<HandEye, PoseFault> {
-    let turns = Turns::find(samples, poses)?;
-    if turns.correlation < FITS {
-        return Err(match turns.mirrored > FITS {
+    let mut motion = Motion::find(samples, poses)?;
+    let breaks = Breaks::find(&mut motion);
+    let mut all = Vec::new();
+    for turns in breaks.pieces.clone() {
+        pieces(samples, poses, &motion, turns, &mut all);
+    }
+    let pairs = all.iter().zip(all.iter().skip(1));
+    let differ = pairs.map(|(a, b)| between(a, b, &breaks, motion.clock, &motion));
+    let mut faults = Vec::from_iter(differ.flatten());
+    let jumped = |of: &&(Range<usize>, f64, bool)| !of.2;
+    let gone = breaks.jumps.iter().filter(jumped);
+    let gone = gone.map(|(of, size, _)| PoseFault::Jumped {
+        time: motion.turns[of.start].to + motion.clock,
+        end: motion.turns[of.end - 1].to + motion.clock,
+        angle_deg: size.to_degrees(),
+        lasting: false,
+    });
+    let cut = all.len() > 1 && !faults.is_empty();
+    let slides = breaks.jumps.iter().all(|of| !of.2) && faults.len() >= SLIDES;
+    let longest = all.iter().max_by_key(|piece| piece.turns.len());
+    let Some(longest) = longest else {
+        return Err(gone.last().unwrap_or(PoseFault::NoFit { correlation: 0.0 }));
+    };
+    if let (true, Some(first), Some(last)) = (slides, all.first(), all.last()) {
+        faults = vec![PoseFault::Slid {
+            start: first.end,
+            end: last.start,
+            angle_deg: first.fit.marker.angle_to(&last.fit.marker).to_degrees(),
+        }];
+    }
+    let fit = longest.fit;
+    if fit.correlation < FITS {
+        return Err(match fit.mirrored > FITS {
             true => PoseFault::Mirrored,
             false => PoseFault::NoFit {
-                correlation: turns.correlation,
+                correlation: fit.correlation,
             },
         });
     }
-    let forces = Forces::find(samples, poses, &turns)?;
+    if cut {
+        faults.push(PoseFault::Piece {
+            start: longest.start,
+            end: longest.end,
+        });
+    }
+    faults.extend(gone.take(1));
+    let forces = longest.forces.clone()?;
+    faults.splice(0..0, forces.fault);
     Ok(HandEye {
-        clock: turns.clock,
-        marker: turns.marker,
-        marker_std: turns.marker_std,
+        clock: motion.clock,
+        marker: fit.marker,
+        marker_std: fit.std,
         gravity: forces.gravity,
         lever_arm: forces.lever_arm,
         lever_arm_std: forces.lever_arm_std,
         position_std: forces.position_std,
-        attitude_std: turns.attitude_std,
-        correlation: turns.correlation,
-        fault: forces.fault,
+        attitude_std: fit.scatter / std::f64::consts::SQRT_2,
+        correlation: fit.correlation,
+        faults,
     })
 }
 

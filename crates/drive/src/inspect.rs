@@ -19,7 +19,7 @@ pub use motion::motion;
 pub use sensor::model;
 pub use undrift_results::inspect::{
     Comment, Content, CounterRestarts, Flight, Inspection, Known, Line, Measured, Model, Motion,
-    Note, Part, Start, Wheels, about_gravity,
+    Note, Part, PoseFault, Start, Wheels, about_gravity,
 };
 
 pub(crate) use numbers::{are_exchanged, three_of};
@@ -184,6 +184,29 @@ pub fn guessed_rate(inspections: &[Inspection]) -> Option<f64> {
     let guess = |line: &&Line| matches!(line.known, Known::NoTimes | Known::RowsOfFixes);
     let line = imu.lines.iter().find(guess)?;
     line.value.as_str()?.strip_suffix(" Hz")?.parse().ok()
+}
+
+/// What is wrong with poses, and is taken into account in the drive file of them.
+pub fn pose_faults(inspections: &[Inspection]) -> Vec<PoseFault> {
+    let notes = inspections.iter().flat_map(|file| &file.found);
+    let faults = notes.filter_map(|note| match note {
+        Note::Poses(fault) => Some(fault),
+        _ => None,
+    });
+    let cut = piece(inspections).is_some();
+    faults
+        .filter(|fault| fault.is_mended(cut))
+        .cloned()
+        .collect()
+}
+
+/// The part of the logs in which marker and IMU move as one \[s\], where that is not all of them.
+fn piece(inspections: &[Inspection]) -> Option<[f64; 2]> {
+    let mut notes = inspections.iter().flat_map(|file| &file.found);
+    notes.find_map(|note| match note {
+        Note::Poses(PoseFault::Piece { start, end }) => Some([*start, *end]),
+        _ => None,
+    })
 }
 
 /// Where the logs are: those in memory, and files relative to `folder`.

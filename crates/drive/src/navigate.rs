@@ -19,8 +19,9 @@ use crate::{
     consistency::Consistency,
     drive::{Drive, DriveError, SensorRead},
     engine::derived::with_velocities,
-    findings::Log,
+    findings::{Finding, Log},
     fixes::{self, FixStudy},
+    hand_eye,
     mounting::{self, EstimateError, Mounting},
     reference::Errors,
     rejected::Rejected,
@@ -33,12 +34,14 @@ use recorder::Recorder;
 use undrift_io::{
     ReadError,
     axis_faults::AxisFaults,
+    gnss::GnssSource,
     imu::{GapSummary, ThermalSummary},
     skipped::Skipped,
     write::solution::SolutionRow,
 };
-use undrift_nav::{Matrix3, Vector3, parameters::Parameters, sample::GnssFix};
+use undrift_nav::{Matrix3, Quaternion, Vector3, parameters::Parameters, sample::GnssFix};
 use undrift_noise::{BiasModel, ImuModel};
+use undrift_results::findings::PosesApart;
 
 /// A navigated drive: the run's summary, what reading the logs showed, and what was asked for in [`Wanted`]. Its findings are values
 /// ([`Report::findings`]), its result for other programs is [`Report::result`].
@@ -95,6 +98,8 @@ pub struct Report {
     pub model: Option<ImuModel>,
     /// Rate of the samples \[Hz\], where it is a guess.
     pub guessed_rate: Option<f64>,
+    /// What is wrong with the poses of a drive by poses.
+    pub pose_faults: Vec<Finding>,
 }
 
 /// Why there is no solution.
@@ -412,6 +417,7 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
         first_sample,
         model: drive.model.clone(),
         guessed_rate: drive.guessed_rate,
+        pose_faults: pose_faults(&drive)?,
         truth_read: seen.truth_read,
         imu_skipped: imu.skipped().clone(),
         gnss_skipped: aids.gnss.skipped().clone(),
@@ -421,6 +427,30 @@ pub fn navigate(drive: &Drive, kind: BiasModel, wanted: Wanted) -> Result<Report
         axis_faults: imu.axis_faults(),
         sensors: aids.sensors_read(),
     })
+}
+
+/// What is wrong with the poses of a drive: all of them and of the samples are read. Nothing of a drive by fixes.
+///
+/// # Errors
+/// A log that cannot be read.
+pub fn pose_faults(drive: &Drive) -> Result<Vec<Finding>, NavigateError> {
+    if drive.poses.is_none() {
+        return Ok(Vec::new());
+    }
+    let samples = drive.open_imu()?.collect::<Result<Vec<_>, _>>()?;
+    let poses = drive.open_gnss()?.collect::<Result<Vec<_>, _>>()?;
+    let mended = drive.pose_faults.iter().map(|fault| {
+        Finding::Poses(PosesApart {
+            fault: fault.clone(),
+            mended: true,
+        })
+    });
+    let frame = match &drive.gnss.1 {
+        GnssSource::Poses(poses) => poses.rotation,
+        _ => Quaternion::identity(),
+    };
+    let found = hand_eye::findings(&samples, &poses, &frame);
+    Ok(mended.chain(found).collect())
 }
 
 /// NIS per degree of freedom outside of which the stated accuracy is looked into.

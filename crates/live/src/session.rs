@@ -75,9 +75,6 @@ pub enum SessionError {
     /// A log has no source.
     #[error("no source of [{0}]")]
     NoSource(String),
-    /// The drive file has poses.
-    #[error("live takes fixes, not poses: write [gnss], or `undrift navigate` the recorded log")]
-    Poses,
 }
 
 /// Something that the user of a session should know.

@@ -59,7 +59,9 @@ fn drive_of(
     let file = PathBuf::from("<drive>");
     let mut drive = drive::Drive::with_logs(&text, "<drive>", home, logs)?;
     drive.guessed_rate = inspection::guessed_rate(&found);
-    let described: Vec<String> = found.iter().map(report::text).collect();
+    drive.pose_faults = inspection::pose_faults(&found);
+    let described = report::lead(&found).into_iter();
+    let described = Vec::from_iter(described.chain(found.iter().map(report::text)));
     Ok((Drive { drive, file }, text, described.join("\n")))
 }
 

@@ -19,7 +19,7 @@ use undrift::{
     results,
     usability::Usability,
 };
-use undrift_report::{say, sentence, text, verdict};
+use undrift_report::{say, sentence_of, text, verdict};
 
 /// The verdict in a word, and the line that says why.
 pub type Verdict = (&'static str, String);
@@ -69,20 +69,25 @@ pub fn navigate<'py>(
         let report = navigation::navigate(&drive.drive, kind, wanted)
             .map_err(|error| say::unsolved(error.findings(), error))?;
         let about = drive.drive.result(&drive.file);
-        let mut result = report.result(kind, about, &sentence);
+        let mut result = report.result(kind, about, &sentence_of(drive.drive.poses.is_some()));
         let json = results::text(&result);
         result.series = None;
         let brief = results::text(&result);
-        Ok::<_, Failure>((report, json, brief, verdict_of(&result.findings)))
+        Ok::<_, Failure>((
+            report,
+            json,
+            brief,
+            verdict_of(&result.findings, result.drive.posed),
+        ))
     };
     let (report, json, brief, verdict) =
         work::run_with(py, progress.as_ref(), &counted, navigate)?.map_err(error)?;
     Ok((json, brief, verdict, columns::solution(py, &report.rows)?))
 }
 
-fn verdict_of(found: &[Finding]) -> Verdict {
+fn verdict_of(found: &[Finding], posed: bool) -> Verdict {
     let usability = Usability::from(findings::verdict(found).0);
-    (usability.name(), verdict::of_findings(found))
+    (usability.name(), verdict::of_findings(found, posed))
 }
 
 /// Start of an outage, times and errors.
@@ -134,7 +139,11 @@ pub fn outages<'py>(
         let experiment = logs.compare(&compared, &cuts, hindsight, without, &|samples| {
             counted.add(samples);
         })?;
-        let result = logs.result(&drive.file, &experiment, &sentence);
+        let result = logs.result(
+            &drive.file,
+            &experiment,
+            &sentence_of(drive.drive.poses.is_some()),
+        );
         Ok::<_, Failure>((experiment.runs, result))
     };
     let (outcomes, result) =
@@ -165,7 +174,7 @@ pub fn outages<'py>(
     Ok((
         results::text(&result),
         text::outages(&result, text::unmarked),
-        verdict_of(&result.findings),
+        verdict_of(&result.findings, result.drive.posed),
         curves,
     ))
 }

@@ -4,6 +4,7 @@ use super::{
     Document, Section, demo, fleet, identify, montecarlo, navigate, outages,
     parts::{Run, prefixed},
     read::read,
+    say::words::worded,
     tune,
 };
 use std::path::PathBuf;
@@ -70,10 +71,24 @@ pub fn document(results: &[(PathBuf, Results)]) -> Document {
         (several, 1) => Some(format!(", {} results compared", several.len())),
         _ => None,
     };
-    Document {
+    let mut document = Document {
         title: titles.join(", ") + &of.unwrap_or_default(),
         subtitle: format!("undrift {}", versions.join(", ")),
         sections: chapters.into_iter().flat_map(|c| c.sections).collect(),
+    };
+    if results.iter().all(|(_, result)| is_posed(result)) {
+        document.each_text(&mut |text| *text = worded(std::mem::take(text), true));
+    }
+    document
+}
+
+/// Whether a result is of drives by poses.
+fn is_posed(result: &Results) -> bool {
+    match result {
+        Results::Navigate(one) => one.drive.posed,
+        Results::Outages(one) => one.drive.posed,
+        Results::Tune(one) => one.drives.iter().any(|drive| drive.posed),
+        _ => false,
     }
 }
 

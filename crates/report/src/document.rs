@@ -18,6 +18,38 @@ pub struct Document {
 }
 
 impl Document {
+    /// Changes each text that is shown.
+    pub(crate) fn each_text(&mut self, change: &mut dyn FnMut(&mut String)) {
+        change(&mut self.title);
+        for section in &mut self.sections {
+            change(&mut section.title);
+            change(&mut section.note);
+            for block in &mut section.blocks {
+                match block {
+                    Block::Verdict(_, text) | Block::Text(text) | Block::Warning(text) => {
+                        change(text);
+                    }
+                    Block::Warnings(all) => all.iter_mut().for_each(&mut *change),
+                    Block::Table(table) => {
+                        change(&mut table.caption);
+                        table.head.iter_mut().for_each(&mut *change);
+                        let cells = table.rows.iter_mut().flatten();
+                        cells.for_each(|cell| change(&mut cell.text));
+                    }
+                    Block::Figure(figure) => {
+                        change(&mut figure.caption);
+                        for panel in &mut figure.panels {
+                            change(&mut panel.title);
+                            change(&mut panel.x.label);
+                            change(&mut panel.y.label);
+                            panel.series.iter_mut().for_each(|of| change(&mut of.name));
+                        }
+                    }
+                }
+            }
+        }
+    }
+
     /// The figures in their order.
     pub fn figures(&self) -> impl Iterator<Item = &Figure> {
         let blocks = self.sections.iter().flat_map(|section| &section.blocks);

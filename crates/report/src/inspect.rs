@@ -2,11 +2,17 @@
 
 mod known;
 
-use crate::{date, numbers::short, shown::Shown};
+use crate::{
+    date,
+    numbers::short,
+    say::{poses, usable},
+    shown::Shown,
+};
 use known::known;
 use serde::Serialize;
 use std::path::Path;
 use undrift_io::visible;
+use undrift_results::findings::{Finding, PosesApart};
 use undrift_results::inspect::{
     Comment, Content, CounterRestarts, Flight, Inspection, Known, Measured, Model, Motion, Note,
     Part, PoseFault, Start, Wheels, about_gravity,
@@ -38,7 +44,15 @@ pub fn shown(inspection: &Inspection) -> impl Serialize {
 }
 
 fn notes(inspection: &Inspection) -> Vec<String> {
-    inspection.found.iter().map(note).collect()
+    let cut = is_cut(std::slice::from_ref(inspection));
+    let notes = inspection.found.iter();
+    notes.map(|of| note(of, cut)).collect()
+}
+
+/// Whether the drive file reads a part of the logs, in which the marker does not move against the IMU.
+fn is_cut(inspections: &[Inspection]) -> bool {
+    let mut notes = inspections.iter().flat_map(|file| &file.found);
+    notes.any(|note| matches!(note, Note::Poses(PoseFault::Piece { .. })))
 }
 
 fn remarks(measured: &Measured) -> Vec<String> {
@@ -89,6 +103,7 @@ pub fn comment(of: Comment) -> String {
              from this drive."
         }
         Comment::Missing(table) => return format!("Missing: a file with the {table} data."),
+        Comment::Piece => "the longest part in which the marker does not move against the IMU",
         Comment::Heading => "from changes of velocity, which suffice in this drive",
         Comment::Wheels(Wheels::Shown) => WHEELS,
         Comment::Flight(flight) => flies(flight),
@@ -104,7 +119,7 @@ pub fn comment(of: Comment) -> String {
     .into()
 }
 
-fn note(note: &Note) -> String {
+fn note(note: &Note, cut: bool) -> String {
     match note {
         Note::UnknownColumns => {
             "no header, and the columns cannot be identified from their values".into()
@@ -145,7 +160,7 @@ fn note(note: &Note) -> String {
         Note::NoGravity { ratio } => format!(
             "the mean specific force is {ratio:.2} times gravity: gravity seems to be removed, as from a \"linear acceleration\"; log the accelerometers with gravity"
         ),
-        Note::Poses(fault) => pose_fault(fault),
+        Note::Poses(fault) => poses::fault(fault, fault.is_mended(cut)),
         Note::NoMounting(why) => format!("axes guessed from gravity alone: {why}"),
         Note::Empty { table, streams } => {
             let what = match table.as_str() {
@@ -162,44 +177,6 @@ fn note(note: &Note) -> String {
         Note::Nothing => {
             "nothing usable: neither positions nor angular rates with specific forces".into()
         }
-    }
-}
-
-/// What is wrong with poses, or why nothing was found.
-fn pose_fault(fault: &PoseFault) -> String {
-    match fault {
-        PoseFault::ScalarFirst => {
-            "the quaternions have w first: only so do the turns of poses and gyros agree; attitude_order is set".into()
-        }
-        PoseFault::Inverse => {
-            "the quaternions are inverse: they turn the axes of the frame into the marker's, and are to turn the marker's into the frame's; change the sign of qx, qy and qz".into()
-        }
-        PoseFault::GyroUnit { ratio } => format!(
-            "the poses turn {} times as far as the gyros: check imu.gyro_unit",
-            short(*ratio)
-        ),
-        PoseFault::Unit(unit) => format!(
-            "the positions are in {unit}, by the accelerations; position_unit is set"
-        ),
-        PoseFault::Mirrored => {
-            "poses and IMU are mirror images: one of them has left-handed axes; reverse one axis of the poses, or of the IMU".into()
-        }
-        PoseFault::NoFit { correlation } => format!(
-            "poses and gyros have no turns in common (correlation {correlation:.2}): other recordings, a clock that runs otherwise, a marker that is not fixed to the IMU, or the gyros' unit or axes"
-        ),
-        PoseFault::Still { rate_deg } => format!(
-            "the marker hardly turns ({rate_deg:.1} deg/s): its axes against the IMU's do not show; turn it about all axes at some 30 deg/s"
-        ),
-        PoseFault::OneAxis => {
-            "the marker turns about one axis only, so its axes against the IMU's do not show; turn it about two or more".into()
-        }
-        PoseFault::TooShort { duration_s } => format!(
-            "only {duration_s:.0} s of poses with an attitude: record a minute or more"
-        ),
-        PoseFault::NoPositions => "too few positions beside attitudes for a drive".into(),
-        PoseFault::NoGravity { found } => format!(
-            "what the accelerometers measure beyond the motion of the poses is {found:.2} m/s^2, and should be gravity: check imu.accel_unit and the unit and axes of the positions"
-        ),
     }
 }
 
@@ -246,6 +223,27 @@ fn content(content: &Content) -> String {
             attitudes,
         } => format!("{velocities} with a velocity, {attitudes} with an attitude"),
     }
+}
+
+/// The first line: what is wrong with poses, and whether they can be used all the same.
+pub fn lead(inspections: &[Inspection]) -> Option<String> {
+    let notes = inspections.iter().flat_map(|file| &file.found);
+    let faults = notes.filter_map(|note| match note {
+        Note::Poses(fault) => Some(fault),
+        _ => None,
+    });
+    let faults = Vec::from_iter(faults);
+    let cut = is_cut(inspections);
+    let finding = |fault: &&PoseFault| {
+        Finding::Poses(PosesApart {
+            mended: fault.is_mended(cut),
+            fault: (*fault).clone(),
+        })
+    };
+    let all = Vec::from_iter(faults.iter().map(finding));
+    let worst = all.iter().map(|of| of.severity()).max()?;
+    let cause = all.iter().find(|of| of.severity() == worst)?;
+    Some(format!("{}: {}", usable(worst), crate::say::say(cause)))
 }
 
 /// An inspection for a terminal.
@@ -330,10 +328,17 @@ pub fn unknown_log(inspections: &[Inspection], table: &str) -> Option<String> {
     let (wanted, named) = match table {
         "imu" => ("t, gx, gy, gz, ax, ay, az", "gyro and accel"),
         _ => (
-            "t, lat, lon, height or t, ecef_x, ecef_y, ecef_z",
+            "t, lat, lon, height or t, ecef_x, ecef_y, ecef_z, or of poses t, x, y, z, qx, qy, qz, qw",
             "position or ecef",
         ),
     };
+    let fault = log.found.iter().find_map(|note| match note {
+        Note::Poses(fault) => Some(poses::fault(fault, false)),
+        _ => None,
+    });
+    if fault.is_some() {
+        return fault;
+    }
     let has = log.found.iter().find_map(|note| match note {
         Note::Columns(names) => Some(format!(
             "the columns of {name} are not known ({})",

@@ -41,7 +41,7 @@ pub mod usable {
 pub mod verdict {
     pub use crate::{
         identify::verdict as identify,
-        say::verdict as of_findings,
+        say::verdict_of as of_findings,
         tune::{usability as tune_usability, verdict as tune},
     };
 }
@@ -51,7 +51,7 @@ pub use compare::{document, of_results};
 pub use document::{Block, Cell, Document, Figure, Section, Table};
 pub use numbers::short;
 pub use read::read;
-pub use sentence::sentence;
+pub use sentence::{sentence, sentence_of};
 pub use tables::ReportFormat;
 
 #[cfg(test)]

@@ -15,6 +15,7 @@ use super::{
 use crate::{
     date,
     plain::{self, Mark},
+    say::words::worded,
 };
 use drift::drift;
 use undrift_base::order_statistics::quantile;
@@ -290,7 +291,10 @@ pub fn plain(result: &Outages, mark: Mark) -> String {
         blocks.extend(consistency(&models).map(Block::Table));
         blocks.extend(without::table("", result).map(Block::Table));
     }
-    plain::plain(blocks.into_iter().map(Some), mark)
+    worded(
+        plain::plain(blocks.into_iter().map(Some), mark),
+        result.drive.posed,
+    )
 }
 
 /// How many outages of which length, and the reference.

@@ -7,18 +7,19 @@ mod event;
 mod fixes;
 mod logs;
 mod noise;
+pub(crate) mod poses;
 mod recording;
 mod sensors;
 mod solution;
 mod start;
-mod words;
+pub(crate) mod words;
 
 pub use event::event;
 pub use noise::{arma, stationarity};
 pub(crate) use noise::{fit, record};
 pub use recording::{guessed, refused, repeated, slower, stamps};
 pub(crate) use solution::usable;
-pub use solution::{cause, ended, hindsight, verdict};
+pub use solution::{cause, ended, hindsight, verdict, verdict_of};
 pub(crate) use start::mounted;
 pub use start::{alignment, estimated, found, mounting, unsolved};
 
@@ -96,6 +97,7 @@ pub fn say(finding: &Finding) -> String {
         F::NoisyHeights { factor } => fixes::noisy_heights(*factor),
         F::VelocityScale { ratio } => fixes::velocity_scale(*ratio),
         F::WrongGravity { ratio, exchanged } => sensors::wrong_gravity(*ratio, *exchanged),
+        F::Poses(of) => poses::fault(&of.fault, of.mended),
         F::NotDown { down } => sensors::not_down(*down),
         F::WrongTurnRate { ratio } => sensors::wrong_turn_rate(*ratio),
         F::WrongTurnAxis { axis } => sensors::wrong_turn_axis(*axis),

@@ -1,8 +1,16 @@
 //! The sentence of everything that has one.
 
-use crate::{demo, say};
+use crate::{
+    demo,
+    say::{self, words::worded},
+};
 use undrift_noise::model_file;
 use undrift_results::Statement;
+
+/// The sentences of a drive, by poses or by fixes.
+pub fn sentence_of(posed: bool) -> impl Fn(Statement<'_>) -> String {
+    move |of| worded(sentence(of), posed)
+}
 
 /// The sentence of what was found, for the results that are made with it.
 pub fn sentence(of: Statement<'_>) -> String {

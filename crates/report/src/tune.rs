@@ -7,6 +7,7 @@ use super::{
     numbers::{percent, short, span},
     parts::{Run, capital, prefixed, text},
     plain::{self, Mark},
+    say::words::worded,
 };
 use undrift_results::{Tune, TunedDrift, TunedParameter};
 pub use verdict::{is_usable, is_worse, usability, verdict};
@@ -51,7 +52,8 @@ pub fn plain(tune: &Tune, mark: Mark) -> String {
         parameters(tune).captioned(""),
         text([undetermined(tune)]),
     ];
-    plain::plain(blocks, mark)
+    let posed = tune.drives.iter().any(|drive| drive.posed);
+    worded(plain::plain(blocks, mark), posed)
 }
 
 fn what_was_done(tune: &Tune) -> String {

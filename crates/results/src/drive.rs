@@ -33,6 +33,9 @@ pub struct Drive {
     pub imu: Option<String>,
     /// The log of GNSS fixes, or what a simulated receiver is like.
     pub gnss: Option<String>,
+    /// Whether that is a log of poses in a local frame.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub posed: bool,
     /// The reference trajectory.
     pub truth: Option<String>,
     /// The logs of sensors that measure one number, each under its own name.

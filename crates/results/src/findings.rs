@@ -3,9 +3,7 @@
 mod implausible;
 mod kinds;
 mod weight;
-pub use kinds::{
-    FarParameter, LeftOut, Log, NoError, Severity, TemperatureUse, WhyLeftOut, WrappedAxis,
-};
+pub use kinds::*;
 pub use weight::{is_doubtful, is_jump, ranked, verdict};
 
 use undrift_events::{Contradiction, FixMend, Lean, Part, RestartCause, SensorChange, WindowPart};
@@ -137,6 +135,8 @@ pub enum Finding {
         #[serde(default)]
         exchanged: bool,
     },
+    /// Poses and samples do not go together as the drive file reads them.
+    Poses(PosesApart),
     /// Gravity does not point along body down.
     NotDown {
         /// Its direction in body axes, forward, right, down.

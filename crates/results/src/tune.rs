@@ -1,6 +1,6 @@
 //! The noise of a sensor in its vehicle.
 
-use super::{Drive, Number};
+use super::{Drive, Number, findings::Finding};
 use serde::{Deserialize, Serialize};
 
 /// The noise estimated from drives.
@@ -45,6 +45,9 @@ pub struct Tune {
     pub stopped: bool,
     /// Drives that cannot be aligned under the noise.
     pub unaligned: Vec<String>,
+    /// What is wrong with the poses of drives by poses.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pose_faults: Vec<Finding>,
 }
 
 /// One parameter: a standard deviation, a density or a factor on one.

@@ -23,11 +23,15 @@ const READ: f64 = 0.5;
 /// Messages of a topic that wait at most.
 const WAITING: i32 = 4096;
 /// Types that are read.
-const TYPES: [&str; 4] = [
+const TYPES: [&str; 8] = [
     "sensor_msgs/msg/Imu",
     "sensor_msgs/msg/NavSatFix",
     "geometry_msgs/msg/TwistStamped",
     "geometry_msgs/msg/TwistWithCovarianceStamped",
+    "geometry_msgs/msg/PoseStamped",
+    "geometry_msgs/msg/PoseWithCovarianceStamped",
+    "geometry_msgs/msg/TransformStamped",
+    "nav_msgs/msg/Odometry",
 ];
 
 /// Subscribes to topics, `/imu,/fix?domain=0`, which are a stream of MCAP. Publishers may begin later, end, and begin again.

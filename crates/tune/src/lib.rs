@@ -27,8 +27,8 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 pub use undrift_drive::findings::is_tuned;
 use undrift_drive::{
     drive::Drive,
-    findings::IN_VEHICLE,
-    navigate::{Hindsight, NavigateError, look_ahead, settings},
+    findings::{Finding, IN_VEHICLE},
+    navigate::{Hindsight, NavigateError, look_ahead, pose_faults, settings},
     outages::Logs,
     replay::{ReplayError, begin, vibration::densities},
 };
@@ -73,6 +73,8 @@ pub struct Tuned {
     pub aligns: Vec<bool>,
     /// Whether the drives are by poses.
     pub posed: bool,
+    /// What is wrong with the poses.
+    pub pose_faults: Vec<Finding>,
     /// Whether it was stopped: the noise is the best so far, and nothing was judged after that.
     pub stopped: bool,
 }
@@ -343,6 +345,10 @@ pub fn tune(
     };
     goes_on(Stage::Reading);
     let first = drives.first().ok_or(NavigateError::NoModel)?;
+    let mut faults = Vec::new();
+    for drive in drives {
+        faults.extend(pose_faults(drive)?);
+    }
     let mut start = at_rest(first, options)?;
     // The mounting is found under some noise: that of a vehicle.
     let quieter = Noise::new(&Prior::new(&start, &[]).centre);
@@ -417,6 +423,7 @@ pub fn tune(
         withheld: judgement.withheld,
         aligns,
         posed: drives.iter().any(|drive| drive.poses.is_some()),
+        pose_faults: faults,
         stopped: stopped.load(Relaxed),
     };
     Ok((tuned, loaded))

@@ -97,6 +97,7 @@ impl Tuned {
         Tune {
             undrift: VERSION.into(),
             schema: SCHEMA,
+            pose_faults: self.pose_faults.clone(),
             unaligned: unaligned
                 .filter_map(|(drive, _)| drive.file.clone())
                 .collect(),
@@ -161,6 +162,7 @@ mod tests {
             withheld: [600, 12],
             aligns: Vec::new(),
             posed: false,
+            pose_faults: Vec::new(),
             stopped: false,
         }
     }

@@ -14,7 +14,7 @@ use undrift::{
     io::{Memory, ReadError, source},
 };
 use undrift_live::{
-    Arrival, SessionError, Source, Sources, plan, replay,
+    Arrival, Source, Sources, plan, replay,
     source::{Happened, WITHOUT_ROS2},
 };
 
@@ -68,9 +68,6 @@ impl Asked {
     ) -> Result<Self, String> {
         let named = plan::files(text);
         let mut tables: Vec<&str> = named.iter().map(|(table, _)| *table).collect();
-        if tables.contains(&"poses") {
-            return Err(SessionError::Poses.to_string());
-        }
         for (table, _) in asked {
             if !tables.contains(table) {
                 return Err(format!(
@@ -78,7 +75,8 @@ impl Asked {
                 ));
             }
         }
-        for table in ["imu", "gnss"] {
+        let posed = tables.contains(&"poses");
+        for table in ["imu", if posed { "poses" } else { "gnss" }] {
             if !tables.contains(&table) {
                 tables.push(table);
             }

@@ -292,10 +292,16 @@ fn a_mistake_is_said_before_anything_runs() {
     fs::write(drive.join("wrong.toml"), wrong).unwrap();
     let line = format!("wrong.toml line {line}, imu.acel_unit");
     fs::write(drive.join("poses.toml"), text.replace("[gnss]", "[poses]")).unwrap();
-    let poses = "live takes fixes, not poses: write [gnss]";
+    let poses = "the drive file has no [gnss]";
     for (arguments, words) in [
-        (&["live", "poses.toml", "--replay", "0"] as &[&str], poses),
-        (&["live", "poses.toml", "--imu", "-", "--gnss", "-"], poses),
+        (
+            &["live", "poses.toml", "--imu", "-", "--gnss", "-"] as &[&str],
+            poses,
+        ),
+        (
+            &["live", "drive.toml", "--imu", "-", "--poses", "-"],
+            "the drive file has no [poses]",
+        ),
         (&["live", "wrong.toml", "--replay", "0"], line.as_str()),
         (
             &[

@@ -10,6 +10,7 @@ mod inspect;
 mod live;
 mod mistakes;
 mod model;
+mod poses;
 #[path = "../../../../tools/public_data.rs"]
 mod public;
 mod raw_logs;

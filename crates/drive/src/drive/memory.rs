@@ -69,6 +69,7 @@ impl Drive {
             epoch: None,
             beginning: Beginning::default(),
             guessed_rate: None,
+            pose_faults: Vec::new(),
             logs,
         };
         drive.date(None);

@@ -13,6 +13,7 @@ impl Drive {
             file: Some(name(file)),
             imu: Some(name(&self.imu.0)),
             gnss: Some(name(&self.gnss.0)),
+            posed: self.poses.is_some(),
             truth: self.truth.as_ref().map(|(path, _)| name(path)),
             scalars: Keyed::new(|log: ScalarLog| {
                 self.scalars[log].as_ref().map(|(path, _)| name(path))

@@ -1,7 +1,11 @@
 //! Gravity in the poses' frame, the lever arm, the noise and the unit of the positions, by least squares on double differences
 //! of positions; the equation is in [`super`].
 
-use super::{path::Path, turns::Turns};
+use super::path::Path;
+use super::{
+    breaks::{Row as Change, step},
+    turns::Motion,
+};
 use nalgebra::{SMatrix, SVector};
 use undrift_base::order_statistics::quantile;
 use undrift_io::poses::LocalPose;
@@ -9,7 +13,7 @@ use undrift_nav::{Matrix3, Quaternion, Vector3, earth::STANDARD_GRAVITY, sample:
 use undrift_results::inspect::PoseFault;
 
 /// What accelerations show.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Forces {
     /// In the frame of the poses [m/s²].
     pub gravity: Vector3,
@@ -18,6 +22,8 @@ pub(super) struct Forces {
     pub lever_arm_std: f64,
     /// Of the positions, each way \[m\].
     pub position_std: f64,
+    /// When the lever arm changes \[s\], on the clock of the samples.
+    pub step: Option<f64>,
     /// The unit, if it is not the metre.
     pub fault: Option<PoseFault>,
 }
@@ -35,6 +41,10 @@ const GRAVITY: f64 = 0.05;
 const UNITS: [(&str, f64); 4] = [("mm", 1e-3), ("cm", 1e-2), ("ft", 0.3048), ("in", 0.0254)];
 /// How near a unit has to be.
 const NEAR: f64 = 0.1;
+/// What is left of the scatter in other axes, at most.
+const BETTER: f64 = 0.6;
+/// A lever arm that changes by less is the same \[m\].
+pub(super) const STEP: f64 = 3e-3;
 /// Median of the absolute value of a normal variable, inverse.
 const MAD: f64 = 1.4826;
 /// Rounds of weights by the residuals (Huber 1981).
@@ -50,6 +60,8 @@ struct Row {
     by: SMatrix<f64, 3, UNKNOWN>,
     /// Mean of both spans \[s\].
     span: f64,
+    /// Of the middle pose \[s\], on the clock of the samples.
+    time: f64,
 }
 
 impl Forces {
@@ -60,24 +72,33 @@ impl Forces {
     pub(super) fn find(
         samples: &[ImuSample],
         poses: &[LocalPose],
-        turns: &Turns,
+        motion: &Motion,
+        marker: &Quaternion,
     ) -> Result<Self, PoseFault> {
-        let path = Path::new(samples, turns.bias);
-        let long = rows(&path, samples, poses, turns, LONG);
-        if long.len() < LEAST {
+        let mut long = rows(samples, poses, motion, marker, LONG);
+        let moves = poses
+            .windows(2)
+            .any(|two| two[0].position != two[1].position);
+        if long.len() < LEAST || !moves {
             return Err(PoseFault::NoPositions);
         }
-        let scale = solve(&long, true).0[SCALE];
+        let (scale, scatter) = scaled(&long);
         let mut fault = None;
+        if scale < 0.0 && (scale + 1.0).abs() < 0.5 {
+            return Err(PoseFault::Mirrored);
+        }
+        if (scale - 1.0).abs() > NEAR
+            && let Some(axes) = other_axes(&long, scatter)
+        {
+            return Err(PoseFault::PositionAxes(axes));
+        }
         // Noise of the positions and little motion make it small: a unit is far from both.
         let unit = UNITS
             .iter()
             .find(|(_, unit)| (scale / unit - 1.0).abs() < NEAR);
         let mut factor = 1.0;
         if let Some((name, unit)) = unit {
-            (fault, factor) = (Some(PoseFault::Unit(name)), *unit);
-        } else if scale < 0.0 && (scale + 1.0).abs() < 0.5 {
-            return Err(PoseFault::Mirrored);
+            (fault, factor) = (Some(PoseFault::Unit((*name).into())), *unit);
         }
         let without_scale = |rows: &mut Vec<Row>| {
             for row in rows {
@@ -87,16 +108,15 @@ impl Forces {
                 row.by.column_mut(SCALE).fill(0.0);
             }
         };
-        let mut long = long;
         without_scale(&mut long);
-        let (x, covariance) = solve(&long, false);
+        let (x, covariance, scatter) = solve(&long, false);
         let gravity: Vector3 = x.fixed_rows::<3>(0).into_owned();
         if (gravity.norm() / STANDARD_GRAVITY - 1.0).abs() > GRAVITY {
             return Err(PoseFault::NoGravity {
                 found: gravity.norm(),
             });
         }
-        let mut short = rows(&path, samples, poses, turns, SHORT);
+        let mut short = rows(samples, poses, motion, marker, SHORT);
         without_scale(&mut short);
         let at = &x;
         let noise = |row: &Row| {
@@ -106,11 +126,17 @@ impl Forces {
         };
         let noise: Vec<f64> = short.iter().flat_map(noise).collect();
         let lever = covariance.fixed_view::<3, 3>(3, 3).diagonal();
+        let changes = long.iter().map(|row| Change {
+            left: row.force - row.by * x,
+            by: row.by.fixed_view::<3, 3>(0, 3).into_owned(),
+        });
+        let step = step(&Vec::from_iter(changes), scatter, LEAST, STEP);
         Ok(Self {
             gravity,
             lever_arm: x.fixed_rows::<3>(3).into_owned(),
             lever_arm_std: lever.max().max(0.0).sqrt(),
             position_std: MAD * quantile(&noise, 0.5),
+            step: step.map(|at| long[at].time),
             fault,
         })
     }
@@ -118,15 +144,15 @@ impl Forces {
 
 /// The double differences over spans of about `span` \[s\].
 fn rows(
-    path: &Path,
     samples: &[ImuSample],
     poses: &[LocalPose],
-    turns: &Turns,
+    motion: &Motion,
+    marker: &Quaternion,
     span: f64,
 ) -> Vec<Row> {
     let whole = poses.iter().filter_map(|pose| {
-        let q_wb = pose.attitude? * turns.marker.inverse();
-        Some((pose.time + turns.clock, pose.position?, q_wb))
+        let q_wb = pose.attitude? * marker.inverse();
+        Some((pose.time + motion.clock, pose.position?, q_wb))
     });
     let whole: Vec<(f64, Vector3, Quaternion)> = whole.collect();
     let after = |time: f64| whole.partition_point(|pose| pose.0 < time - 1e-6);
@@ -138,7 +164,7 @@ fn rows(
         if let Some((middle, last)) = whole.get(next).zip(last.and_then(|at| whole.get(at)))
             && last.0 - first.0 < 2.0 * EVEN * span
         {
-            rows.extend(row(path, samples, [first, middle, last]));
+            rows.extend(row(&motion.path, samples, [first, middle, last]));
         }
         // Half of each span is new.
         from = after(first.0 + 0.5 * span).max(from + 1);
@@ -195,12 +221,51 @@ fn row(path: &Path, samples: &[ImuSample], three: [&(f64, Vector3, Quaternion); 
         force,
         by,
         span: 2.0 / (1.0 / h1 + 1.0 / h2),
+        time: t1,
     })
 }
 
-/// Least squares with weights by the residuals: unknowns and their covariance. `scaled`: the scale of the positions is among the
+/// Scale of the positions, and the scatter then [m/s].
+fn scaled(rows: &[Row]) -> (f64, f64) {
+    let (x, _, scatter) = solve(rows, true);
+    (x[SCALE], scatter)
+}
+
+/// The axes of the positions in which they fit far better than as they are, with a scatter of `scatter` [m/s]: 1 to 3, negative if reversed.
+fn other_axes(rows: &[Row], scatter: f64) -> Option<[i8; 3]> {
+    const ORDERS: [[usize; 3]; 6] = [
+        [0, 1, 2],
+        [1, 2, 0],
+        [2, 0, 1],
+        [0, 2, 1],
+        [2, 1, 0],
+        [1, 0, 2],
+    ];
+    let tried = ORDERS.iter().flat_map(|order| {
+        (0..8).map(move |bits: u8| {
+            let sign = |row: usize| if bits >> row & 1 == 0 { 1.0 } else { -1.0 };
+            let turned = rows.iter().map(|row| {
+                let was = row.by.column(SCALE).into_owned();
+                let mut by = row.by;
+                by.set_column(SCALE, &Vector3::from_fn(|k, _| sign(k) * was[order[k]]));
+                Row { by, ..*row }
+            });
+            let (scale, scatter) = scaled(&Vec::from_iter(turned));
+            let axes = [0, 1, 2].map(|k| sign(k) as i8 * (order[k] as i8 + 1));
+            (axes, scale, scatter)
+        })
+    });
+    let fits = tried.filter(|(_, scale, _)| (scale - 1.0).abs() < NEAR);
+    let best = fits.min_by(|a, b| a.2.total_cmp(&b.2))?;
+    (best.2 < BETTER * scatter).then_some(best.0)
+}
+
+/// Least squares with weights by the residuals: unknowns, their covariance, and the scatter. `scaled`: the scale of the positions is among the
 /// unknowns.
-fn solve(rows: &[Row], scaled: bool) -> (SVector<f64, UNKNOWN>, SMatrix<f64, UNKNOWN, UNKNOWN>) {
+fn solve(
+    rows: &[Row],
+    scaled: bool,
+) -> (SVector<f64, UNKNOWN>, SMatrix<f64, UNKNOWN, UNKNOWN>, f64) {
     // Accelerometers are good to some tenths of m/s², lever arms to a metre.
     let mut prior = SMatrix::<f64, UNKNOWN, UNKNOWN>::zeros();
     let mut x = SVector::<f64, UNKNOWN>::zeros();
@@ -238,5 +303,5 @@ fn solve(rows: &[Row], scaled: bool) -> (SVector<f64, UNKNOWN>, SMatrix<f64, UNK
             prior[(6 + i, 6 + i)] = (scatter.min(1.0) / 0.3).powi(2);
         }
     }
-    (x, covariance)
+    (x, covariance, scatter)
 }

@@ -56,7 +56,7 @@ fn hand() -> Trajectory {
 fn marker_lever_arm_gravity_clock_and_noise_are_those_of_the_room() {
     let (samples, poses) = room(&hand(), &truth());
     let found = hand_eye(&samples, &poses).unwrap();
-    assert_eq!(found.fault, None);
+    assert_eq!(found.faults, []);
     let turned = (found.marker.inverse() * truth().marker).angle();
     assert!(
         turned < 4.0 * found.marker_std && found.marker_std < 2e-3,
@@ -96,10 +96,10 @@ fn another_reading_of_the_same_numbers_is_found_and_said() {
     for (fault, wrong) in [
         (PoseFault::ScalarFirst, of_each(&poses, w_first)),
         (PoseFault::Inverse, of_each(&poses, inverse)),
-        (PoseFault::Unit("mm"), millimetres.collect()),
+        (PoseFault::Unit("mm".into()), millimetres.collect()),
     ] {
         let found = hand_eye(&samples, &wrong).unwrap();
-        assert_eq!(found.fault, Some(fault));
+        assert_eq!(found.faults, [fault.clone()]);
         assert!(
             (found.marker.inverse() * right.marker).angle() < 1e-3,
             "{fault:?}"
@@ -201,4 +201,257 @@ fn marker_and_lever_arm_are_as_good_as_stated() {
     let [marker, lever] = squares;
     assert!((0.1..1.3).contains(&marker), "{marker}");
     assert!((0.5..1.5).contains(&lever), "{lever}");
+}
+
+/// The room with the marker turned by `degrees` and moved by `metres` from `from` on, within `during` \[s\].
+fn slipped(
+    poses: &[LocalPose],
+    from: f64,
+    degrees: f64,
+    metres: f64,
+    during: f64,
+) -> Vec<LocalPose> {
+    let (axis, way) = (
+        Vector3::new(0.3, 0.5, 0.8).normalize(),
+        Vector3::new(0.6, -0.5, 0.6).normalize(),
+    );
+    let slipped = |pose: &LocalPose| {
+        let part = match during > 0.0 {
+            true => ((pose.time - from) / during).clamp(0.0, 1.0),
+            false => f64::from(u8::from(pose.time >= from)),
+        };
+        let attitude = pose.attitude.unwrap();
+        LocalPose {
+            position: pose.position.map(|p| p + attitude * (way * metres * part)),
+            attitude: Some(attitude * from_rotation_vector(&(axis * degrees.to_radians() * part))),
+            ..*pose
+        }
+    };
+    poses.iter().map(slipped).collect()
+}
+
+/// Two minutes, over five hands: what slips is found within its uncertainty, at its time, and what did not is not.
+#[test]
+fn a_marker_that_slips_is_found_with_its_time_and_amount() {
+    for seed in 11..16 {
+        let hand = Trajectory::handheld(120.0, 0.4 + 0.1 * (seed % 4) as f64, seed);
+        let (samples, poses) = room(&hand, &truth());
+        let found = |poses: &[LocalPose]| hand_eye(&samples, poses).unwrap().faults;
+        assert_eq!(found(&poses), [], "{seed}");
+        for (at, degrees, metres) in [
+            (50.0, 5.0, 0.0),
+            (50.0, 15.0, 0.01),
+            (70.0, 45.0, 0.03),
+            (50.0, 0.0, 0.03),
+            (8.0, 15.0, 0.0),
+            (112.0, 15.0, 0.0),
+        ] {
+            let faults = found(&slipped(&poses, at, degrees, metres, 0.0));
+            let [
+                PoseFault::Slipped {
+                    time,
+                    angle_deg,
+                    distance_m,
+                },
+                PoseFault::Piece { start, end },
+            ] = faults[..]
+            else {
+                panic!("{seed} {at} {degrees} {metres}: {faults:?}");
+            };
+            // The lever arm shows it within a second or so, the marker at once.
+            let late = if degrees > 0.0 { 0.3 } else { 3.0 };
+            assert!(
+                (time - truth().clock - at).abs() < late,
+                "{seed} {at}: {time}"
+            );
+            assert!(
+                (angle_deg - degrees).abs() < 0.5,
+                "{seed} {at}: {angle_deg}"
+            );
+            assert!(
+                (distance_m - metres).abs() < 0.008,
+                "{seed} {at}: {distance_m}"
+            );
+            // The longer part, without the slip.
+            assert!(
+                end - start > 50.0 && (end < at + late + 0.2 || start > at - late),
+                "{start} {end}"
+            );
+        }
+    }
+}
+
+#[test]
+fn two_slips_and_a_slide_are_told_apart() {
+    let (samples, poses) = room(&Trajectory::handheld(180.0, 0.6, 4), &truth());
+    let twice = slipped(
+        &slipped(&poses, 60.0, 5.0, 0.01, 0.0),
+        120.0,
+        10.0,
+        0.02,
+        0.0,
+    );
+    let found = hand_eye(&samples, &twice).unwrap().faults;
+    let [
+        PoseFault::Slipped { time: one, .. },
+        PoseFault::Slipped { time: two, .. },
+        PoseFault::Piece { .. },
+    ] = found[..]
+    else {
+        panic!("{found:?}");
+    };
+    assert!(
+        (one - 60.0).abs() < 0.3 && (two - 120.0).abs() < 0.3,
+        "{one} {two}"
+    );
+    let slow = slipped(&poses, 40.0, 15.0, 0.03, 100.0);
+    let found = hand_eye(&samples, &slow).unwrap().faults;
+    let PoseFault::Slid {
+        start,
+        end,
+        angle_deg,
+    } = found[0]
+    else {
+        panic!("{found:?}");
+    };
+    assert!(
+        start > 30.0 && end < 150.0 && (8.0..16.0).contains(&angle_deg),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn what_a_tracker_does_without_the_marker_is_no_slip() {
+    let (samples, poses) = room(&Trajectory::handheld(120.0, 0.6, 4), &truth());
+    let changed = |change: &dyn Fn(&LocalPose) -> Option<LocalPose>| {
+        let changed = poses.iter().map(|pose| change(pose).unwrap_or(*pose));
+        Vec::from_iter(changed)
+    };
+    let right = hand_eye(&samples, &poses).unwrap();
+    let turn = from_rpy(&Vector3::new(0.0, 0.0, 0.7));
+    // Another body for six seconds.
+    let other = changed(&|pose| {
+        (50.0..56.0).contains(&pose.time).then(|| LocalPose {
+            position: pose.position.map(|p| p + Vector3::new(1.0, 0.5, 0.3)),
+            attitude: pose
+                .attitude
+                .map(|q| turn * q * from_rpy(&Vector3::new(1.0, 0.0, 1.3))),
+            ..*pose
+        })
+    });
+    let found = hand_eye(&samples, &other).unwrap();
+    let [
+        PoseFault::Jumped {
+            time,
+            end,
+            lasting: false,
+            ..
+        },
+    ] = found.faults[..]
+    else {
+        panic!("{:?}", found.faults);
+    };
+    assert!(
+        (time - 50.0).abs() < 0.2 && (end - 56.0).abs() < 0.2,
+        "{time} {end}"
+    );
+    // The frame turns and stays so.
+    let frame = changed(&|pose| {
+        (pose.time > 50.0).then(|| LocalPose {
+            position: pose
+                .position
+                .map(|p| turn * p + Vector3::new(0.5, 0.0, 0.0)),
+            attitude: pose.attitude.map(|q| turn * q),
+            ..*pose
+        })
+    });
+    let found = hand_eye(&samples, &frame).unwrap();
+    let [
+        PoseFault::Jumped {
+            time,
+            angle_deg,
+            lasting: true,
+            ..
+        },
+        PoseFault::Piece { .. },
+    ] = found.faults[..]
+    else {
+        panic!("{:?}", found.faults);
+    };
+    assert!(
+        (time - 50.0).abs() < 0.2 && (angle_deg - 40.1).abs() < 1.0,
+        "{time} {angle_deg}"
+    );
+    // Each seventeen seconds lost for one and a half.
+    let mut last = poses[0];
+    let frozen = poses.iter().map(|pose| {
+        let lost = pose.time % 17.0 < 1.5;
+        last = if lost { last } else { *pose };
+        LocalPose {
+            time: pose.time,
+            ..last
+        }
+    });
+    let found = hand_eye(&samples, &Vec::from_iter(frozen)).unwrap();
+    assert!(
+        matches!(
+            found.faults[..],
+            [PoseFault::Frozen {
+                poses: 400..=600,
+                ..
+            }]
+        ),
+        "{:?}",
+        found.faults
+    );
+    for found in [&found] {
+        assert!((found.marker.inverse() * right.marker).angle() < 1e-3);
+        assert!((found.lever_arm - right.lever_arm).norm() < 3e-3);
+    }
+}
+
+#[test]
+fn another_rate_and_other_axes_of_the_positions_are_named() {
+    let (samples, poses) = room(&Trajectory::handheld(120.0, 0.6, 4), &truth());
+    let fault = |poses: Vec<LocalPose>| hand_eye(&samples, &poses).unwrap_err();
+    for ratio in [0.97, 1.02] {
+        let of = poses.iter().map(|pose| LocalPose {
+            time: ratio * pose.time,
+            ..*pose
+        });
+        match fault(of.collect()) {
+            PoseFault::Rate { ratio: found } => {
+                assert!((found / ratio - 1.0).abs() < 1e-3, "{found}")
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    let axes = |of: [i8; 3]| {
+        let axis =
+            |p: Vector3, of: i8| f64::from(of.signum()) * p[usize::from(of.unsigned_abs()) - 1];
+        let turned = poses.iter().map(move |pose| LocalPose {
+            position: pose
+                .position
+                .map(|p| Vector3::from(of.map(|of| axis(p, of)))),
+            ..*pose
+        });
+        Vec::from_iter(turned)
+    };
+    // What has to be done to them, which is the inverse.
+    assert_eq!(fault(axes([1, -2, 3])), PoseFault::PositionAxes([1, -2, 3]));
+    assert_eq!(fault(axes([1, 3, -2])), PoseFault::PositionAxes([1, -3, 2]));
+    let still = poses.iter().map(|pose| LocalPose {
+        position: Some(Vector3::zeros()),
+        ..*pose
+    });
+    assert_eq!(fault(still.collect()), PoseFault::NoPositions);
+    // By turns alone they would be quaternions with w first in other axes.
+    let begun = from_rpy(&Vector3::new(2.8, 0.4, -0.6));
+    let turned = |pose: &LocalPose| LocalPose {
+        position: pose.position.map(|p| begun * p),
+        attitude: pose.attitude.map(|q| (begun * q).inverse()),
+        ..*pose
+    };
+    let found = hand_eye(&samples, &Vec::from_iter(poses.iter().map(turned))).unwrap();
+    assert_eq!(found.faults, [PoseFault::Inverse]);
 }

@@ -2,39 +2,55 @@
 
 use super::{INTERVAL, path::Path};
 use nalgebra::{Matrix3, SymmetricEigen};
+use std::ops::Range;
 use undrift_base::order_statistics::quantile;
 use undrift_io::poses::LocalPose;
 use undrift_nav::{Quaternion, Vector3, sample::ImuSample};
 use undrift_results::inspect::PoseFault;
 
-/// What turns show.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Turns {
+/// The clock of poses, and the turns that they and the gyros have in common.
+pub(super) struct Motion<'a> {
+    /// The turn of the gyros without their bias.
+    pub path: Path<'a>,
     /// What is to be added to the times of the poses \[s\].
     pub clock: f64,
-    /// Axes of the marker in the body, `q_bk`.
-    pub marker: Quaternion,
-    pub marker_std: f64,
-    /// Of the gyros [rad/s].
-    pub bias: Vector3,
-    /// Standard deviation of the attitudes \[rad\].
-    pub attitude_std: f64,
-    /// Correlation of the turns, and that if one of the frames were left-handed [–].
-    pub correlation: f64,
-    pub mirrored: f64,
+    pub turns: Vec<Turn>,
 }
 
-/// A turn between two poses: from, to \[s\], and the rotation in the marker's axes \[rad\].
-type Turn = (f64, f64, Vector3);
+/// A turn between two poses.
+#[derive(Clone, Copy)]
+pub(super) struct Turn {
+    /// From when to when, on the clock of the poses \[s\].
+    pub from: f64,
+    pub to: f64,
+    /// Attitudes of the marker at both.
+    pub before: Quaternion,
+    pub after: Quaternion,
+    /// In the marker's axes \[rad\].
+    pub turn: Vector3,
+    /// Whether it is one of both, as far as it is known.
+    pub used: bool,
+}
+
+impl Turn {
+    /// Mean angular speed [rad/s].
+    fn speed(&self) -> f64 {
+        self.turn.norm() / (self.to - self.from)
+    }
+}
 
 /// Turns longer than this are not looked at \[s\].
 const LONGEST: f64 = 1.5;
 /// Turns that it takes to tell anything, a second at most each.
-const LEAST: usize = 50;
+pub(super) const LEAST: usize = 50;
+/// Turns so many times faster than nine of ten are looked at later.
+const FAST: f64 = 3.0;
 /// Interval of the angular speeds that clocks are compared by \[s\].
 const STEP: f64 = 0.05;
 /// Clocks that agree on this much by their stamps \[s\] are looked at first.
 const NEAR: f64 = 2.0;
+/// Part of the angular speeds by which a rate of clocks is found, in steps.
+const WINDOW: usize = 240;
 /// Part of the poses' angular speeds that is looked for in all of the samples \[s\].
 const PIECE: f64 = 120.0;
 /// Correlation of angular speeds that is no chance [–].
@@ -50,21 +66,25 @@ const ROUNDS: usize = 12;
 /// Median of the absolute value of a normal variable, inverse.
 const MAD: f64 = 1.4826;
 
-impl Turns {
+impl<'a> Motion<'a> {
     /// Compares samples and poses.
     ///
     /// # Errors
     /// Where they are too few, show too little turning, or nothing in common.
-    pub(super) fn find(samples: &[ImuSample], poses: &[LocalPose]) -> Result<Self, PoseFault> {
-        let turns = turns(poses);
+    pub(super) fn find(samples: &'a [ImuSample], poses: &[LocalPose]) -> Result<Self, PoseFault> {
+        let mut turns = turns(poses);
         if turns.len() < LEAST || samples.len() < LEAST {
-            let duration_s = turns.iter().map(|(from, to, _)| to - from).sum();
+            let duration_s = turns.iter().map(|turn| turn.to - turn.from).sum();
             return Err(PoseFault::TooShort { duration_s });
         }
-        let speed = turns
-            .iter()
-            .map(|(from, to, turn)| (turn / (to - from)).norm_squared());
-        let speed = (speed.sum::<f64>() / turns.len() as f64).sqrt();
+        let speeds = Vec::from_iter(turns.iter().map(Turn::speed));
+        let fastest = FAST * quantile(&speeds, 0.9);
+        for turn in &mut turns {
+            turn.used = turn.speed() <= fastest;
+        }
+        let squares = turns.iter().filter(|turn| turn.used);
+        let squares = Vec::from_iter(squares.map(|turn| turn.speed().powi(2)));
+        let speed = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
         if speed < LEAST_SPEED {
             return Err(PoseFault::Still {
                 rate_deg: speed.to_degrees(),
@@ -73,50 +93,126 @@ impl Turns {
         if second_axis(&turns) < LEAST_SHARE {
             return Err(PoseFault::OneAxis);
         }
-        let mut path = Path::new(samples, Vector3::zeros());
-        let coarse = clock(samples, &turns).ok_or(PoseFault::NoFit { correlation: 0.0 })?;
-        let (mut clock, mut fit) = refined(&path, &turns, coarse);
+        let clock = clock(samples, &turns).ok_or(PoseFault::NoFit { correlation: 0.0 })?;
+        let mut motion = Self {
+            path: Path::new(samples, Vector3::zeros()),
+            clock,
+            turns,
+        };
+        let fit = motion.refine();
         if (fit.ratio.ln()).abs() > OTHER_UNIT.ln() {
             return Err(PoseFault::GyroUnit { ratio: fit.ratio });
         }
         // Marker and bias in turn, as each shows the other: where turns go one way on average, slowly. Then the clock again.
         let mut bias = fit.bias;
         for _ in 0..ROUNDS {
-            path = Path::new(samples, bias);
-            bias += self::fit(&path, &turns, clock).bias;
+            motion.path = Path::new(samples, bias);
+            bias += motion.fit(0..motion.turns.len()).bias;
         }
-        path = Path::new(samples, bias);
-        (clock, fit) = refined(&path, &turns, clock);
-        Ok(Self {
-            clock,
-            marker: fit.marker,
-            marker_std: fit.std,
-            bias: bias + fit.bias,
-            attitude_std: fit.scatter / std::f64::consts::SQRT_2,
-            correlation: fit.correlation,
-            mirrored: fit.mirrored,
-        })
+        motion.path = Path::new(samples, bias);
+        motion.refine();
+        Ok(motion)
     }
+
+    /// Finds the offset of the clocks at which the turns fit best, to a part of a millisecond, and how they fit there.
+    fn refine(&mut self) -> Fit {
+        let all = 0..self.turns.len();
+        // Of ever finer steps, then the parabola over the last.
+        for step in [0.02, 0.005, 0.001] {
+            let fits = (-6..=6).map(|k| self.clock + step * f64::from(k));
+            let fits = fits.map(|clock| (clock, self.fit_at(all.clone(), clock).correlation));
+            let found = fits.max_by(|a, b| a.1.total_cmp(&b.1));
+            self.clock = found.map_or(self.clock, |(clock, _)| clock);
+        }
+        let step = 0.002;
+        let [low, middle, high] =
+            [-step, 0.0, step].map(|off| self.fit_at(all.clone(), self.clock + off).correlation);
+        let bend = low - 2.0 * middle + high;
+        if bend < 0.0 {
+            self.clock += (0.5 * step * (low - high) / bend).clamp(-step, step);
+        }
+        self.fit(all)
+    }
+
+    /// The rotation that these turns show.
+    pub(super) fn fit(&self, of: Range<usize>) -> Fit {
+        self.fit_at(of, self.clock)
+    }
+
+    /// Of a turn, that of the body \[rad\]; `None` where samples are missing.
+    pub(super) fn of_body(&self, turn: &Turn, clock: f64) -> Option<Vector3> {
+        self.path.turn(turn.from + clock, turn.to + clock)
+    }
+
+    /// The rotation by the turns of both, `Σ δ_b δ_kᵀ` (Wahba; Markley 1988).
+    fn fit_at(&self, of: Range<usize>, clock: f64) -> Fit {
+        let used = self.turns[of].iter().filter(|turn| turn.used);
+        let both = used.filter_map(|turn| {
+            let body = self.of_body(turn, clock)?;
+            Some((turn.to - turn.from, body, turn.turn))
+        });
+        fit(&Vec::from_iter(both))
+    }
+}
+
+/// The offset of clocks by which the turns go together at first, and at last, of which the rate of the clocks follows: seconds of the
+/// poses in one of the samples'.
+pub(super) fn rate(samples: &[ImuSample], poses: &[LocalPose]) -> Option<f64> {
+    let (body, marker, apart) = both_speeds(samples, &turns(poses));
+    let mut known: Option<isize> = None;
+    let mut lags = Vec::new();
+    for (k, piece) in marker.chunks_exact(WINDOW).enumerate() {
+        let at = (k * WINDOW) as isize;
+        let lag = known.map_or_else(
+            || {
+                let (by_stamps, near) = ((-apart / STEP).round() as isize, (NEAR / STEP) as isize);
+                let near = best_lag(&body, piece, at + by_stamps - near..=at + by_stamps + near);
+                near.filter(|of| of.1 > COMMON)
+                    .or_else(|| best_lag(&body, piece, 0..=body.len() as isize))
+            },
+            |known| {
+                best_lag(
+                    &body,
+                    piece,
+                    at + known - (WINDOW / 8) as isize..=at + known + (WINDOW / 8) as isize,
+                )
+            },
+        );
+        if let Some((lag, _)) = lag.filter(|of| of.1 > COMMON) {
+            known = Some(lag - at);
+            lags.push((at as f64, (lag - at) as f64));
+        }
+    }
+    let (first, last) = (lags.first()?, lags.last()?);
+    let slope = (last.1 - first.1) / (last.0 - first.0);
+    let is_line = |of: &(f64, f64)| (of.1 - first.1 - slope * (of.0 - first.0)).abs() < 4.0;
+    (lags.len() > 3 && lags.iter().all(is_line) && slope != 0.0).then(|| 1.0 / (1.0 + slope))
 }
 
 /// The turns between poses that are [`INTERVAL`] apart, or more where there are fewer.
 fn turns(poses: &[LocalPose]) -> Vec<Turn> {
     let mut turns = Vec::new();
-    let mut before: Option<(f64, Quaternion)> = None;
+    let mut last: Option<(f64, Quaternion)> = None;
     for pose in poses {
-        let Some(attitude) = pose.attitude else {
+        let Some(after) = pose.attitude else {
             continue;
         };
-        match before {
+        match last {
             Some((time, _)) if pose.time < time + 0.98 * INTERVAL && pose.time >= time => {}
-            Some((time, from)) => {
-                if (0.0..LONGEST).contains(&(pose.time - time)) {
-                    let turn = (from.inverse() * attitude).scaled_axis();
-                    turns.push((time, pose.time, turn));
+            Some((from, before)) => {
+                if (0.0..LONGEST).contains(&(pose.time - from)) {
+                    turns.push(Turn {
+                        from,
+                        to: pose.time,
+                        before,
+                        after,
+                        turn: (before.inverse() * after).scaled_axis(),
+                        used: true,
+                    });
                 }
-                before = Some((pose.time, attitude));
+                last = Some((pose.time, after));
             }
-            None => before = Some((pose.time, attitude)),
+            None => last = Some((pose.time, after)),
         }
     }
     turns
@@ -124,7 +220,8 @@ fn turns(poses: &[LocalPose]) -> Vec<Turn> {
 
 /// Share of the second axis in turns [–]: 0 of a turntable.
 fn second_axis(turns: &[Turn]) -> f64 {
-    let all: Matrix3<f64> = turns.iter().map(|(_, _, m)| m * m.transpose()).sum();
+    let used = turns.iter().filter(|turn| turn.used).map(|turn| turn.turn);
+    let all: Matrix3<f64> = used.map(|m| m * m.transpose()).sum();
     let mut axes: [f64; 3] = SymmetricEigen::new(all).eigenvalues.into();
     axes.sort_by(f64::total_cmp);
     axes[1] / all.trace()
@@ -151,13 +248,18 @@ fn speeds(of: impl Iterator<Item = (f64, f64, f64)>) -> (f64, Vec<f64>) {
     (first.unwrap_or(0.0), mean)
 }
 
-/// What is to be added to the times of the turns for their angular speeds to be those of the samples \[s\], to a few hundredths.
-fn clock(samples: &[ImuSample], turns: &[Turn]) -> Option<f64> {
+/// Angular speeds of the samples and of the turns, and by how much the former begin later \[s\].
+fn both_speeds(samples: &[ImuSample], turns: &[Turn]) -> (Vec<f64>, Vec<f64>, f64) {
     let of_sample = |s: &ImuSample| (s.time - s.dt, s.time, s.dtheta.norm() / s.dt);
     let (body_from, body) = speeds(samples.iter().map(of_sample));
-    let of_turn = |(from, to, turn): &Turn| (*from, *to, turn.norm() / (to - from));
-    let (marker_from, marker) = speeds(turns.iter().map(of_turn));
-    let apart = body_from - marker_from;
+    let used = turns.iter().filter(|turn| turn.used);
+    let (marker_from, marker) = speeds(used.map(|turn| (turn.from, turn.to, turn.speed())));
+    (body, marker, body_from - marker_from)
+}
+
+/// What is to be added to the times of the turns for their angular speeds to be those of the samples \[s\], to a few hundredths.
+fn clock(samples: &[ImuSample], turns: &[Turn]) -> Option<f64> {
+    let (body, marker, apart) = both_speeds(samples, turns);
     // By the stamps first; else wherever a piece of it is found.
     let near = (NEAR / STEP) as isize;
     let by_stamps = (-apart / STEP).round() as isize;
@@ -197,47 +299,26 @@ fn best_lag(
     of.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// What the turns show at one offset of the clocks.
-struct Fit {
-    marker: Quaternion,
-    std: f64,
+/// What turns show at one offset of the clocks.
+#[derive(Clone, Copy)]
+pub(super) struct Fit {
+    /// Axes of the marker in the body, `q_bk`.
+    pub marker: Quaternion,
+    /// Their standard deviation, each way \[rad\].
+    pub std: f64,
     /// What is left of the gyros' bias [rad/s].
     bias: Vector3,
     /// Standard deviation of a component of what does not fit \[rad\].
-    scatter: f64,
-    correlation: f64,
-    mirrored: f64,
+    pub scatter: f64,
+    /// Correlation of the turns, and that if one of the frames were left-handed [–].
+    pub correlation: f64,
+    pub mirrored: f64,
     /// Size of the marker's turns over the body's [–].
     ratio: f64,
 }
 
-/// The offset of the clocks at which the turns fit best, to a part of a millisecond, and how they fit there.
-fn refined(path: &Path, turns: &[Turn], about: f64) -> (f64, Fit) {
-    let mut best = about;
-    // Of ever finer steps, then the parabola over the last.
-    for step in [0.02, 0.005, 0.001] {
-        let fits = (-6..=6).map(|k| best + step * f64::from(k));
-        let fits = fits.map(|clock| (clock, fit(path, turns, clock).correlation));
-        let found = fits.max_by(|a, b| a.1.total_cmp(&b.1));
-        best = found.map_or(best, |(clock, _)| clock);
-    }
-    let step = 0.002;
-    let [low, middle, high] =
-        [-step, 0.0, step].map(|off| fit(path, turns, best + off).correlation);
-    let bend = low - 2.0 * middle + high;
-    if bend < 0.0 {
-        best += (0.5 * step * (low - high) / bend).clamp(-step, step);
-    }
-    (best, fit(path, turns, best))
-}
-
-/// The rotation by the turns of both, `Σ δ_b δ_kᵀ` (Wahba; Markley 1988).
-fn fit(path: &Path, turns: &[Turn], clock: f64) -> Fit {
-    let both = turns.iter().filter_map(|(from, to, marker)| {
-        let body = path.turn(from + clock, to + clock)?;
-        Some((to - from, body, *marker))
-    });
-    let both: Vec<(f64, Vector3, Vector3)> = both.collect();
+/// The rotation by turns: how long \[s\], of the body and of the marker \[rad\].
+fn fit(both: &[(f64, Vector3, Vector3)]) -> Fit {
     let b: Matrix3<f64> = both
         .iter()
         .map(|(_, body, marker)| body * marker.transpose())

@@ -11,6 +11,7 @@ use crate::columns::{
 };
 use toml::Value;
 use undrift_io::{Opened, ReadError, table::Preview};
+use undrift_results::inspect::PoseFault;
 use undrift_results::inspect::{Known, Line, Note, Part};
 
 /// By the names of several columns.
@@ -41,6 +42,10 @@ pub(super) fn parts_of(mut table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
     {
         if format.position.is_some() && format.attitude.is_some() {
             return vec![super::poses::part()];
+        }
+        if format.position.is_none() && format.attitude.is_some() {
+            notes.push(Note::Poses(PoseFault::NoPositions));
+            return Vec::new();
         }
         if super::poses::is_path(&table, &format) {
             return vec![super::poses::part_of_positions()];

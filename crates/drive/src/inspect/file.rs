@@ -1,10 +1,13 @@
 //! A starter `DRIVE.toml`.
 
-use super::{Comment, Flight, Inspection, Model, Motion, Part, Wheels, first, fixes_table};
+use super::{Comment, Flight, Inspection, Model, Motion, Part, Wheels, first, fixes_table, piece};
 use crate::vehicle::Profile;
 use std::path::{Path, PathBuf};
 use toml::Value;
 use undrift_io::{table::halves, visible};
+
+/// What is left away beside a break of poses \[s\].
+const APART: f64 = 0.3;
 
 /// Makes the text of a comment.
 type Say<'a> = &'a dyn Fn(Comment) -> String;
@@ -39,6 +42,12 @@ pub fn drive_file(
             }
             None => {}
         }
+    }
+    if let Some([start, end]) = piece(inspections) {
+        let why = say(Comment::Piece);
+        // Beside the break nothing is sure.
+        let (start, end) = (start + APART, end - APART);
+        text += &format!("\n[span] # {why}\nstart = \"{start:.1} s\"\nend = \"{end:.1} s\"\n");
     }
     if motion.heading {
         let why = say(Comment::Heading);

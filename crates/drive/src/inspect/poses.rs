@@ -113,17 +113,26 @@ pub(super) fn motion(inspections: &mut [Inspection], imu: (usize, usize), at: (u
     match found {
         Ok(Some(Ok(found))) => {
             // No key of a drive file turns quaternions round, so none would hold.
-            if found.fault != Some(PoseFault::Inverse) {
+            if !found.faults.contains(&PoseFault::Inverse) {
                 write(&mut file.parts[at.1], &found);
             }
-            file.found.extend(found.fault.map(Note::Poses));
+            let duration_s = file.parts[at.1]
+                .measured
+                .as_ref()
+                .map(|of| of.last_s - of.first_s);
+            let short = duration_s.filter(|of| *of < SHORT);
+            let short = short.map(|duration_s| PoseFault::TooShort { duration_s });
+            file.found
+                .extend(found.faults.into_iter().chain(short).map(Note::Poses));
         }
         Ok(Some(Err(fault))) => file.found.push(Note::Poses(fault)),
-        // Positions alone.
-        Ok(None) => {}
+        Ok(None) => file.found.push(Note::Poses(PoseFault::NoAttitudes)),
         Err(error) => file.found.push(Note::NoMounting(error.to_string())),
     }
 }
+
+/// Poses for a shorter time show marker and clock, and little of the noise \[s\].
+const SHORT: f64 = 40.0;
 
 /// Units of gyros.
 const UNITS: [&str; 4] = ["rad/s", "deg/s", "mrad/s", "mdps"];
@@ -198,12 +207,12 @@ fn write(part: &mut Part, found: &HandEye) {
         correlation: found.correlation,
         std_deg: found.marker_std.to_degrees(),
     };
-    match found.fault {
-        Some(PoseFault::ScalarFirst) => {
-            put("attitude_order", "w,x,y,z".into(), of_turns.clone());
+    for fault in &found.faults {
+        match fault {
+            PoseFault::ScalarFirst => put("attitude_order", "w,x,y,z".into(), of_turns.clone()),
+            PoseFault::Unit(unit) => put("position_unit", unit.clone(), Known::Accelerations),
+            _ => {}
         }
-        Some(PoseFault::Unit(unit)) => put("position_unit", unit.into(), Known::Accelerations),
-        _ => {}
     }
     if found.clock.abs() > 5e-4 {
         put(

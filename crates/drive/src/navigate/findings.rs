@@ -17,6 +17,7 @@ impl Report {
         found.extend(self.not_compared());
         found.extend(self.covers_part());
         found.extend(self.guessed_rate.map(|rate| Finding::GuessedRate { rate }));
+        found.extend(self.pose_faults.iter().cloned());
         if let Some(study) = &self.study {
             found.extend(findings::of_fixes(study, &self.fix_errors));
         }
@@ -207,6 +208,7 @@ mod tests {
             first_sample: None,
             model: None,
             guessed_rate: None,
+            pose_faults: Vec::new(),
         }
     }
 

@@ -30,6 +30,8 @@ pub(super) struct Placed {
     fixes: PoseFixes,
     /// Time from which on the next one is used \[s\].
     next: Option<f64>,
+    /// Position and attitude of the one before.
+    last: Option<(Option<Vector3>, Option<Quaternion>)>,
 }
 
 /// A pose this share of the interval early is on time: stamps jitter.
@@ -41,11 +43,17 @@ impl Placed {
             poses,
             fixes: fixes.clone(),
             next: None,
+            last: None,
         }
     }
 
-    /// The fix of a pose; `None` where it comes too soon after another one, or has nothing whose accuracy is known.
+    /// The fix of a pose; `None` where it repeats the one before, comes too soon after another one, or has nothing whose accuracy is known.
     pub(super) fn fix(&mut self, (time, pose): (f64, LocalPose)) -> Option<(f64, GnssFix)> {
+        // A tracker that has lost its marker repeats the last pose.
+        let now = (pose.position, pose.attitude);
+        if self.last.replace(now) == Some(now) && pose.attitude.is_some() {
+            return None;
+        }
         let interval = self.fixes.interval;
         // A log may begin again: then so does this.
         let wait = self.next.map_or(0.0, |next| next - time);

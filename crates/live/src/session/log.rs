@@ -4,14 +4,15 @@ use super::head::Head;
 use crate::{clocks::LogClock, stream::Stream};
 use undrift_drive::drive::Drive;
 use undrift_engine::Measurement;
-use undrift_io::{Opened, ReadError, format::Format, gnss::GnssSource, imu::ImuSource};
+use undrift_io::{
+    Opened, ReadError, format::Format, gnss::GnssSource, imu::ImuSource, poses::PoseSource,
+};
 use undrift_nav::sample::ImuSample;
 
 /// The table of the inertial log.
 pub(super) const IMU: &str = "imu";
-/// The table of the fixes.
+/// The table of the fixes, and that of poses in their place.
 pub(super) const GNSS: &str = "gnss";
-/// The table of poses, which are of logs only.
 pub(super) const POSES: &str = "poses";
 /// Records that show what a clock does: samples, and measurements.
 const ENOUGH: [usize; 2] = [20, 3];
@@ -68,6 +69,10 @@ impl LogStream {
         let format = match (table, &drive.imu.1.source, &drive.gnss.1) {
             (IMU, ImuSource::Log(format, _), _) => Some(*format),
             (GNSS, _, GnssSource::Log(log)) => Some(log.format),
+            (POSES, _, GnssSource::Poses(fixes)) => match &fixes.source {
+                PoseSource::Log(log) => Some(log.format),
+                _ => None,
+            },
             _ => None,
         };
         let enough = ENOUGH[usize::from(table != IMU)];
@@ -133,7 +138,7 @@ pub(crate) fn records(
         let samples = drive.read_imu(opened)?;
         return Ok(Box::new(samples.map(|sample| sample.map(Record::Sample))));
     }
-    if table == GNSS {
+    if [GNSS, POSES].contains(&table) {
         let fixes = drive.read_gnss(opened)?;
         let measured = |fix| Record::Measured(Measurement::Gnss(fix));
         return Ok(Box::new(fixes.map(move |fix| fix.map(measured))));

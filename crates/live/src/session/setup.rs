@@ -27,10 +27,11 @@ pub(super) fn without_reference(text: &str, name: &str) -> Result<String, Sessio
 pub(super) fn check(text: &str, logs: &[(String, usize)]) -> Result<(), SessionError> {
     let named = files_named(text).into_iter().map(|(table, _)| table);
     let named = Vec::from_iter(named.filter(|table| *table != "model"));
-    if named.contains(&log::POSES) {
-        return Err(SessionError::Poses);
-    }
-    let needed = [log::IMU, log::GNSS].into_iter().chain(named);
+    let fixes = match named.contains(&log::POSES) {
+        true => log::POSES,
+        false => log::GNSS,
+    };
+    let needed = [log::IMU, fixes].into_iter().chain(named);
     for table in needed {
         if !logs.iter().any(|(log, _)| log == table) {
             return Err(SessionError::NoSource(table.to_owned()));
@@ -154,6 +155,7 @@ impl Collected {
         }
         match drive.open_gnss().map_err(waiting)?.next() {
             Some(Ok(_)) => {}
+            _ if drive.poses.is_some() => return Err(Look::Waiting("no pose has come yet".into())),
             _ => return Err(Look::Waiting("the receiver has no fix yet".into())),
         }
         if interval.is_some() {

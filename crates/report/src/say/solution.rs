@@ -7,6 +7,11 @@ use undrift_results::{
     usability::Usability,
 };
 
+/// The same of a drive by poses or by fixes.
+pub fn verdict_of(found: &[Finding], posed: bool) -> String {
+    super::words::worded(verdict(found), posed)
+}
+
 /// Whether the result can be used, and why not: the first line of what is shown.
 pub fn verdict(found: &[Finding]) -> String {
     let (severity, cause) = findings::verdict(found);

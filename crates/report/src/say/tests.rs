@@ -1118,3 +1118,48 @@ fn an_end_has_the_cause_that_is_not_the_end_itself() {
         "{text}"
     );
 }
+
+#[test]
+fn what_is_wrong_with_poses_has_its_sentence_and_its_mend() {
+    use undrift_results::{findings::PosesApart, inspect::PoseFault};
+    let said = |fault, mended| say(&Finding::Poses(PosesApart { fault, mended }));
+    let slipped = |angle_deg, distance_m| PoseFault::Slipped {
+        time: 81.01,
+        angle_deg,
+        distance_m,
+    };
+    for (fault, mended, expected) in [
+        (
+            slipped(15.02, 0.0293),
+            false,
+            "the marker slipped by 15.0° and 2.93 cm against the IMU at 81.01 s: set [span] start or end there, and use each part by itself",
+        ),
+        (
+            slipped(0.0, 0.0293),
+            true,
+            "the marker slipped by 2.93 cm against the IMU at 81.01 s: the longest part without is used ([span] start, end)",
+        ),
+        (
+            PoseFault::PositionAxes([2, -1, 3]),
+            false,
+            "positions and attitudes are of different frames: with the axes y, -x, z for x, y, z of the positions they agree; exchange these columns or their signs",
+        ),
+        (
+            PoseFault::Rate { ratio: 1.02 },
+            false,
+            "the clock of the poses runs 2.00 % fast: multiply their times by 0.98039, or check the rate of the samples",
+        ),
+        (
+            PoseFault::Jumped {
+                time: 81.0,
+                end: 87.0,
+                angle_deg: 123.0,
+                lasting: false,
+            },
+            false,
+            "poses jump by 123° from 81 to 87 s while the IMU does not, as of another body or a lost marker; leave them away, or cut them out",
+        ),
+    ] {
+        assert_eq!(said(fault, mended), expected);
+    }
+}

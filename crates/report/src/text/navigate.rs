@@ -95,7 +95,7 @@ pub fn navigate(result: &Navigate) -> String {
             "NEES per degree of freedom against the truth, once a second (1 if the covariance is correct): {nees}"
         ));
     }
-    lines.join("\n")
+    say::words::worded(lines.join("\n"), result.drive.posed)
 }
 
 /// The numbers that there are, by name.

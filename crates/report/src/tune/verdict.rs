@@ -2,9 +2,13 @@
 
 use crate::{
     numbers::{short, span},
-    say::usable,
+    say::{say, usable},
 };
-use undrift_results::{Tune, TunedDrift, findings::Severity, usability::Usability};
+use undrift_results::{
+    Tune, TunedDrift,
+    findings::{self, Severity},
+    usability::Usability,
+};
 
 /// What to navigate with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +56,16 @@ fn named(tune: &Tune, what: Use) -> String {
 }
 
 pub(super) fn judgement(tune: &Tune) -> (Severity, Use, String) {
+    let (severity, what, why) = of_drift(tune);
+    // Whatever is found is of poses that do not go with the samples.
+    match findings::verdict(&tune.pose_faults) {
+        (Severity::Unusable, Some(cause)) => (Severity::Unusable, Use::AsBefore, say(cause)),
+        (found, Some(cause)) if found > severity => (found, what, say(cause)),
+        _ => (severity, what, why),
+    }
+}
+
+fn of_drift(tune: &Tune) -> (Severity, Use, String) {
     use Severity::{Note, Unusable, Warning};
     if let [first, ..] = tune.unaligned.as_slice() {
         let why = format!(

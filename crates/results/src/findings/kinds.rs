@@ -2,6 +2,7 @@
 
 pub use undrift_events::Log;
 
+use crate::inspect::PoseFault;
 use serde::{Deserialize, Serialize};
 
 /// How much a finding weighs.
@@ -71,6 +72,16 @@ pub struct WrappedAxis {
     pub start: f64,
     /// How many jumps.
     pub jumps: u64,
+}
+
+/// Poses and samples that do not go together.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct PosesApart {
+    /// What is wrong.
+    pub fault: PoseFault,
+    /// Whether the drive file that was made of the logs takes it into account.
+    pub mended: bool,
 }
 
 /// An estimate that is far from what was known of the parameter.

@@ -1,6 +1,7 @@
 //! How much findings weigh, and what they conclude together.
 
 use super::{Finding, Log, Severity};
+use crate::inspect::PoseFault;
 use statrs::distribution::{Binomial, DiscreteCDF};
 use std::ops::RangeInclusive;
 use undrift_events::{ChangeOf, Contradiction, Part, WindowPart};
@@ -53,6 +54,48 @@ pub fn is_jump(of: &Contradiction) -> bool {
     moved && (of.height || steady && (lasted || of.largest > FAR))
 }
 
+/// A marker that turned by more than this \[deg\], or moved by more \[m\], is another one.
+const OTHER_MARKER: (f64, f64) = (3.0, 0.02);
+
+/// Poses that are away for longer \[s\] are followed.
+const AWAY: f64 = 1.0;
+
+/// How much what is wrong with poses weighs.
+fn of_poses(fault: &PoseFault, mended: bool) -> Severity {
+    let of_marker = |angle: f64, distance: f64| {
+        let small = angle < OTHER_MARKER.0 && distance < OTHER_MARKER.1;
+        match small || mended {
+            true => Severity::Warning,
+            false => Severity::Unusable,
+        }
+    };
+    match fault {
+        PoseFault::Slipped {
+            angle_deg,
+            distance_m,
+            ..
+        } => of_marker(*angle_deg, *distance_m),
+        PoseFault::Slid { angle_deg, .. }
+        | PoseFault::Jumped {
+            angle_deg,
+            lasting: true,
+            ..
+        } => of_marker(*angle_deg, 0.0),
+        // What was seen as the marker then was something else.
+        PoseFault::Jumped { time, end, .. } if end - time > AWAY => Severity::Warning,
+        PoseFault::Jumped { .. }
+        | PoseFault::Frozen { .. }
+        | PoseFault::Piece { .. }
+        | PoseFault::NoAttitudes => Severity::Note,
+        PoseFault::TooShort { .. }
+        | PoseFault::Still { .. }
+        | PoseFault::OneAxis
+        | PoseFault::NoPositions => Severity::Warning,
+        _ if mended => Severity::Note,
+        _ => Severity::Unusable,
+    }
+}
+
 /// Whether so many outages of so many outside of their predicted size are more than a fifth, beyond chance.
 fn is_beyond_chance(outside: u64, outages: u64) -> bool {
     let (share, chance) = OUTSIDE;
@@ -69,6 +112,7 @@ impl Finding {
             Self::WrongAxes { .. } | Self::WrongTurnAxis { .. } => Severity::Unusable,
             Self::WrongVelocity { mend: Some(_) } | Self::TwoReceivers { .. } => Severity::Unusable,
             Self::Constant { vertical: true, .. } => Severity::Unusable,
+            Self::Poses(of) => of_poses(&of.fault, of.mended),
             // A vehicle that begins to move across its axis turns its course without its gyros.
             Self::SensorChanged(change) if change.what == ChangeOf::NoTurn => Severity::Warning,
             Self::Copied { .. } | Self::SensorChanged(_) => Severity::Unusable,
@@ -186,6 +230,7 @@ impl Finding {
             | Self::NoOutage
             | Self::NotRun { all: true, .. } => 0,
             Self::Copied { .. } | Self::Wrapped { .. } => 1,
+            Self::Poses(_) if self.severity() > Severity::Note => 1,
             Self::SensorChanged { .. } | Self::VelocityScale { .. } => 1,
             Self::OutagesLeftOut(of) if of.is_all() => 0,
             Self::Constant { .. }

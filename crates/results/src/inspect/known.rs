@@ -1,6 +1,6 @@
 //! How an inspection knows what it says, and what it noticed.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use undrift_nav::{Vector3, earth::STANDARD_GRAVITY};
 
 /// How the value of a key is known.
@@ -230,7 +230,7 @@ pub enum Note {
 }
 
 /// What is wrong with poses, or why they and the samples show too little of each other.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum PoseFault {
@@ -244,7 +244,9 @@ pub enum PoseFault {
         ratio: f64,
     },
     /// The positions are in this unit.
-    Unit(&'static str),
+    Unit(String),
+    /// The positions fit the attitudes and the accelerations in other axes of theirs: 1 to 3 for x to z, negative if reversed.
+    PositionAxes([i8; 3]),
     /// One of the frames is left-handed.
     Mirrored,
     /// Turns of samples and poses have nothing in common.
@@ -271,6 +273,73 @@ pub enum PoseFault {
         /// What it is [m/s²].
         found: f64,
     },
+    /// The marker moved against the IMU and stayed so.
+    Slipped {
+        /// When, on the clock of the samples \[s\].
+        time: f64,
+        /// By which angle \[deg\].
+        angle_deg: f64,
+        /// By how much \[m\], beyond what is uncertain of it.
+        distance_m: f64,
+    },
+    /// The marker moved against the IMU for a long time.
+    Slid {
+        /// First time at which it shows \[s\].
+        start: f64,
+        /// Last one \[s\].
+        end: f64,
+        /// From before it to after it \[deg\].
+        angle_deg: f64,
+    },
+    /// The attitudes jump while the gyros measure no turn.
+    Jumped {
+        /// First time \[s\].
+        time: f64,
+        /// Last one \[s\].
+        end: f64,
+        /// The largest \[deg\].
+        angle_deg: f64,
+        /// Whether the frame stays turned.
+        lasting: bool,
+    },
+    /// Poses repeat the one before, as trackers write that have lost their marker.
+    Frozen {
+        /// How many.
+        poses: u64,
+        /// The first \[s\].
+        time: f64,
+    },
+    /// Their clock is another one than that of the samples.
+    Clock {
+        /// What is to be added to their times \[s\].
+        offset: f64,
+    },
+    /// There are no attitudes.
+    NoAttitudes,
+    /// Their clock runs at another rate.
+    Rate {
+        /// Seconds of theirs in one of the samples'.
+        ratio: f64,
+    },
+    /// The longest part of the logs without such a break, which is described.
+    Piece {
+        /// From when on \[s\].
+        start: f64,
+        /// To when \[s\].
+        end: f64,
+    },
+}
+
+impl PoseFault {
+    /// Whether the drive file that is made of the logs takes it into account: by a key, or where `cut` by reading a part of them.
+    pub fn is_mended(&self, cut: bool) -> bool {
+        match self {
+            Self::ScalarFirst | Self::Unit(_) | Self::Frozen { .. } | Self::Clock { .. } => true,
+            Self::Slipped { .. } | Self::Slid { .. } => cut,
+            Self::Jumped { lasting, .. } => cut && *lasting,
+            _ => false,
+        }
+    }
 }
 
 /// What a part of a file holds.

@@ -160,6 +160,8 @@ pub enum Comment<'a> {
     Missing(&'a str),
     /// The heading, where changes of velocity give it.
     Heading,
+    /// The part of the logs in which a marker does not move against the IMU.
+    Piece,
     /// The profile of a wheeled vehicle, and what the motion says of it.
     Wheels(Wheels),
     /// The profile of what flies.

@@ -17,7 +17,7 @@ lever_arm = "0, 0, 0 m"
 const ZERO: f64 = 1_764_400_000.0;
 
 /// A message with its encapsulation and header: what follows begins after 13 bytes.
-fn begun(time: f64) -> Vec<u8> {
+pub(super) fn begun(time: f64) -> Vec<u8> {
     let (seconds, part) = ((ZERO + time).div_euclid(1.0), (ZERO + time).rem_euclid(1.0));
     let mut bytes = vec![0, 1, 0, 0];
     bytes.extend((seconds as i32).to_le_bytes());
@@ -26,7 +26,7 @@ fn begun(time: f64) -> Vec<u8> {
     bytes
 }
 
-fn numbers(bytes: &mut Vec<u8>, values: &[f64]) {
+pub(super) fn numbers(bytes: &mut Vec<u8>, values: &[f64]) {
     bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
 }
 

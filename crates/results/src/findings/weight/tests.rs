@@ -379,3 +379,41 @@ fn a_jump_lasts_stays_and_is_of_the_positions_alone() {
     // Of a height the gate itself sees to that.
     assert!(with(|of| (of.height, of.end) = (true, 100.0)));
 }
+
+#[test]
+fn poses_weigh_by_what_they_leave() {
+    use crate::{findings::PosesApart, inspect::PoseFault};
+    let of = |fault, mended| Finding::Poses(PosesApart { fault, mended });
+    let slipped = |angle_deg, distance_m| PoseFault::Slipped {
+        time: 80.0,
+        angle_deg,
+        distance_m,
+    };
+    let jumped = |end, lasting| PoseFault::Jumped {
+        time: 80.0,
+        end,
+        angle_deg: 40.0,
+        lasting,
+    };
+    for (fault, mended, severity) in [
+        (slipped(15.0, 0.0), false, Unusable),
+        (slipped(0.0, 0.03), false, Unusable),
+        (slipped(1.0, 0.01), false, Warning),
+        (slipped(15.0, 0.03), true, Warning),
+        (jumped(80.0, true), false, Unusable),
+        (jumped(80.0, true), true, Warning),
+        (jumped(86.0, false), false, Warning),
+        (jumped(80.2, false), false, Note),
+        (PoseFault::ScalarFirst, false, Unusable),
+        (PoseFault::ScalarFirst, true, Note),
+        (PoseFault::Mirrored, false, Unusable),
+        (PoseFault::OneAxis, false, Warning),
+        (PoseFault::NoAttitudes, false, Note),
+    ] {
+        let found = of(fault, mended);
+        assert_eq!(found.severity(), severity, "{found:?}");
+        // A cause, where it is more than a note: before what the solution shows of it.
+        let all = ranked(vec![accuracy(3.0), found.clone()]);
+        assert_eq!(all[0] == found, severity > Note, "{found:?}");
+    }
+}
