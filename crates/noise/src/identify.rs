@@ -180,16 +180,17 @@ struct Tests {
 
 fn tests(screened: &screened::Screened) -> Result<Tests, RecordError> {
     let x = &screened.bridged;
-    let adf = |lags| stationarity::adf(x, Deterministic::Constant, lags);
+    let most = Some(ADF_LAGS);
     let rules = [
-        ("aic", Lags::Aic(Some(ADF_LAGS))),
-        ("bic", Lags::Bic(Some(ADF_LAGS))),
-        ("last_significant", Lags::LastSignificant(Some(ADF_LAGS))),
+        Lags::Fixed(ADF_LAGS),
+        Lags::Aic(most),
+        Lags::Bic(most),
+        Lags::LastSignificant(most),
     ];
-    let chosen = rules.map(|(name, lags)| adf(lags).map(|test| (name, test)));
+    let [adf, aic, bic, last] = stationarity::adf_by_rules(x, Deterministic::Constant, rules)?;
     Ok(Tests {
-        adf_chosen: chosen.into_iter().collect::<Result<_, _>>()?,
-        adf: adf(Lags::Fixed(ADF_LAGS))?,
+        adf_chosen: vec![("aic", aic), ("bic", bic), ("last_significant", last)],
+        adf,
         kpss: stationarity::kpss(x, Deterministic::Constant, KpssLags::Legacy)?,
         phillips_perron: stationarity::phillips_perron(x, Deterministic::Constant, None)?,
         normality: Normality {

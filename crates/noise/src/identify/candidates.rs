@@ -32,7 +32,7 @@ use crate::{
     temperature::Regressors,
     whiteness,
 };
-use folds::{Fold, TrainingSet};
+use folds::{Fold, TrainingSet, bridged, end_to_end};
 use recipe::{Fitted, Recipe, arma_of, with_effort};
 use undrift_base::parallel;
 use undrift_nav::shaping::ShapingFilter;
@@ -220,7 +220,7 @@ pub(super) fn candidates(task: &Task) -> Tried {
     let blocks = &scales::BLOCKS[1..];
     let marginal = |filter: &ShapingFilter| task.marginal(filter);
     let whole = TrainingSet {
-        end_to_end: task.records.iter().flat_map(|r| bridge(r, 0.0)).collect(),
+        end_to_end: end_to_end(bridged(&task.records)),
         records: task.records.clone(),
         wavelet: composite::curve(&task.records, 1.0 / task.rate_hz).ok(),
         rate_hz: task.rate_hz,
