@@ -28,6 +28,7 @@
 mod pass;
 mod recommend;
 
+pub(crate) use recommend::EQUAL_AIC;
 pub use recommend::{Choice, Reason, Recommendation, Scored, recommend};
 
 use crate::composite::CompositeError;

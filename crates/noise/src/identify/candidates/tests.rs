@@ -200,7 +200,10 @@ fn a_candidate_is_scored_on_the_halves_it_was_not_fitted_to() {
     let reversed: Vec<Vec<f64>> = vec![record.iter().rev().copied().collect()];
     let folds = Fold::all(&task.records, &reversed, RATE, SINGLE);
     let whole = Recipe::White.fit(&part, None, &[]).unwrap();
-    let found = task.candidate(Recipe::White, whole, &folds).unwrap();
+    let (found, sums) = task.candidate(Recipe::White, whole, &folds).unwrap();
+    let fitted = std::iter::once(&part).chain(folds.iter().map(|fold| &fold.fitted));
+    let densities = Vec::from_iter(fitted.map(|part| part.allan.white.value));
+    assert_eq!(Vec::from_iter(sums.iter().map(|sum| sum.white)), densities);
     assert_eq!(
         (found.name.as_str(), found.compared, found.parameters),
         ("white", false, 2)
@@ -399,4 +402,55 @@ fn of_blocks_behind_a_filter_the_overlap_is_estimated() {
     assert_eq!(overlap(false), 0.0);
     let found = overlap(true);
     assert!(found != 0.0 && found.abs() < 0.04, "{found}");
+}
+
+/// White noise over a walk for ten minutes at 10 Hz.
+fn short_walk(seed: u64) -> Vec<f64> {
+    let terms = CompositeTerms {
+        white: 1.0,
+        random_walk: 1.0 / 30.0,
+        ..CompositeTerms::default()
+    };
+    let filter = terms.to_shaping(1.0 / RATE).unwrap();
+    NoiseGenerator::new(&filter, seed).take(6000).collect()
+}
+
+#[test]
+fn what_ten_minutes_do_not_tell_apart_is_averaged() {
+    let tried = |seed| {
+        let record = short_walk(seed);
+        let part = TrainingSet::new(vec![&record], RATE, SINGLE).unwrap();
+        let tried = candidates(&task(&record, &part));
+        let (at, reason) = tried.chosen.unwrap();
+        (tried.candidates, at, reason)
+    };
+    let (all, at, reason) = tried(1);
+    assert_eq!(at, all.len() - 1, "it is the last");
+    let average = &all[at];
+    assert_eq!(
+        (reason.name.as_str(), reason.states, reason.parameters),
+        (average.name.as_str(), average.states, 7)
+    );
+    assert!(matches!(reason.choice, Choice::Average { models } if models > 2));
+    assert!(!average.compared && average.model.turn_on == 0.5);
+    // Its variance at two minutes is between those of the walk and of the likelier flicker noise, and so is its drift on the halves.
+    let of = |name: &str| all.iter().find(|one| one.name == name).unwrap();
+    let flicker = of("white + flicker").composite().unwrap().terms;
+    let walk = of("white + random walk").composite().unwrap().terms;
+    let found = CompositeTerms {
+        white: average.model.white.unwrap(),
+        random_walk: average.model.random_walk.unwrap(),
+        gauss_markov: [average.model.instability[0], average.model.instability[1]],
+        ..CompositeTerms::default()
+    };
+    let at_two_minutes = |terms| crate::wavelet::model_variance(terms, 1200, 0.1);
+    let [low, high] = [&flicker, &walk].map(at_two_minutes);
+    assert!(low < at_two_minutes(&found) && at_two_minutes(&found) < high);
+    let drift = |one: &Candidate| one.score[2].predicted_rms;
+    let [low, high] = ["white + flicker", "white + random walk"].map(|name| drift(of(name)));
+    assert!(low < drift(average) && drift(average) < high);
+    // A walk that is plain is one.
+    let (all, at, reason) = tried(2);
+    assert_eq!(all[at].name, "white + random walk");
+    assert_eq!(reason.choice, Choice::LeastDrift);
 }
