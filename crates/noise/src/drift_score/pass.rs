@@ -318,3 +318,68 @@ impl<const N: usize> Horizon<N> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::composite::{CompositeTerms, GaussMarkov};
+
+    fn filter() -> ShapingFilter {
+        let process = GaussMarkov {
+            sigma: 0.5,
+            tau_s: 20.0,
+        };
+        let terms = CompositeTerms {
+            white: 1.0,
+            random_walk: 0.1,
+            gauss_markov: [process, GaussMarkov::default()],
+            ..CompositeTerms::default()
+        };
+        terms.to_shaping(1.0).unwrap()
+    }
+
+    fn run() -> Run<2> {
+        Run {
+            predictor: Predictor::settling(&filter(), SETTLED),
+            mean: 0.25,
+            leap: None,
+        }
+    }
+
+    #[test]
+    fn sixteen_samples_at_once_are_as_many_one_by_one() {
+        let mut record: Vec<f64> = (0..5007)
+            .map(|k| f64::from(k * k * 37 % 1009) / 500.0 - 1.0)
+            .collect();
+        record[2500] = f64::NAN;
+        let (mut leaps, mut steps) = (run(), run());
+        for part in [&record[..2000], &record[2000..2600], &record[2600..]] {
+            leaps.over(part).unwrap();
+            part.iter().for_each(|y| steps.take_in(y - 0.25).unwrap());
+            for (a, b) in leaps.predictor.x.iter().zip(steps.predictor.x) {
+                assert!((a - b).abs() < 1e-12, "{a} {b}");
+            }
+            // A missing sample unsettles it.
+            assert_eq!(leaps.leap.is_some(), part.len() != 600);
+        }
+        record[4990] = f64::INFINITY;
+        assert_eq!(
+            leaps.over(&record[4900..]),
+            Err(DriftError::Record(CompositeError::NotFinite))
+        );
+    }
+
+    #[test]
+    fn windows_are_some_200_000_at_most() {
+        let apart = |scored| Horizon::<2>::new(&filter(), 100, scored).apart;
+        assert_eq!(
+            (
+                apart(10_000),
+                apart(800_098),
+                apart(800_099),
+                apart(2_000_099)
+            ),
+            (3, 3, 4, 10)
+        );
+    }
+}
