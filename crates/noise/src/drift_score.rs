@@ -1,7 +1,7 @@
 //! The drift score: how far the integrated signal runs from its prediction (docs/theory.md, section 6).
 //!
 //! A model identified on the first part of a static record is scored on the rest: at every sample
-//! there (for h of more than 32 samples, 32 times in each h) the model's Kalman filter, which has seen all before it, predicts the integral of the next h
+//! there (for h of more than 32 samples, 32 times in each h; some 200 000 times in all at most) the model's Kalman filter, which has seen all before it, predicts the integral of the next h
 //! seconds, `T H (I + F + … + F^{k−1}) x̂`, k = h/T; the score is the RMS of its error, an angle \[rad\]
 //! or a velocity [m/s] (the record's unit times seconds). That is what an outage of h seconds leaves.
 //!
@@ -28,6 +28,7 @@
 mod pass;
 mod recommend;
 
+pub(crate) use recommend::EQUAL_AIC;
 pub use recommend::{Choice, Reason, Recommendation, Scored, recommend};
 
 use crate::composite::CompositeError;

@@ -180,16 +180,17 @@ struct Tests {
 
 fn tests(screened: &screened::Screened) -> Result<Tests, RecordError> {
     let x = &screened.bridged;
-    let adf = |lags| stationarity::adf(x, Deterministic::Constant, lags);
+    let most = Some(ADF_LAGS);
     let rules = [
-        ("aic", Lags::Aic(Some(ADF_LAGS))),
-        ("bic", Lags::Bic(Some(ADF_LAGS))),
-        ("last_significant", Lags::LastSignificant(Some(ADF_LAGS))),
+        Lags::Fixed(ADF_LAGS),
+        Lags::Aic(most),
+        Lags::Bic(most),
+        Lags::LastSignificant(most),
     ];
-    let chosen = rules.map(|(name, lags)| adf(lags).map(|test| (name, test)));
+    let [adf, aic, bic, last] = stationarity::adf_by_rules(x, Deterministic::Constant, rules)?;
     Ok(Tests {
-        adf_chosen: chosen.into_iter().collect::<Result<_, _>>()?,
-        adf: adf(Lags::Fixed(ADF_LAGS))?,
+        adf_chosen: vec![("aic", aic), ("bic", bic), ("last_significant", last)],
+        adf,
         kpss: stationarity::kpss(x, Deterministic::Constant, KpssLags::Legacy)?,
         phillips_perron: stationarity::phillips_perron(x, Deterministic::Constant, None)?,
         normality: Normality {
@@ -361,7 +362,7 @@ fn conclude(
     };
     let tried = candidates::candidates(&task);
     let candidates = tried.candidates;
-    let (index, reason) = recommended(&candidates).ok_or(IdentifyError::NoCandidate)?;
+    let (index, reason) = tried.chosen.ok_or(IdentifyError::NoCandidate)?;
     let chosen = &candidates[index];
     let intervals = match screened.coarse {
         true => Vec::new(),
@@ -415,11 +416,16 @@ fn conclude(
 }
 
 /// Position of the candidate that is recommended, and why; of methods of the literature none is, nor a model whose slow part is the
-/// mean that was removed.
+/// mean that was removed, nor an ARMA that is no likelier than a sum of terms: that is a model at every rate, and an ARMA(1,1) says
+/// the same, which would be tried twice.
 fn recommended(candidates: &[Candidate]) -> Option<(usize, Reason)> {
     let is_mean = |of: &Candidate| of.arma().is_some_and(ArmaFit::is_removed_mean);
     let own = candidates.iter().enumerate();
     let own = own.filter(|(_, candidate)| !candidate.compared && !is_mean(candidate));
+    let sums = own.clone().filter(|(_, one)| one.model.arma.is_none());
+    let least = sums.map(|(_, one)| one.aic).fold(f64::INFINITY, f64::min);
+    let likelier = least - drift_score::EQUAL_AIC;
+    let own = own.filter(|(_, one)| one.model.arma.is_none() || one.aic < likelier);
     let scored = own.clone().map(|(_, candidate)| Scored {
         name: candidate.name.clone(),
         states: candidate.states,

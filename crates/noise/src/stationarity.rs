@@ -35,6 +35,7 @@ pub mod verdict;
 use crate::correlation::lagged_products;
 use serde::{Deserialize, Serialize};
 
+pub(crate) use adf::adf_by_rules;
 pub use adf::{Adf, Lags, adf};
 pub use kpss::{Kpss, KpssLags, kpss};
 pub use phillips_perron::{PhillipsPerron, phillips_perron};

@@ -302,6 +302,7 @@ fn origin(found: &Found) -> (&'static str, Option<Origin>) {
     match found {
         Found::Allan => ("allan", None),
         Found::Burg => ("burg", None),
+        Found::Average => ("average", None),
         Found::Compared(method) => (method.name(), None),
         Found::Arma(fit) => (
             "maximum likelihood",

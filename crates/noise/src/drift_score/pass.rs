@@ -10,7 +10,7 @@
 //! square of the difference, in rad for a gyro, m/s for an accelerometer. White noise alone
 //! contributes N √(k T) at any model.
 //!
-//! O(r³) a sample until the filter has settled, O(r²) after, for all horizons together; the running
+//! O(r³) a sample until the filter has settled; after that, O(r) a sample, [`LEAP`] at once. The running
 //! sums take 12 bytes a sample.
 
 use super::{DriftError, HorizonScore, MAX_BATCHES};
@@ -22,6 +22,10 @@ use undrift_nav::shaping::ShapingFilter;
 const WHOLE: usize = 3;
 /// Windows begin this share of their length apart: more of them would add no information.
 const OVERLAP: usize = 32;
+/// Origins of a horizon, about: so many know the score to 0.3 %, though but two overlap.
+const MOST_ORIGINS: usize = 200_000;
+/// Samples that a settled filter takes in at once.
+const LEAP: usize = 16;
 /// Change of the gains over 64 samples below which the filter counts as settled. Their error is that times their
 /// memory over 64, at most some hundreds, and the score's is its square.
 const SETTLED: f64 = 1e-5;
@@ -121,22 +125,26 @@ impl Task<'_> {
     /// A sample that is infinite, a model without variance, a horizon without one complete window.
     pub(super) fn run<const N: usize>(&self) -> Result<Vec<HorizonScore>, DriftError> {
         let (first, second) = self.record.split_at(self.first_part);
-        let mut predictor = Predictor::<N>::settling(self.filter, SETTLED);
-        for &y in first {
-            take_in(&mut predictor, y - self.mean)?;
-        }
+        let mut run = Run::<N> {
+            predictor: Predictor::settling(self.filter, SETTLED),
+            mean: self.mean,
+            leap: None,
+        };
+        run.over(first)?;
         let mut horizons: Vec<Horizon<N>> = self
             .lengths
             .iter()
             .map(|&length| Horizon::new(self.filter, length, second.len()))
             .collect();
-        for (k, &y) in second.iter().enumerate() {
-            for horizon in &mut horizons {
-                if k == horizon.next {
-                    horizon.score(&predictor, self.sums);
-                }
+        let mut at = 0;
+        while at < second.len() {
+            for horizon in horizons.iter_mut().filter(|h| h.next == at) {
+                horizon.score(&run.predictor, self.sums);
             }
-            take_in(&mut predictor, y - self.mean)?;
+            let next = horizons.iter().map(|h| h.next).min();
+            let next = next.unwrap_or(usize::MAX).min(second.len());
+            run.over(&second[at..next])?;
+            at = next;
         }
         let scores = horizons.iter().map(|h| h.finish(self.filter.interval));
         scores
@@ -145,20 +153,85 @@ impl Task<'_> {
     }
 }
 
-/// Observes a sample, or predicts over a missing one.
-fn take_in<const N: usize>(predictor: &mut Predictor<N>, y: f64) -> Result<(), DriftError> {
-    if y.is_nan() {
-        predictor.skip();
-        return Ok(());
+/// A filter on its way through the record.
+struct Run<const N: usize> {
+    predictor: Predictor<N>,
+    /// Level that is taken off \[unit\].
+    mean: f64,
+    /// Where the filter has settled.
+    leap: Option<Leap<N>>,
+}
+
+/// A settled filter over [`LEAP`] samples: `x̂ ← A x̂ + Σ G_k y_k`, of `A = F − K H` and `K` of one.
+struct Leap<const N: usize> {
+    a: [[f64; N]; N],
+    g: [[f64; LEAP]; N],
+}
+
+impl<const N: usize> Leap<N> {
+    fn new(filter: &Predictor<N>) -> Self {
+        let one = |x: [f64; N]| -> [f64; N] {
+            let (v, next) = (dot(&filter.h, &x), filter.advance(&x));
+            std::array::from_fn(|i| next[i] - filter.gain[i] * v)
+        };
+        let (mut a, mut g) = ([[0.0; N]; N], [[0.0; LEAP]; N]);
+        for j in 0..N {
+            let mut column: [f64; N] = std::array::from_fn(|i| f64::from(i == j));
+            (0..LEAP).for_each(|_| column = one(column));
+            (0..N).for_each(|i| a[i][j] = column[i]);
+        }
+        let mut gain = filter.gain;
+        for k in (0..LEAP).rev() {
+            (0..N).for_each(|i| g[i][k] = gain[i]);
+            gain = one(gain);
+        }
+        Self { a, g }
     }
-    if !(predictor.variance > 0.0 && predictor.variance.is_finite()) {
-        return Err(DriftError::Record(CompositeError::NoVariance));
+
+    /// The state after these samples, about the level.
+    fn after(&self, x: &[f64; N], samples: &[f64; LEAP]) -> [f64; N] {
+        std::array::from_fn(|i| dot(&self.g[i], samples) + dot(&self.a[i], x))
     }
-    if !y.is_finite() {
-        return Err(DriftError::Record(CompositeError::NotFinite));
+}
+
+impl<const N: usize> Run<N> {
+    /// Takes in samples, or predicts over missing ones.
+    fn over(&mut self, mut samples: &[f64]) -> Result<(), DriftError> {
+        while let Some((&first, rest)) = samples.split_first() {
+            if self.predictor.settled
+                && let Some((next, rest)) = samples.split_first_chunk::<LEAP>()
+            {
+                let next = next.map(|y| y - self.mean);
+                if next.iter().sum::<f64>().is_finite() {
+                    let leap = self.leap.get_or_insert_with(|| Leap::new(&self.predictor));
+                    self.predictor.x = leap.after(&self.predictor.x, &next);
+                    samples = rest;
+                    continue;
+                }
+            }
+            self.take_in(first - self.mean)?;
+            samples = rest;
+        }
+        Ok(())
     }
-    predictor.observe(y);
-    Ok(())
+
+    /// Observes a sample, or predicts over a missing one.
+    fn take_in(&mut self, y: f64) -> Result<(), DriftError> {
+        if y.is_nan() {
+            self.predictor.skip();
+            self.leap = None;
+            return Ok(());
+        }
+        let variance = self.predictor.variance;
+        if !(variance > 0.0 && variance.is_finite()) {
+            return Err(DriftError::Record(CompositeError::NoVariance));
+        }
+        if !y.is_finite() {
+            return Err(DriftError::Record(CompositeError::NotFinite));
+        }
+        self.predictor.observe(y);
+        Ok(())
+    }
 }
 
 impl<const N: usize> Horizon<N> {
@@ -175,7 +248,7 @@ impl<const N: usize> Horizon<N> {
             row: std::array::from_fn(|i| span.row[i]),
             own: span.r,
             white: filter.r,
-            apart: (length / OVERLAP).max(1),
+            apart: (length / OVERLAP).max(origins / MOST_ORIGINS).max(1),
             next: 0,
             last: scored - length,
             stride: origins.div_ceil(batches),
@@ -243,5 +316,70 @@ impl<const N: usize> Horizon<N> {
             windows,
             batches,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::composite::{CompositeTerms, GaussMarkov};
+
+    fn filter() -> ShapingFilter {
+        let process = GaussMarkov {
+            sigma: 0.5,
+            tau_s: 20.0,
+        };
+        let terms = CompositeTerms {
+            white: 1.0,
+            random_walk: 0.1,
+            gauss_markov: [process, GaussMarkov::default()],
+            ..CompositeTerms::default()
+        };
+        terms.to_shaping(1.0).unwrap()
+    }
+
+    fn run() -> Run<2> {
+        Run {
+            predictor: Predictor::settling(&filter(), SETTLED),
+            mean: 0.25,
+            leap: None,
+        }
+    }
+
+    #[test]
+    fn sixteen_samples_at_once_are_as_many_one_by_one() {
+        let mut record: Vec<f64> = (0..5007)
+            .map(|k| f64::from(k * k * 37 % 1009) / 500.0 - 1.0)
+            .collect();
+        record[2500] = f64::NAN;
+        let (mut leaps, mut steps) = (run(), run());
+        for part in [&record[..2000], &record[2000..2600], &record[2600..]] {
+            leaps.over(part).unwrap();
+            part.iter().for_each(|y| steps.take_in(y - 0.25).unwrap());
+            for (a, b) in leaps.predictor.x.iter().zip(steps.predictor.x) {
+                assert!((a - b).abs() < 1e-12, "{a} {b}");
+            }
+            // A missing sample unsettles it.
+            assert_eq!(leaps.leap.is_some(), part.len() != 600);
+        }
+        record[4990] = f64::INFINITY;
+        assert_eq!(
+            leaps.over(&record[4900..]),
+            Err(DriftError::Record(CompositeError::NotFinite))
+        );
+    }
+
+    #[test]
+    fn windows_are_some_200_000_at_most() {
+        let apart = |scored| Horizon::<2>::new(&filter(), 100, scored).apart;
+        assert_eq!(
+            (
+                apart(10_000),
+                apart(800_098),
+                apart(800_099),
+                apart(2_000_099)
+            ),
+            (3, 3, 4, 10)
+        );
     }
 }

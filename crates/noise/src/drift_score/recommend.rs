@@ -1,10 +1,12 @@
 //! The choice by drift score: the simplest model within the sampling error of the best.
 
 use super::HorizonScore;
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// Standard errors of the paired difference that count as the sampling error: the best is the luckiest
-/// of several, at several horizons, and windows reach over the ends of their batches.
-const ERRORS: f64 = 3.0;
+/// Probability of a paired difference that is beyond its sampling error, three standard errors of many batches: the best is the
+/// luckiest of several, at several horizons, and windows reach over the ends of their batches. Of few batches the scatter itself is
+/// uncertain (Student's t).
+const BEYOND: f64 = 0.001_35;
 /// A score worse by less than this share is as good as the best, however precise the comparison.
 const SAME: f64 = 0.01;
 /// A score worse by more than this share is not as good as the best, however much a few batches scatter…
@@ -15,7 +17,7 @@ const INDEPENDENT_ERRORS: f64 = 2.0;
 /// Horizons that decide are this long \[s\] or longer.
 const SHORTEST_S: f64 = 10.0;
 /// Candidates whose Akaike criteria differ by less are as likely (Burnham & Anderson 2002, section 2.6).
-const EQUAL_AIC: f64 = 2.0;
+pub(crate) const EQUAL_AIC: f64 = 2.0;
 /// A criterion larger by more is that of a model without support (the same section): what the few windows of one record
 /// say of the drift counts for less, as long as …
 const DECISIVE_AIC: f64 = 10.0;
@@ -81,6 +83,11 @@ pub enum Choice {
         /// How far its drift is above the least, at the worst horizon \[%\].
         excess_percent: f64,
     },
+    /// The simplest of the likeliest and others that the record does not exclude expect other drifts: it is their average.
+    Average {
+        /// How many.
+        models: usize,
+    },
 }
 
 /// Standard error of the mean of the batches; 0 of fewer than two.
@@ -100,7 +107,7 @@ pub(super) fn standard_error(batches: &[f64]) -> f64 {
 }
 
 /// Whether a score is within the sampling error of the best: the difference of their mean squares is
-/// within three standard errors, from the differences batch by batch (both saw the same record), and the RMS
+/// within three standard errors (by Student's t of few batches more), from the differences batch by batch (both saw the same record), and the RMS
 /// within 5 %, or two sampling errors of as many independent windows; or the RMS is within 1 % anyway.
 ///
 /// Paired, since both models saw the same record: what moves both scores is no difference between them.
@@ -118,7 +125,13 @@ fn is_as_good(score: &HorizonScore, best: &HorizonScore) -> bool {
     let pairs = score.batches.iter().zip(&best.batches);
     let differences: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
     let gap = score.rms * score.rms - best.rms * best.rms;
-    gap <= ERRORS * standard_error(&differences)
+    gap <= errors(differences.len()) * standard_error(&differences)
+}
+
+/// Standard errors of the mean of so many batches that are beyond chance.
+fn errors(batches: usize) -> f64 {
+    let freedom = batches.saturating_sub(1) as f64;
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - BEYOND))
 }
 
 /// The choice among models of one record. Of the candidates whose drift is within the sampling error of the least at
@@ -327,8 +340,10 @@ mod tests {
         let gap = 1.03f64.powi(2) - 1.0;
         // Eight differences `gap ± spread`: the standard error of their mean is spread/√7.
         let of_errors = |errors: f64| score(1.0 + gap, gap * 7f64.sqrt() / errors, MANY);
-        assert!(is_as_good(&of_errors(2.9), &best));
-        assert!(!is_as_good(&of_errors(3.1), &best));
+        // Student's t of seven degrees of freedom at 0.99865; of many batches three.
+        assert!((errors(8) - 4.530).abs() < 1e-3 && (errors(1_000_001) - 3.0).abs() < 1e-3);
+        assert!(is_as_good(&of_errors(4.4), &best));
+        assert!(!is_as_good(&of_errors(4.7), &best));
         assert!(!is_as_good(&of_errors(8.0), &best));
     }
 

@@ -58,6 +58,8 @@ pub enum Origin {
     Composite(Box<CompositeFit>),
     /// As others fit it.
     Compared(Method),
+    /// Mean spectrum of the sums of terms that the record does not tell apart, by Akaike weight.
+    Average,
 }
 
 /// A method of the literature that gave no model of the record.

@@ -15,16 +15,19 @@
 //! [`HIGH_ORDER_SAMPLES`](super::HIGH_ORDER_SAMPLES) of all; sums of terms see block averages; AR
 //! and ARMA(1,1) see every sample.
 
+mod average;
 mod folds;
 mod recipe;
 
-use super::{Candidate, GRID_ORDER, NotFitted, Origin, SEARCH_SAMPLES, horizons, remarks};
+use super::{
+    Candidate, GRID_ORDER, NotFitted, Origin, SEARCH_SAMPLES, horizons, recommended, remarks,
+};
 use crate::{
     allan::{Curve, Terms},
     arma::{self, ArmaFit, Selection},
     compared::Method,
-    composite::{self, Averages, Blocks, ParameterInterval, TermSet},
-    drift_score::{self, HorizonScore},
+    composite::{self, Averages, Blocks, CompositeTerms, ParameterInterval, TermSet},
+    drift_score::{self, Choice, HorizonScore, Reason},
     model_file::AxisModel,
     pandit_wu::{self, PanditWu, PanditWuOptions},
     scales::{self, Scales},
@@ -32,8 +35,8 @@ use crate::{
     temperature::Regressors,
     whiteness,
 };
-use folds::{Fold, TrainingSet};
-use recipe::{Fitted, Recipe, arma_of, with_effort};
+use folds::{Fold, TrainingSet, bridged, end_to_end};
+use recipe::{Fitted, Recipe, arma_of, in_terms, with_effort};
 use undrift_base::parallel;
 use undrift_nav::shaping::ShapingFilter;
 
@@ -92,6 +95,8 @@ pub(super) struct Tried {
     pub(super) scales: Option<Scales>,
     /// Those that could be fitted and scored, in the order of tables.
     pub(super) candidates: Vec<Candidate>,
+    /// Position of the recommended one, and why.
+    pub(super) chosen: Option<(usize, Reason)>,
     /// Methods of the literature that make nothing of this record.
     pub(super) not_fitted: Vec<NotFitted>,
 }
@@ -114,15 +119,63 @@ impl Task<'_> {
     }
 
     /// The candidate of a fit of the whole, scored on the halves; `None` where it makes no filter or cannot
-    /// be fitted to each half.
-    ///
-    /// Scores of all folds are pooled by horizon. A candidate that cannot be scored on one fold has
+    /// be fitted to each half. Also the sums of terms that it is, of the whole and of each fold.
+    fn candidate(
+        &self,
+        recipe: Recipe,
+        whole: Fitted,
+        folds: &[Fold],
+    ) -> Option<(Candidate, Vec<CompositeTerms>)> {
+        whole.shaping(self.turn_on, self.rate_hz)?;
+        let fit = |fold: &Fold| recipe.fit(&fold.fitted, Some(&whole), &[]);
+        let fits = folds.iter().map(fit).collect::<Option<Vec<Fitted>>>()?;
+        let score = self.score(&fits, folds)?;
+        let all = std::iter::once(&whole).chain(&fits).map(Fitted::sum);
+        let sums = all.collect::<Option<Vec<_>>>().unwrap_or_default();
+        Some((self.scored(recipe, whole, score)?, sums))
+    }
+
+    /// The average of the candidates that are likely sums of terms, where they do not expect what the one chosen does; and how many
+    /// they are. White noise stays what it is; of several records the common model is one of their sums.
+    fn average(
+        &self,
+        candidates: &[Candidate],
+        sums: &[Vec<CompositeTerms>],
+        chosen: usize,
+        folds: &[Fold],
+    ) -> Option<(Candidate, usize)> {
+        candidates[chosen].composite()?;
+        let &[record] = self.records.as_slice() else {
+            return None;
+        };
+        let all = || candidates.iter().zip(sums);
+        let sums = || all().filter(|(of, sums)| !of.compared && !sums.is_empty());
+        let weights = average::weights(&Vec::from_iter(sums().map(|(of, _)| of.aic)));
+        let interval = 1.0 / self.rate_hz;
+        let mean = |at: usize| {
+            let weighed = weights.iter().zip(sums());
+            let weighed = Vec::from_iter(weighed.map(|(weight, (_, sums))| (*weight, sums[at])));
+            average::mean(&weighed, interval, record.len())
+        };
+        let whole = mean(0);
+        if !average::differs(&whole, all().nth(chosen)?.1.first()?) {
+            return None;
+        }
+        let fitted = |curve| {
+            let terms = average::terms(&curve)?;
+            Some(Recipe::Average.fitted((in_terms(&terms), Origin::Average)))
+        };
+        let parts = (1..=folds.len()).map(|at| fitted(mean(at)));
+        let score = self.score(&parts.collect::<Option<Vec<_>>>()?, folds)?;
+        let models = weights.iter().filter(|weight| **weight > 0.0).count();
+        Some((self.scored(Recipe::Average, fitted(whole)?, score)?, models))
+    }
+
+    /// The drift of what was fitted to each fold, on what it withholds, by horizon. A candidate that cannot be scored on one fold has
     /// no score at all.
-    fn candidate(&self, recipe: Recipe, whole: Fitted, folds: &[Fold]) -> Option<Candidate> {
-        let filter = whole.shaping(self.turn_on, self.rate_hz)?;
+    fn score(&self, fits: &[Fitted], folds: &[Fold]) -> Option<Vec<HorizonScore>> {
         let mut scores: Vec<Vec<HorizonScore>> = Vec::new();
-        for fold in folds {
-            let found = recipe.fit(&fold.fitted, Some(&whole), &[])?;
+        for (found, fold) in fits.iter().zip(folds) {
             let filter = found.shaping(self.turn_on, self.rate_hz)?;
             for parts in &fold.scored {
                 let parts = parts.as_ref()?;
@@ -130,8 +183,14 @@ impl Task<'_> {
                 scores.push(parts.score(&filter, &horizons).ok()?);
             }
         }
+        Some(drift_score::pooled(&scores))
+    }
+
+    /// A fit of the whole with its score.
+    fn scored(&self, recipe: Recipe, whole: Fitted, score: Vec<HorizonScore>) -> Option<Candidate> {
+        let filter = whole.shaping(self.turn_on, self.rate_hz)?;
         let remarks = match &whole.origin {
-            Origin::Allan | Origin::Burg | Origin::Compared(_) => Vec::new(),
+            Origin::Allan | Origin::Burg | Origin::Compared(_) | Origin::Average => Vec::new(),
             Origin::Arma(fit) => remarks::of_arma(fit),
             Origin::Composite(fit) => remarks::of_composite(fit),
         };
@@ -146,7 +205,7 @@ impl Task<'_> {
             parameters: whole.parameters,
             aic: self.aic(&whole, recipe),
             ljung_box_p,
-            score: drift_score::pooled(&scores),
+            score,
             remarks,
             model: AxisModel {
                 turn_on: self.turn_on,
@@ -220,7 +279,7 @@ pub(super) fn candidates(task: &Task) -> Tried {
     let blocks = &scales::BLOCKS[1..];
     let marginal = |filter: &ShapingFilter| task.marginal(filter);
     let whole = TrainingSet {
-        end_to_end: task.records.iter().flat_map(|r| bridge(r, 0.0)).collect(),
+        end_to_end: end_to_end(bridged(&task.records)),
         records: task.records.clone(),
         wavelet: composite::curve(&task.records, 1.0 / task.rate_hz).ok(),
         rate_hz: task.rate_hz,
@@ -254,7 +313,17 @@ pub(super) fn candidates(task: &Task) -> Tried {
     let recipes = recipes(task, pandit_wu.as_ref());
     let candidate = |k: usize| task.candidate(recipes[k], fit(recipes[k])?, &folds);
     let candidates = parallel::map(recipes.len(), candidate);
-    let candidates: Vec<Candidate> = candidates.into_iter().flatten().collect();
+    let (mut candidates, sums): (Vec<Candidate>, Vec<_>) = candidates.into_iter().flatten().unzip();
+    let mut chosen = recommended(&candidates);
+    if let Some((at, reason)) = &mut chosen
+        && let Some((average, models)) = task.average(&candidates, &sums, *at, &folds)
+    {
+        *at = candidates.len();
+        reason.name = average.name.clone();
+        (reason.states, reason.parameters) = (average.states, average.parameters);
+        reason.choice = Choice::Average { models };
+        candidates.push(average);
+    }
     let missing = Method::ALL.into_iter().filter(|method| {
         let name = method.candidate();
         candidates.iter().all(|candidate| candidate.name != name)
@@ -277,6 +346,7 @@ pub(super) fn candidates(task: &Task) -> Tried {
         pandit_wu,
         scales,
         not_fitted: not_fitted.collect(),
+        chosen,
         candidates,
     }
 }

@@ -31,6 +31,9 @@ pub fn reason(of: &Reason) -> String {
         Choice::Simplest { excess_percent } => format!(
             "{name} is the simplest of the likeliest candidates whose drift at {span} s is within the sampling error of the least (at most {excess_percent:.1} % above it)."
         ),
+        Choice::Average { models } => format!(
+            "{name} has the mean spectrum of {models} models, each with its Akaike weight: the recording does not tell them apart, and they expect other drifts."
+        ),
         Choice::LeastExcess { excess_percent } => format!(
             "No candidate is within the sampling error of the least drift at all of {span} s; {name} has the smallest excess, at most {excess_percent:.1} %."
         ),
@@ -60,6 +63,10 @@ mod tests {
         assert_eq!(
             with(0, Choice::Simplest { excess_percent }),
             "white (0 states, 1 parameter) is the simplest of the likeliest candidates whose drift at 1, 10 s is within the sampling error of the least (at most 2.3 % above it)."
+        );
+        assert_eq!(
+            with(3, Choice::Average { models: 4 }),
+            "white (3 states, 1 parameter) has the mean spectrum of 4 models, each with its Akaike weight: the recording does not tell them apart, and they expect other drifts."
         );
         assert_eq!(
             with(1, Choice::LeastExcess { excess_percent }),

@@ -85,6 +85,34 @@ pub struct Adf {
 /// # Ok::<(), undrift_noise::screening::RecordError>(())
 /// ```
 pub fn adf(x: &[f64], deterministic: Deterministic, lags: Lags) -> Result<Adf, RecordError> {
+    let [found] = adf_by_rules(x, deterministic, [lags])?;
+    Ok(found)
+}
+
+/// Does [`adf`] for several rules of one record, whose sums of products are found once.
+///
+/// # Errors
+/// As [`adf`].
+pub(crate) fn adf_by_rules<const K: usize>(
+    x: &[f64],
+    deterministic: Deterministic,
+    rules: [Lags; K],
+) -> Result<[Adf; K], RecordError> {
+    let mut sums = Vec::new();
+    let mut all = Vec::with_capacity(K);
+    for lags in rules {
+        all.push(one(x, deterministic, lags, &mut sums)?);
+    }
+    Ok(std::array::from_fn(|k| all[k]))
+}
+
+/// The test by one rule; `sums` are kept.
+fn one(
+    x: &[f64],
+    deterministic: Deterministic,
+    lags: Lags,
+    sums: &mut Vec<Products>,
+) -> Result<Adf, RecordError> {
     let (mean, _) = check_varying(x, 4 + deterministic.columns())?;
     let centre = if deterministic == Deterministic::None {
         0.0
@@ -98,11 +126,11 @@ pub fn adf(x: &[f64], deterministic: Deterministic, lags: Lags) -> Result<Adf, R
             let max = max
                 .unwrap_or(schwert(x.len(), 12.0).ceil() as usize)
                 .min(most);
-            let (lag, criterion) = search(&Products::new(x, centre, max)?, deterministic, lags)?;
+            let (lag, criterion) = search(products(x, centre, max, sums)?, deterministic, lags)?;
             (lag, Some(criterion))
         }
     };
-    let products = Products::new(x, centre, chosen)?;
+    let products = products(x, centre, chosen, sums)?;
     // The level last: its t is then the last element of the solved right-hand side.
     let mut order = products.deterministic(deterministic);
     order.extend((1..=chosen).map(Column::Difference));
@@ -125,6 +153,23 @@ pub fn adf(x: &[f64], deterministic: Deterministic, lags: Lags) -> Result<Adf, R
         critical: critical_tau(deterministic, products.rows),
         criterion,
     })
+}
+
+/// The sums of a number of lags, found before or now.
+fn products<'a>(
+    x: &[f64],
+    centre: f64,
+    lags: usize,
+    found: &'a mut Vec<Products>,
+) -> Result<&'a Products, RecordError> {
+    let at = match found.iter().position(|of| of.lags == lags) {
+        Some(at) => at,
+        None => {
+            found.push(Products::new(x, centre, lags)?);
+            found.len() - 1
+        }
+    };
+    Ok(&found[at])
 }
 
 /// The lag that the rule picks, and its criterion.

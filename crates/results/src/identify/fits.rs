@@ -192,7 +192,7 @@ pub struct Candidate {
     pub gauss_markov: Vec<GaussMarkov>,
     /// Standard deviation of the turn-on constant \[unit\].
     pub turn_on: Number,
-    /// How it was fitted: "allan", "burg" or "maximum likelihood"; of a method of the literature "power spectrum",
+    /// How it was fitted: "allan", "burg", "maximum likelihood" or, of likely models, "average"; of a method of the literature "power spectrum",
     /// "autocorrelation", "allan minimum" or "allan bound".
     pub method: String,
     /// What the fit reports of itself.

@@ -48,10 +48,23 @@ pub(super) struct Fold<'a> {
     pub(super) scored: Vec<Option<Parts<'a>>>,
 }
 
+/// Each record with straight lines over what is missing.
+pub(super) fn bridged(records: &[&[f64]]) -> Vec<Vec<f64>> {
+    records.iter().map(|record| bridge(record, 0.0)).collect()
+}
+
+/// Records in one.
+pub(super) fn end_to_end(mut records: Vec<Vec<f64>>) -> Vec<f64> {
+    match records.len() {
+        1 => records.swap_remove(0),
+        _ => records.concat(),
+    }
+}
+
 impl<'a> TrainingSet<'a> {
     /// The Allan deviation of the records and its terms; `None` where they cannot be fitted.
     pub(super) fn new(records: Vec<&'a [f64]>, rate_hz: f64, blocks: Blocks) -> Option<Self> {
-        let bridged: Vec<Vec<f64>> = records.iter().map(|record| bridge(record, 0.0)).collect();
+        let bridged = bridged(&records);
         let curve = |record: &Vec<f64>| {
             allan::deviations(record, rate_hz, DeviationKind::Overlapping, Grid::Octave).ok()
         };
@@ -61,7 +74,7 @@ impl<'a> TrainingSet<'a> {
         Some(Self {
             wavelet: composite::curve(&records, 1.0 / rate_hz).ok(),
             records,
-            end_to_end: bridged.concat(),
+            end_to_end: end_to_end(bridged),
             rate_hz,
             allan: allan::fit_terms(&curve).ok()?.with_less_white(inflation),
             curve,

@@ -17,7 +17,7 @@
 
 use super::{
     super::{HIGH_ORDER_SAMPLES, Origin},
-    REFINE_EFFORT,
+    REFINE_EFFORT, average,
     folds::TrainingSet,
 };
 use crate::{
@@ -50,6 +50,8 @@ pub(super) enum Recipe {
     Burg(usize),
     /// As others fit it.
     Compared(Method),
+    /// The average of the sums of terms that the record does not tell apart; made of their fits, not fitted.
+    Average,
 }
 
 /// A recipe fitted.
@@ -73,6 +75,7 @@ impl Recipe {
             Self::UnitRoot => "ARMA(1,1), unit root".to_owned(),
             Self::Burg(p) => format!("AR({p}), Burg"),
             Self::Compared(method) => method.candidate().to_owned(),
+            Self::Average => "average of likely models".to_owned(),
         }
     }
 
@@ -87,6 +90,7 @@ impl Recipe {
             Self::Arma(p, q) | Self::ArmaByTest(p, q) => p + q + 1,
             Self::Burg(p) => p + 1,
             Self::Compared(_) => Method::PARAMETERS,
+            Self::Average => average::SET.parameters(),
         }
     }
 
@@ -165,6 +169,7 @@ impl Recipe {
                 };
                 (model, Origin::Compared(method))
             }
+            Self::Average => return None,
         };
         Some(self.fitted((model, origin)))
     }
@@ -181,6 +186,18 @@ impl Recipe {
 }
 
 impl Fitted {
+    /// The sum of terms that it is, if it is one without quantisation.
+    pub(super) fn sum(&self) -> Option<CompositeTerms> {
+        match &self.origin {
+            Origin::Composite(fit) => Some(fit.terms).filter(|terms| terms.quantisation == 0.0),
+            Origin::Allan => Some(CompositeTerms {
+                white: self.model.white?,
+                ..CompositeTerms::default()
+            }),
+            _ => None,
+        }
+    }
+
     /// The filter that is scored: exact, with the turn-on constant; `None` where the model has no filter at this rate.
     ///
     /// `turn_on` \[unit\] is 0 for likelihoods, whose level is estimated.

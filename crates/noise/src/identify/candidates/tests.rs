@@ -200,7 +200,10 @@ fn a_candidate_is_scored_on_the_halves_it_was_not_fitted_to() {
     let reversed: Vec<Vec<f64>> = vec![record.iter().rev().copied().collect()];
     let folds = Fold::all(&task.records, &reversed, RATE, SINGLE);
     let whole = Recipe::White.fit(&part, None, &[]).unwrap();
-    let found = task.candidate(Recipe::White, whole, &folds).unwrap();
+    let (found, sums) = task.candidate(Recipe::White, whole, &folds).unwrap();
+    let fitted = std::iter::once(&part).chain(folds.iter().map(|fold| &fold.fitted));
+    let densities = Vec::from_iter(fitted.map(|part| part.allan.white.value));
+    assert_eq!(Vec::from_iter(sums.iter().map(|sum| sum.white)), densities);
     assert_eq!(
         (found.name.as_str(), found.compared, found.parameters),
         ("white", false, 2)
@@ -399,4 +402,68 @@ fn of_blocks_behind_a_filter_the_overlap_is_estimated() {
     assert_eq!(overlap(false), 0.0);
     let found = overlap(true);
     assert!(found != 0.0 && found.abs() < 0.04, "{found}");
+}
+
+/// White noise over a walk for ten minutes at 10 Hz.
+fn short_walk(seed: u64) -> Vec<f64> {
+    let terms = CompositeTerms {
+        white: 1.0,
+        random_walk: 1.0 / 30.0,
+        ..CompositeTerms::default()
+    };
+    let filter = terms.to_shaping(1.0 / RATE).unwrap();
+    NoiseGenerator::new(&filter, seed).take(6000).collect()
+}
+
+#[test]
+fn what_ten_minutes_do_not_tell_apart_is_averaged() {
+    let tried = |seed| {
+        let record = short_walk(seed);
+        let part = TrainingSet::new(vec![&record], RATE, SINGLE).unwrap();
+        let tried = candidates(&task(&record, &part));
+        let (at, reason) = tried.chosen.unwrap();
+        (tried.candidates, at, reason)
+    };
+    let is_average = |name: &str| name == "average of likely models";
+    let of_seeds = Vec::from_iter((1..9).map(tried));
+    let (all, at, reason) = of_seeds
+        .iter()
+        .find(|(all, at, _)| is_average(&all[*at].name))
+        .unwrap();
+    let at = *at;
+    assert_eq!(at, all.len() - 1, "it is the last");
+    let average = &all[at];
+    assert_eq!(
+        (reason.name.as_str(), reason.states, reason.parameters),
+        (average.name.as_str(), average.states, 7)
+    );
+    assert!(matches!(reason.choice, Choice::Average { models } if models > 2));
+    assert!(!average.compared && average.model.turn_on == 0.5);
+    // Its variance at two minutes is among those of the sums, and so is its drift on the halves.
+    let mut found = CompositeTerms {
+        white: average.model.white.unwrap(),
+        random_walk: average.model.random_walk.unwrap_or(0.0),
+        ..CompositeTerms::default()
+    };
+    for (term, process) in found
+        .gauss_markov
+        .iter_mut()
+        .zip(&average.model.instability)
+    {
+        *term = *process;
+    }
+    let sums = || all.iter().filter(|one| one.composite().is_some());
+    let is_among = |value: f64, of: &dyn Fn(&Candidate) -> f64| {
+        let least = sums().map(of).fold(f64::INFINITY, f64::min);
+        least < value && value < sums().map(of).fold(0.0, f64::max)
+    };
+    let at_two_minutes = |terms: &CompositeTerms| crate::wavelet::model_variance(terms, 1200, 0.1);
+    let of_sum = |one: &Candidate| at_two_minutes(&one.composite().unwrap().terms);
+    assert!(is_among(at_two_minutes(&found), &of_sum));
+    let drift = |one: &Candidate| one.score[2].predicted_rms;
+    assert!(is_among(drift(average), &drift));
+    // A walk that is plain is one.
+    let (all, at, reason) = &of_seeds[1];
+    assert_eq!(all[*at].name, "white + random walk");
+    assert_eq!(reason.choice, Choice::LeastDrift);
 }
