@@ -13,6 +13,6 @@ pub use collect::{
 };
 pub use tuned::{IN_VEHICLE, is_tuned, of_model};
 pub use undrift_results::findings::{
-    Finding, LeftOut, Log, NoError, Severity, TemperatureUse, WhyLeftOut, is_doubtful, is_jump,
-    ranked, verdict,
+    Finding, LeftOut, Log, LogEnd, NoError, Severity, TemperatureUse, WhyLeftOut, is_doubtful,
+    is_jump, ranked, verdict,
 };

@@ -300,6 +300,8 @@ pub trait Estimator: Send + Sync {
     fn set_white_noise(&mut self, variance: &[f64; AXES]);
     /// Adds uncertainty to the heading \[rad\] and the error of gyro z \[rad/s\], one standard deviation each.
     fn inflate_heading(&mut self, heading: f64, gyro: f64);
+    /// Adds uncertainty to the time offsets of positions and velocities, the same to both \[s\], one standard deviation.
+    fn inflate_time_offsets(&mut self, std: f64);
     /// Adds variance to the errors of gyro x, y, z [rad²/s²] and accelerometer x, y, z [m²/s⁴].
     fn inflate_sensor_errors(&mut self, variance: &[f64; AXES]);
     /// Adds uncertainty in the turn \[rad²\] and the change of velocity \[m²/s²\] of what was just passed, body axes.

@@ -55,7 +55,7 @@ const AGREE: f64 = 0.3;
 /// Innovations also agree when they differ by less than this many standard deviations of two fixes.
 const AGREE_SIGMAS: f64 = 2.0;
 /// Fixes rejected within this time after the solution accepted others belong to the run before \[s\].
-const GOES_ON: f64 = 3.0;
+pub(super) const GOES_ON: f64 = 3.0;
 
 /// Information of the logarithm of a [`Scale`] at first: a standard deviation of a factor of ten in the variance.
 const PRIOR: f64 = 0.2;

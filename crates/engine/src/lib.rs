@@ -61,6 +61,7 @@ mod course;
 pub mod derived;
 pub mod estimator;
 pub mod fixes;
+mod forward;
 mod gate;
 mod heading;
 mod health;
@@ -100,6 +101,6 @@ pub use observer::Observer;
 pub use summary::{LateSamples, MOST_EVENTS, SideSlip, Summary};
 pub use undrift_events::{
     Agreement, Aid, Contradiction, CovarianceHealth, Disagreement, DisturbedField, Event, FixMend,
-    HeadingOff, Implausible, Innovations, Lean, Log, Part, RejectedHeadings, Restart, RestartCause,
-    SampleFault, ScalarLog, Window, WindowPart, Windows,
+    HeadingOff, Implausible, Innovations, Lean, Log, Mismatch, Part, RejectedHeadings, Restart,
+    RestartCause, SampleFault, ScalarLog, Window, WindowPart, Windows,
 };

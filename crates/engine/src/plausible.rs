@@ -14,6 +14,8 @@
 //! | velocity | displacements against integrated velocity, and which of eleven mistakes explains the difference |
 //! | changed | the same regressions on either side of some time |
 //! | velocity scale | displacements against integrated velocity: a multiple beyond chance |
+//! | late velocities, accelerometers | lags of turns and of gains of speed |
+//! | held positions | steps from where a receiver stood still to where it is |
 //! | alternates | changes of the slope of positions that alternate: two receivers in one log |
 //!
 //! Each needs enough of what it judges by (turns, accelerations, ways); without it says nothing. None changes
@@ -21,6 +23,8 @@
 
 mod alternation;
 mod changes;
+mod held;
+mod lags;
 mod moves;
 mod regression;
 mod turns;
@@ -29,11 +33,12 @@ use crate::{align::Heading, derived::Positions, settings::Settings};
 use alloc::vec::Vec;
 use alternation::Alternation;
 use core::ops::Range;
+use held::Held;
 use moves::Moves;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use turns::Turns;
-use undrift_events::Implausible;
+use undrift_events::{Implausible, Mismatch};
 use undrift_nav::{
     Matrix3, Vector3,
     earth::STANDARD_GRAVITY,
@@ -108,6 +113,7 @@ pub(super) struct Plausible {
     turns: Turns,
     moves: Moves,
     alternation: Alternation,
+    held: Held,
     positions: Positions,
 }
 
@@ -124,6 +130,7 @@ impl Plausible {
             turns: Turns::new(),
             moves: Moves::default(),
             alternation: Alternation::default(),
+            held: Held::default(),
             positions: Positions::default(),
         }
     }
@@ -163,6 +170,7 @@ impl Plausible {
     /// Velocities of a fix, or derived from positions where it has none.
     pub(super) fn fix(&mut self, fix: &GnssFix) {
         self.alternation.fix(fix);
+        self.held.fix(fix);
         if let Some((velocity, r)) = &fix.velocity {
             let variance = r.fixed_view::<2, 2>(0, 0).trace() / 2.0;
             self.turns.velocity(fix.time, velocity, variance);
@@ -171,6 +179,12 @@ impl Plausible {
             let variance = derived.covariance.fixed_view::<2, 2>(0, 0).trace() / 2.0;
             self.turns.velocity(derived.time, &derived.v_n, variance);
         }
+    }
+
+    /// What of samples and fixes does not go together and is no error of the configuration, after [`Plausible::findings`].
+    pub(super) fn mismatches(&self) -> Vec<Mismatch> {
+        let held = self.held.finding();
+        self.turns.late().into_iter().chain(held).collect()
     }
 
     /// What cannot be, at the end of the log.

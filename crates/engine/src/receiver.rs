@@ -28,8 +28,11 @@
 //! sets a state.
 
 mod height;
+mod motion;
+mod stamps;
+mod steps;
 
-use self::height::HeightGate;
+use self::{height::HeightGate, motion::Motion, stamps::Stamps, steps::Steps};
 use super::{
     gate::{FixGate, Scale, Verdict},
     summary::{MOST_EVENTS, Summary},
@@ -47,13 +50,11 @@ use undrift_nav::{
     Matrix3, Vector3,
     aiding::Stretch,
     earth::STANDARD_GRAVITY,
-    filter::{FilterError, Gate, Update},
+    filter::{FilterError, Gate, Outcome, Update},
     sample::{GnssFix, Position},
 };
 
-/// Lets nothing through.
-///
-/// A gate that rejects every update: used while a receiver repeats itself.
+/// Lets nothing through: used while a receiver repeats itself.
 const SHUT: Gate = Gate {
     weaken: -1.0,
     reject: -1.0,
@@ -112,6 +113,9 @@ pub(super) struct Receiver {
     position: FixPart,
     velocity: FixPart,
     height: HeightGate,
+    steps: Steps,
+    motion: Motion,
+    stamps: Stamps,
     /// The last position, since when it has been the same \[s\], and the velocity then.
     same: Option<(Position, f64, Option<Vector3>)>,
     /// Change of the velocity, north and east, by updates with the same fix of late \[m/s\], and the time of the last \[s\].
@@ -136,6 +140,9 @@ impl Receiver {
             position: channel(Part::Position),
             velocity: channel(Part::Velocity),
             height: HeightGate::new(time),
+            steps: Steps::default(),
+            motion: Motion::default(),
+            stamps: Stamps::default(),
             same: None,
             pull: (Vector2::zeros(), time),
             tilted: f64::INFINITY,
@@ -145,7 +152,6 @@ impl Receiver {
     }
 
     /// Starts for a new solution, but keeps what is known of the receiver's accuracy.
-    /// What is open is noted first.
     ///
     /// After an alignment, at `time` \[s\]: gates begin unconfirmed.
     pub(super) fn forget_solution(&mut self, time: f64, summary: &mut Summary) {
@@ -212,8 +218,13 @@ impl Receiver {
                 self.velocity.gate.unconfirm();
             }
             self.frozen = frozen;
+            let wander = self.stamps.next(fix.time);
+            if settings.gating && wander > 0.0 {
+                filter.inflate_time_offsets(wander);
+            }
         }
         let frozen = self.frozen;
+        self.motion.follow(filter);
         if let Some((position, r)) = fix.position
             && settings.gnss_use != GnssUse::Velocity
             && part != Some(Part::Velocity)
@@ -232,9 +243,10 @@ impl Receiver {
                 _ => PATIENCE_POSITION_ALONE,
             };
             let judged = !open && !frozen && !self.position.gate.is_in_doubt();
-            if judged && let Some(innovation) = filter.innovation(&aiding) {
+            let before = filter.innovation(&aiding);
+            if judged && let Some(innovation) = &before {
                 white[(2, 2)] +=
-                    (self.height).judge(filter, fix.time, &innovation, &r, patience, summary);
+                    (self.height).judge(filter, fix.time, innovation, &r, patience, summary);
             }
             let offer = Offer {
                 aiding,
@@ -246,13 +258,23 @@ impl Receiver {
                 speed_doubted: !with_velocity,
                 leans: fix.attitude.is_none(),
             };
-            updates[0] = Some(self.position.update(filter, &offer, settings, summary));
+            let update = self.position.update(filter, &offer, settings, summary);
+            match (&update, before, filter.innovation(&offer.aiding)) {
+                (Ok(update), Some(before), Some(after)) if update.outcome != Outcome::Rejected => {
+                    let changes = [&before, &after];
+                    let moves = (self.motion.drift(filter), &filter.nav().v_n);
+                    self.steps.used(fix.time, changes, &r, moves, summary);
+                }
+                _ => self.steps.rejected(),
+            }
+            updates[0] = Some(update);
         }
         if let Some((v_n, r)) = fix.velocity
             && with_velocity
             && part != Some(Part::Position)
         {
             let (mut white, correlated) = settings.fix_errors.split_velocity(&r);
+            white += self.motion.lag();
             let mut aiding = Aiding::Velocity {
                 v_n,
                 lever_arm,
@@ -290,9 +312,7 @@ impl Receiver {
     }
 
     /// Notes how far an update has moved the velocity from what it was `before`.
-    /// Pulls are forgotten with a time constant of 4 s.
-    ///
-    /// Horizontal, before less after [m/s].
+    /// Pulls (horizontal, before less after) are forgotten with a time constant of 4 s.
     fn pulled(&mut self, before: Vector2<f64>, filter: &dyn Estimator, time: f64) {
         let left = (-(time - self.pull.1) / PULL_TIME).exp();
         let pull = self.pull.0 * left + before - filter.nav().v_n.xy();
@@ -352,7 +372,6 @@ impl Receiver {
     }
 
     /// Whether position and velocity have both been reset to fixes again and again.
-    ///
     /// Three resets of each within 90 s: the solution does not follow the fixes any more.
     pub(super) fn is_hopeless(&self, time: f64) -> bool {
         let both = self

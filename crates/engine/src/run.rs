@@ -33,6 +33,7 @@ use super::{
     checked::Checked,
     constraints::{self, Vehicle},
     course::CourseWatch,
+    forward::ForwardWatch,
     heading::Headings,
     inertial::Inertial,
     magnetometer::Compass,
@@ -89,6 +90,8 @@ pub(crate) struct Run {
     plausible: Plausible,
     /// Watch of the heading.
     course: CourseWatch,
+    /// Watch of the direction of motion in the body.
+    forward: ForwardWatch,
     /// Watch of the headings by two antennas.
     headings: Headings,
     /// Watch of the magnetic field.
@@ -138,6 +141,7 @@ impl Run {
             streak: Streak::default(),
             plausible: Plausible::new(&settings),
             course: CourseWatch::new(),
+            forward: ForwardWatch::default(),
             headings: Headings::new(),
             compass: Compass::new(),
             vehicle: Vehicle::new(&settings),

@@ -8,8 +8,8 @@ use nalgebra::ComplexField;
 use undrift_events::Aid;
 use undrift_events::{
     Alignment, Contradiction, CovarianceHealth, DisturbedField, Doubt, Event, FixErrors,
-    HeadingOff, Implausible, Innovations, Lean, Mounting, RejectedHeadings, Restart, SampleFault,
-    Windows,
+    HeadingOff, Implausible, Innovations, Lean, Mismatch, Mounting, RejectedHeadings, Restart,
+    SampleFault, Windows,
 };
 use undrift_nav::{Vector3, covariance::AXES, parameters::Parameter};
 
@@ -149,6 +149,8 @@ pub struct Summary {
     pub longest_without_gnss: (f64, f64),
     /// Units, axes, signs or times that cannot be right.
     pub implausible: Vec<Implausible>,
+    /// What of samples and fixes does not go together and is no error of the configuration.
+    pub mismatches: Vec<Mismatch>,
     /// Spans after which the solution was reset to fixes that contradict its velocity or both of its parts; the first
     /// [`MOST_EVENTS`].
     pub doubts: Vec<Doubt>,

@@ -5,6 +5,7 @@ mod flights;
 mod headings;
 mod magnetometers;
 mod poses;
+mod rtk;
 mod starts;
 
 use crate::{

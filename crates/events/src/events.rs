@@ -222,6 +222,22 @@ pub enum Implausible {
     VelocityScale([f64; 2]),
 }
 
+/// What of samples and fixes does not go together and is no error of the configuration.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum Mismatch {
+    /// The velocities of the fixes show the turns of the gyros so much later than stamped \[s\].
+    LateVelocities(f64),
+    /// The accelerometers are later than the gyros by so much \[s\].
+    LateAccelerometers(f64),
+    /// The receiver holds its position while it moves slowly; the largest step from there \[m\].
+    HeldPositions(f64),
+    /// The vehicle moves at this angle to body forward, and nothing says how the IMU sits in it \[rad\].
+    MovesAside(f64),
+}
+
 /// A sensor that measures the motion over ground otherwise than before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -21,7 +21,8 @@ mod windows;
 pub use aid::{Aid, Log, ScalarLog};
 pub use events::{
     ChangeOf, Contradiction, CovarianceHealth, DisturbedField, Doubt, Event, FixMend, HeadingOff,
-    Implausible, Lean, Part, RejectedHeadings, Restart, RestartCause, SampleFault, SensorChange,
+    Implausible, Lean, Mismatch, Part, RejectedHeadings, Restart, RestartCause, SampleFault,
+    SensorChange,
 };
 pub use fix_errors::FixErrors;
 pub use fixes::{GnssUse, Outage, STAMP_ROUNDING};

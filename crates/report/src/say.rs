@@ -76,7 +76,7 @@ pub fn say(finding: &Finding) -> String {
             std,
         } => start::no_mounting(*driving, *wander, *std),
         F::WithoutGnss { start, length } => solution::without_gnss(*start, *length),
-        F::EndsEarly { end, missing } => solution::ends_early(*end, *missing),
+        F::EndsEarly(of) => solution::ends_early(of.end, of.missing),
         F::Restart { time, why, resumed } => solution::restart(*time, *why, *resumed),
         F::LargeInnovations { start } => solution::large_innovations(*start),
         F::Disagreement {
@@ -94,6 +94,7 @@ pub fn say(finding: &Finding) -> String {
         F::Copied { axes } => sensors::copied(*axes),
         F::Wrapped(of) => sensors::wrapped(of),
         F::SensorChanged(change) => sensors::changed(change),
+        F::Mismatch(of) => sensors::mismatch(of),
         F::NoisyHeights { factor } => fixes::noisy_heights(*factor),
         F::VelocityScale { ratio } => fixes::velocity_scale(*ratio),
         F::WrongGravity { ratio, exchanged } => sensors::wrong_gravity(*ratio, *exchanged),

@@ -6,7 +6,9 @@ mod weight;
 pub use kinds::*;
 pub use weight::{is_doubtful, is_jump, ranked, verdict};
 
-use undrift_events::{Contradiction, FixMend, Lean, Part, RestartCause, SensorChange, WindowPart};
+use undrift_events::{
+    Contradiction, FixMend, Lean, Mismatch, Part, RestartCause, SensorChange, WindowPart,
+};
 
 /// One thing found.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -62,12 +64,7 @@ pub enum Finding {
         length: f64,
     },
     /// The inertial log ends long before the fixes do: it may be cut short.
-    EndsEarly {
-        /// Time of its last sample \[s\].
-        end: f64,
-        /// From there to the last fix \[s\].
-        missing: f64,
-    },
+    EndsEarly(LogEnd),
     /// Fixes state a covariance that is not positive definite.
     BadCovariance {
         /// How many.
@@ -127,6 +124,8 @@ pub enum Finding {
         /// Which, and its standard deviation [–].
         ratio: [f64; 2],
     },
+    /// Samples and fixes do not go together by this.
+    Mismatch(Mismatch),
     /// The mean specific force is not gravity.
     WrongGravity {
         /// Mean specific force over gravity.

@@ -16,7 +16,7 @@ use undrift_io::{
 };
 use undrift_nav::{Matrix3, Vector3, covariance::AXES};
 use undrift_noise::screening::Timing;
-use undrift_results::findings::{FarParameter, TemperatureUse};
+use undrift_results::findings::{FarParameter, LogEnd, TemperatureUse};
 
 /// Spans without a usable fix longer than this are reported \[s\].
 pub const WITHOUT_GNSS: f64 = 5.0;
@@ -199,6 +199,7 @@ pub fn of_disagreement(summary: &Summary) -> Vec<Finding> {
             most: late.most,
         });
     }
+    found.extend(summary.mismatches.iter().copied().map(Finding::Mismatch));
     found.extend(summary.leans.iter().copied().map(Finding::OneSided));
     found.extend(
         summary
@@ -348,7 +349,7 @@ pub fn of_ends(end: f64, fixes: [f64; 2]) -> Option<Finding> {
     let [first, last] = fixes;
     let missing = last - end;
     let long = missing > WITHOUT_GNSS.max(0.1 * (last - first));
-    long.then_some(Finding::EndsEarly { end, missing })
+    long.then_some(Finding::EndsEarly(LogEnd { end, missing }))
 }
 
 /// What was skipped in each log.

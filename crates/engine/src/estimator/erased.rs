@@ -293,6 +293,10 @@ impl<const N: usize> Estimator for Erased<N> {
         self.filter.inflate_heading(heading, gyro);
     }
 
+    fn inflate_time_offsets(&mut self, std: f64) {
+        self.filter.inflate_time_offsets(std);
+    }
+
     fn inflate_sensor_errors(&mut self, variance: &[f64; AXES]) {
         self.filter.inflate_sensor_errors(variance);
     }

@@ -1,6 +1,8 @@
 //! Regressions of what fixes show on what sensors measure, and how much of it is enough to judge by.
 
 use core::ops::Range;
+use nalgebra::Matrix3;
+use undrift_nav::Vector3;
 
 /// Sum of squares of the turns that is enough to judge by \[rad²\]: one right-angle bend.
 pub(super) const ENOUGH_TURN: f64 = 0.25;
@@ -65,6 +67,69 @@ impl Regression {
             (xy / xx, xy * xy / (xx * yy))
         } else {
             (0.0, 0.0)
+        }
+    }
+}
+
+/// A regression of some kind: how many pairs, and what share of the scatter it explains.
+pub(super) trait Rows {
+    fn count(&self) -> f64;
+    fn determination(&self) -> f64;
+}
+
+impl Rows for Regression {
+    fn count(&self) -> f64 {
+        self.n.max(1.0)
+    }
+
+    fn determination(&self) -> f64 {
+        self.fit().1
+    }
+}
+
+/// Sums of a regression of y on three x with means.
+#[derive(Clone, Copy, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct OnForce {
+    n: f64,
+    x: Vector3,
+    y: f64,
+    xx: Matrix3<f64>,
+    xy: Vector3,
+    yy: f64,
+}
+
+impl OnForce {
+    pub(super) fn add(&mut self, x: &Vector3, y: f64) {
+        self.n += 1.0;
+        self.x += x;
+        self.y += y;
+        self.xx += x * x.transpose();
+        self.xy += x * y;
+        self.yy += y * y;
+    }
+
+    /// Sum of squares of y about its mean.
+    pub(super) fn power(&self) -> f64 {
+        self.yy - self.y * self.y / self.count()
+    }
+}
+
+impl Rows for OnForce {
+    fn count(&self) -> f64 {
+        self.n.max(1.0)
+    }
+
+    fn determination(&self) -> f64 {
+        let n = self.count();
+        let xx = self.xx - self.x * self.x.transpose() / n;
+        let xy = self.xy - self.x * (self.y / n);
+        let explained = xx
+            .try_inverse()
+            .map_or(0.0, |inverse| xy.dot(&(inverse * xy)));
+        match self.power() > 1e-12 {
+            true => explained / self.power(),
+            false => 0.0,
         }
     }
 }

@@ -17,12 +17,13 @@
 //! two-wheeler makes too.
 
 use super::changes::{Changes, Compared};
-use super::regression::{ENOUGH_PUSH, ENOUGH_TURN, Regression, TURN_SCALE};
+use super::lags::{self, Lag, SIGMAS};
+use super::regression::{ENOUGH_PUSH, ENOUGH_TURN, OnForce, Regression, TURN_SCALE};
 use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::RealField;
-use undrift_events::{Implausible, SensorChange};
+use undrift_events::{Implausible, Mismatch, SensorChange};
 use undrift_nav::{Matrix3, Vector3, earth::wrap_pi, sample::ImuSample};
 
 /// Lags at which turns are compared: so many steps of so many seconds to each side.
@@ -39,6 +40,13 @@ const COURSE_STD: f64 = 0.1;
 const TURN_WINDOW: [f64; 2] = [0.9, 2.5];
 /// A larger turn in a window is an outlier \[rad\].
 const MOST_TURN: f64 = 1.0;
+/// Lags at which gains of speed are compared: so many steps of so many seconds to each side.
+const SPEED_LAGS: usize = 8;
+const SPEED_LAG: f64 = 0.1;
+/// Lags of the turns among which that of the velocities is looked for: so many steps to each side.
+const NEAR_LAGS: usize = 4;
+/// A difference of times that matters: less may be the shape of a motion \[s\].
+const LATE: f64 = 0.08;
 /// From one entry of the history of turns to the next \[s\].
 const HISTORY_STEP: f64 = 0.1;
 
@@ -87,6 +95,12 @@ pub(super) struct Turns {
     axes: [Regression; 3],
     /// Regressions of the accelerations along the course and to its right on the forces along forward and right.
     pushes: [[Regression; 2]; 2],
+    /// Regressions of the gains of speed on the specific force at each lag.
+    #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::array"))]
+    gains: [OnForce; 2 * SPEED_LAGS + 1],
+    /// The same of speed times the gyros' turns.
+    #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::array"))]
+    swings: [OnForce; 2 * SPEED_LAGS + 1],
     changes: Changes,
     /// Sum of the variances of the turns that noise makes \[rad²\].
     ///
@@ -104,6 +118,8 @@ impl Turns {
             lags: [Regression::default(); 2 * LAGS + 1],
             axes: [Regression::default(); 3],
             pushes: [[Regression::default(); 2]; 2],
+            gains: [OnForce::default(); 2 * SPEED_LAGS + 1],
+            swings: [OnForce::default(); 2 * SPEED_LAGS + 1],
             changes: Changes::default(),
             noise: 0.0,
         }
@@ -147,6 +163,8 @@ impl Turns {
         }
         self.axes = Default::default();
         self.pushes = Default::default();
+        self.gains = [OnForce::default(); 2 * SPEED_LAGS + 1];
+        self.swings = self.gains;
         self.changes.turn();
     }
 
@@ -237,6 +255,15 @@ impl Turns {
         let (Some(a), Some(b)) = (self.sums_at(window.start), self.sums_at(window.end)) else {
             return;
         };
+        for k in 0..self.gains.len() {
+            let late = (k as f64 - SPEED_LAGS as f64) * SPEED_LAG;
+            let then = [window.start, window.end].map(|time| self.sums_at(time + late));
+            if let [Some(from), Some(to)] = then {
+                let force = to.velocity - from.velocity;
+                self.gains[k].add(&force, window.faster);
+                self.swings[k].add(&force, window.speed * (b.yaw - a.yaw));
+            }
+        }
         for (axis, regression) in self.axes.iter_mut().enumerate() {
             regression.add(b.angle[axis] - a.angle[axis], window.turn);
         }
@@ -262,6 +289,45 @@ impl Turns {
     /// What a sensor does otherwise from some time on, where body down is `level`.
     pub(super) fn change(&self, level: bool) -> Option<SensorChange> {
         self.changes.finding(level)
+    }
+
+    /// Whether turns show enough above the noise of the courses to judge by.
+    fn is_enough(&self) -> bool {
+        let now = &self.lags[LAGS];
+        let signal = now.power() - self.noise;
+        signal > ENOUGH_TURN && signal > 2.0 * self.noise
+    }
+
+    /// What is late of velocities, gyros and accelerometers: the velocities against the gyros' turns, and the accelerometers against
+    /// the gyros.
+    ///
+    /// The latter in two ways, of which the smaller counts: gains of speed against turns, both by the velocities, whose
+    /// speed may lag otherwise than their course; and what pushes a vehicle to the side against speed times the gyros' turns, which an
+    /// IMU ahead of the axle feels earlier. Both look earlier in sound cars: accelerometers that are earlier are not named.
+    pub(super) fn late(&self) -> Vec<Mismatch> {
+        let near = &self.lags[LAGS - NEAR_LAGS..=LAGS + NEAR_LAGS];
+        let enough = self.is_enough() && near[NEAR_LAGS].n >= LAG_WINDOWS;
+        let first = -LAG * NEAR_LAGS as f64;
+        let Some(turns) = lags::best(near, first, LAG).filter(|_| enough) else {
+            return Vec::new();
+        };
+        let mut found = Vec::new();
+        if turns.lag < -LATE.max(SIGMAS * turns.std) {
+            found.push(Mismatch::LateVelocities(-turns.lag));
+        }
+        let ways = [&self.gains, &self.swings].map(|rows| {
+            let pushed = rows[SPEED_LAGS].power() > ENOUGH_PUSH;
+            let first = -SPEED_LAG * SPEED_LAGS as f64;
+            lags::best(rows, first, SPEED_LAG).filter(|_| pushed)
+        });
+        if let [Some(gains), Some(swings)] = ways {
+            let gains = gains.less(&turns);
+            let sure = |of: &Lag| of.lag > LATE.max(SIGMAS * of.std);
+            if [gains, swings].iter().all(sure) {
+                found.push(Mismatch::LateAccelerometers(gains.lag.min(swings.lag)));
+            }
+        }
+        found
     }
 
     /// Whether the vehicle accelerates along body forward, and is pushed along body right in turns.
@@ -294,8 +360,7 @@ impl Turns {
     /// At most one lag and one of axis, scale, none: in that order of precedence.
     pub(super) fn turns(&self, down: &Vector3) -> Vec<Implausible> {
         let now = &self.lags[LAGS];
-        let signal = now.power() - self.noise;
-        if signal < ENOUGH_TURN || signal < 2.0 * self.noise {
+        if !self.is_enough() {
             return Vec::new();
         }
         let (mut scale, mut r2) = now.fit();

@@ -41,6 +41,7 @@ impl Run {
         observer: &mut dyn Observer,
     ) -> Result<Summary, Box<NotAligned>> {
         self.summary.implausible = self.plausible.findings();
+        self.summary.mismatches = self.plausible.mismatches();
         self.summary.judge_signs();
         self.summary.repeated = self.queue.repeated();
         self.summary.study = self
@@ -80,6 +81,10 @@ impl Run {
         }
         if let Some(last) = self.log.last_fix {
             self.summary.without_gnss(last, self.summary.ended);
+        }
+        if self.search.is_none() && self.settings.constraints.non_holonomic.is_none() {
+            let aside = self.forward.finding();
+            self.summary.mismatches.extend(aside);
         }
         self.streak.judge(&mut self.summary);
         self.receiver.close(&mut self.summary);

@@ -26,8 +26,8 @@ use super::{
     progress::{begins, carries_velocity, part},
 };
 use crate::{
-    align::Aligned, course::CourseWatch, estimator::STAMP_ROUNDING, observer::Observer,
-    receiver::Held, settings::GnssUse, solution::Solution, watch::Streak,
+    align::Aligned, course::CourseWatch, estimator::STAMP_ROUNDING, forward::ForwardWatch,
+    observer::Observer, receiver::Held, settings::GnssUse, solution::Solution, watch::Streak,
 };
 use alloc::sync::Arc;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
@@ -134,6 +134,7 @@ impl Run {
         self.streak = Streak::default();
         self.receiver.forget_solution(fix.time, &mut self.summary);
         self.course = CourseWatch::new();
+        self.forward = ForwardWatch::default();
         let by = |source| aligned.how.source.is_by(source);
         self.headings
             .restart(fix.time, by(HeadingSource::Antennas), &mut self.summary);
@@ -301,6 +302,7 @@ impl Run {
         }
         if carries_velocity(fix, part) {
             self.vehicle.fix(filter, fix, &self.settings);
+            self.forward.fix(filter);
             let confirmed = self.compass.agrees(fix.time);
             if self.settings.gating && !self.receiver.repeats() && !confirmed {
                 self.course.fix(filter, fix, &mut self.summary);

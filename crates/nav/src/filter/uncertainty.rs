@@ -111,6 +111,18 @@ impl<const N: usize> Filter<N> {
         }
     }
 
+    /// Adds uncertainty to the time offsets of positions and velocities, the same to both \[s\], one standard deviation: for stamps
+    /// whose delay has changed. Without effect where none is estimated.
+    pub fn inflate_time_offsets(&mut self, std: f64) {
+        let kinds = [Parameter::TimeOffset, Parameter::VelocityTimeOffset];
+        let places = kinds.map(|kind| self.parameter_start(kind));
+        for i in places.into_iter().flatten() {
+            for j in places.into_iter().flatten() {
+                self.p[(i, j)] += std * std;
+            }
+        }
+    }
+
     /// Adds variance to the errors of the sensors, gyro x, y, z [rad²/s²] and accelerometer x, y, z [m²/s⁴]: for a bias that
     /// is no longer what it was. It enters by the state that lasts longest; an axis without states keeps its error.
     ///

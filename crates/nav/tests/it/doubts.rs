@@ -207,3 +207,34 @@ fn a_gyro_whose_error_has_no_state_stays_as_it_was() {
     let off = (filter.covariance() - before - expected).amax();
     assert!(off < EXACT, "{off:e}");
 }
+
+#[test]
+fn a_delay_that_has_changed_is_that_of_both_parts_of_a_fix() {
+    let nav = NavState {
+        time: 0.0,
+        position: Geodetic::from_degrees(45.0, 7.0, 300.0),
+        v_n: Vector3::zeros(),
+        q_nb: from_rpy(&Vector3::zeros()),
+    };
+    let std = InitialStd {
+        position: Vector3::repeat(1.0),
+        velocity: Vector3::repeat(1.0),
+        attitude: Vector3::repeat(0.1),
+    };
+    let white = ShapingFilter::white(1e-3, DT).unwrap();
+    let offset = Prior::constant(0.1);
+    let kinds = [Parameter::TimeOffset, Parameter::VelocityTimeOffset];
+    // Both, one, none.
+    for estimated in [&kinds[..], &kinds[..1], &[]] {
+        let of = |parameters: Parameters, kind: &Parameter| parameters.with(*kind, offset);
+        let parameters = estimated.iter().fold(Parameters::none(), of);
+        let mut filter = Filter::<11>::new(nav, &std, [white; 6], parameters).unwrap();
+        let before = *filter.covariance();
+        filter.inflate_time_offsets(0.03);
+        let mut expected = SMatrix::<f64, 11, 11>::zeros();
+        let n = 9 + estimated.len();
+        expected.view_mut((9, 9), (n - 9, n - 9)).fill(9e-4);
+        let off = (filter.covariance() - before - expected).amax();
+        assert!(off < EXACT, "{off:e}");
+    }
+}

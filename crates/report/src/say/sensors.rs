@@ -5,7 +5,7 @@ use crate::{
     constants::{Constant, constant},
     numbers::short,
 };
-use undrift_events::{ChangeOf, DisturbedField, RejectedHeadings, SensorChange};
+use undrift_events::{ChangeOf, DisturbedField, Mismatch, RejectedHeadings, SensorChange};
 use undrift_results::findings::{Finding, TemperatureUse, WrappedAxis};
 
 /// Values that the IMU repeats.
@@ -101,6 +101,25 @@ pub(super) fn changed(change: &SensorChange) -> String {
         at(from),
         at(to)
     )
+}
+
+pub(super) fn mismatch(of: &Mismatch) -> String {
+    match *of {
+        Mismatch::LateVelocities(delay) => format!(
+            "the velocities of the fixes are {delay:.2} s late against the turns of the gyros: the receiver's own filter, differences of positions, or wrong stamps"
+        ),
+        Mismatch::LateAccelerometers(delay) => format!(
+            "the accelerometers are {delay:.2} s later than the gyros: two clocks or topics, or a low-pass on one of them; shift one of the two, or estimate it with states.accel_delay"
+        ),
+        Mismatch::HeldPositions(step) => format!(
+            "the receiver holds its position while it moves slowly, and then steps by up to {} m: switch off its static hold",
+            short(step)
+        ),
+        Mismatch::MovesAside(angle) => format!(
+            "the vehicle moves {:.0} deg off the IMU's forward axis: attitude and heading are the IMU's, not the vehicle's; set imu.mounting or imu.axes",
+            angle.to_degrees()
+        ),
+    }
 }
 
 pub(super) fn temperature(of: &TemperatureUse) -> String {

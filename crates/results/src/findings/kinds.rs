@@ -44,6 +44,16 @@ pub enum WhyLeftOut {
     NoSamples,
 }
 
+/// End of an inertial log that ends before the fixes do.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct LogEnd {
+    /// Time of its last sample \[s\].
+    pub end: f64,
+    /// From there to the last fix \[s\].
+    pub missing: f64,
+}
+
 /// How a model's bias over temperature was taken out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

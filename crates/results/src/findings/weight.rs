@@ -4,7 +4,7 @@ use super::{Finding, Log, Severity};
 use crate::inspect::PoseFault;
 use statrs::distribution::{Binomial, DiscreteCDF};
 use std::ops::RangeInclusive;
-use undrift_events::{ChangeOf, Contradiction, Part, WindowPart};
+use undrift_events::{ChangeOf, Contradiction, Mismatch, Part, WindowPart};
 
 /// Prior standard deviations beyond which an estimated parameter is no parameter any more.
 const VERY_FAR: f64 = 7.0;
@@ -20,6 +20,11 @@ const LONG: f64 = 1.0;
 const SCATTERS: f64 = 3.0;
 /// A heading that is further off than this is that of another axis \[rad\].
 const MOVED: f64 = 0.5;
+/// One that stays so far off \[rad\] for so long \[s\] was wrong before or is now.
+const TURNED: f64 = 0.1;
+const LASTS: f64 = 60.0;
+/// Accelerometers that are further from the gyros than this \[s\] turn the attitude in every manoeuvre.
+const APART: f64 = 0.15;
 /// Samples that came from the wrong end of the range, up to which they are treated as spikes are.
 const FEW_JUMPS: u64 = 10;
 /// Beyond this part of it a velocity is another quantity or in another unit.
@@ -116,6 +121,12 @@ impl Finding {
             // A vehicle that begins to move across its axis turns its course without its gyros.
             Self::SensorChanged(change) if change.what == ChangeOf::NoTurn => Severity::Warning,
             Self::Copied { .. } | Self::SensorChanged(_) => Severity::Unusable,
+            Self::Mismatch(Mismatch::LateAccelerometers(delay)) if *delay > APART => {
+                Severity::Unusable
+            }
+            Self::Mismatch(Mismatch::LateAccelerometers(_) | Mismatch::MovesAside(_)) => {
+                Severity::Warning
+            }
             Self::Wrapped(of) if of.jumps > FEW_JUMPS => Severity::Unusable,
             Self::VelocityScale { ratio, .. } if (ratio[0] - 1.0).abs() > FAR_SCALE => {
                 Severity::Unusable
@@ -157,6 +168,9 @@ impl Finding {
                 Severity::Warning
             }
             Self::HeadingOff { angle, .. } if angle.abs() > MOVED => Severity::Unusable,
+            Self::HeadingOff {
+                start, end, angle, ..
+            } if angle.abs() > TURNED && end - start > LASTS => Severity::Unusable,
             Self::Held { length, .. } if *length > LONG => Severity::Warning,
             Self::NotDown { down } if down[2] < UPSIDE_DOWN => Severity::Warning,
             Self::Frozen { .. }
@@ -231,6 +245,7 @@ impl Finding {
             | Self::NotRun { all: true, .. } => 0,
             Self::Copied { .. } | Self::Wrapped { .. } => 1,
             Self::Poses(_) if self.severity() > Severity::Note => 1,
+            Self::Mismatch(_) => 2,
             Self::SensorChanged { .. } | Self::VelocityScale { .. } => 1,
             Self::OutagesLeftOut(of) if of.is_all() => 0,
             Self::Constant { .. }

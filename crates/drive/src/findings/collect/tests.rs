@@ -117,10 +117,10 @@ fn a_log_ends_early_by_a_tenth_of_the_fixes() {
     let none = |end: f64, fixes| of_ends(end, fixes).is_none();
     assert!(none(990.0, [900.0, 1000.0]));
     let missing = of_ends(989.0, [900.0, 1000.0]);
-    let expected = Finding::EndsEarly {
+    let expected = Finding::EndsEarly(LogEnd {
         end: 989.0,
         missing: 11.0,
-    };
+    });
     assert_eq!(missing, Some(expected));
     assert!(none(1010.0, [900.0, 1000.0]));
     assert!(none(10.0, [0.0, 10.0 + WITHOUT_GNSS]));

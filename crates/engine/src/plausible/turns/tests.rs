@@ -206,3 +206,81 @@ fn pushes_are_along_forward_and_right_or_reported() {
     assert_eq!(of([&reversed[..9], &still[..9]], [&still, &still]), None);
     assert_eq!(of([&reversed, &reversed], [&still, &still]), None);
 }
+
+/// What is late of a car that weaves and changes its speed, whose velocities and accelerometers are later than the gyros by so
+/// much \[s\], and whose IMU is so far ahead of the axle \[m\]: velocities, accelerometers.
+fn late(velocities: f64, accelerometers: f64, ahead: f64) -> [Option<f64>; 2] {
+    let rate = |t: f64| 0.25 * (0.9 * t).sin() + 0.15 * (0.37 * t).cos();
+    let turn = |t: f64| -0.25 / 0.9 * (0.9 * t).cos() + 0.15 / 0.37 * (0.37 * t).sin();
+    let change = |t: f64| 0.25 * 0.9 * (0.9 * t).cos() - 0.15 * 0.37 * (0.37 * t).sin();
+    let speed = |t: f64| 12.0 + 3.0 * (0.5 * t).sin();
+    let gain = |t: f64| 1.5 * (0.5 * t).cos();
+    let mut turns = Turns::new();
+    let up = Some(-Vector3::z());
+    for k in 1..10_000 {
+        let (time, dt) = (0.02 * f64::from(k), 0.02);
+        let felt = time - accelerometers;
+        let side = speed(felt) * rate(felt) + ahead * change(felt);
+        let dtheta = Vector3::new(0.0, 0.0, rate(time) * dt);
+        let dvel = Vector3::new(gain(felt), side, -9.81) * dt;
+        turns.sample(
+            &ImuSample {
+                time,
+                dt,
+                dtheta,
+                dvel,
+            },
+            up,
+        );
+        if k % 10 == 0 {
+            let then = time - velocities;
+            let v_n = Vector3::new(turn(then).cos(), turn(then).sin(), 0.0) * speed(then);
+            turns.velocity(time, &v_n, 1e-4);
+        }
+    }
+    turns.finish();
+    let mut found = [None; 2];
+    for of in turns.late() {
+        match of {
+            Mismatch::LateVelocities(delay) => found[0] = Some(delay),
+            Mismatch::LateAccelerometers(delay) => found[1] = Some(delay),
+            other => panic!("{other:?}"),
+        }
+    }
+    found
+}
+
+#[test]
+fn what_is_late_is_found_to_some_hundredths_of_a_second() {
+    for delay in [0.12, 0.3, 0.45] {
+        let [velocities, accelerometers] = late(delay, 0.0, 0.0);
+        assert!(
+            (velocities.unwrap() - delay).abs() < 0.04,
+            "{delay}: {velocities:?}"
+        );
+        assert_eq!(accelerometers, None);
+    }
+    for delay in [0.12, 0.2, 0.35] {
+        let [velocities, accelerometers] = late(0.0, delay, 0.0);
+        assert!(
+            (accelerometers.unwrap() - delay).abs() < 0.04,
+            "{delay}: {accelerometers:?}"
+        );
+        assert_eq!(velocities, None);
+    }
+    // Both against the gyros.
+    let [velocities, accelerometers] = late(0.2, 0.3, 0.0);
+    assert!((velocities.unwrap() - 0.2).abs() < 0.04);
+    assert!((accelerometers.unwrap() - 0.3).abs() < 0.05);
+}
+
+#[test]
+fn an_imu_ahead_of_the_axle_is_not_late() {
+    assert_eq!(late(0.0, 0.0, 0.0), [None; 2]);
+    assert_eq!(late(0.04, 0.04, 0.0), [None; 2]);
+    // As of an IMU ahead of the axle beside a speed that lags.
+    assert_eq!(late(0.0, -0.2, 0.0)[1], None);
+    // Two metres at 12 m/s: pushed to the side 0.17 s earlier, and not along.
+    assert_eq!(late(0.0, 0.0, 2.0), [None; 2]);
+    assert_eq!(late(0.0, 0.0, -2.0), [None; 2]);
+}

@@ -2,7 +2,7 @@ use super::*;
 
 use crate::findings::{FarParameter, WrappedAxis};
 use Severity::{Note, Unusable, Warning};
-use undrift_events::{FixMend, SensorChange};
+use undrift_events::{FixMend, Mismatch, SensorChange};
 
 fn late(delay: f64) -> Finding {
     Finding::Late { delay }
@@ -157,6 +157,13 @@ fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
             what,
         })
     };
+    let apart = |delay| Finding::Mismatch(Mismatch::LateAccelerometers(delay));
+    let turned = |end, angle| Finding::HeadingOff {
+        start: 0.0,
+        end,
+        angle,
+        more: 0,
+    };
     let slow = |factor| Finding::SlowSamples { rate: 1.0, factor };
     for (k, (finding, severity, rank)) in [
         (Finding::Diverged { time: 1.0 }, Unusable, 0),
@@ -190,6 +197,14 @@ fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
         (Finding::Copied { axes: [0, 1] }, Unusable, 1),
         (wrapped(11), Unusable, 1),
         (wrapped(10), Warning, 1),
+        (apart(0.16), Unusable, 2),
+        (apart(0.14), Warning, 2),
+        (Finding::Mismatch(Mismatch::MovesAside(3.0)), Warning, 2),
+        (Finding::Mismatch(Mismatch::LateVelocities(0.3)), Note, 2),
+        (Finding::Mismatch(Mismatch::HeldPositions(3.0)), Note, 2),
+        (turned(61.0, 0.11), Unusable, 5),
+        (turned(61.0, -0.09), Warning, 5),
+        (turned(59.0, 0.11), Warning, 5),
         (changed(ChangeOf::Turned(1.0)), Unusable, 1),
         (changed(ChangeOf::NoTurn), Warning, 1),
         (Finding::VelocityScale { ratio: [1.2, 0.01] }, Unusable, 1),
