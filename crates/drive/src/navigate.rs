@@ -25,7 +25,7 @@ use crate::{
     reference::Errors,
     rejected::Rejected,
     replay::{Aid, Measurement, ReplayError, Settings, Summary, replay},
-    settings::fix_errors::{FixErrors, FromFixes},
+    settings::fix_errors::{Correlation, FixErrors, FromFixes},
     smooth,
     vehicle::Constraints,
 };
@@ -152,7 +152,12 @@ pub const NODE_SPAN: f64 = 1.0;
 pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateError> {
     let model = drive.model.as_ref().ok_or(NavigateError::NoModel)?;
     let stated = stated(drive);
-    let fix_errors = FixErrors::default().under(&stated);
+    let mut errors = FixErrors::default();
+    if let (Some(_), Correlation::Given(given)) = (&drive.poses, drive.correlation) {
+        // What bends a mount or drifts in a camera's map turns the poses as it moves them.
+        errors.velocity_correlated = Some(given);
+    }
+    let fix_errors = errors.under(&stated);
     Ok(Settings {
         fix_errors,
         // A tracker's noise is stated, and its positions lie on no road.
