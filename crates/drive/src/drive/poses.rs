@@ -6,7 +6,7 @@ use super::{
     imu::rotation_of_axes,
     keys,
     logs::Logs,
-    tables::{read_delimiter, read_std},
+    tables::{SCALE_FACTOR_WALK, read_delimiter, read_std},
 };
 use crate::columns;
 use std::{
@@ -42,6 +42,10 @@ const LATITUDE: f64 = 45.0 * FRAC_PI_2 / 90.0;
 const MARKER_STD: [f64; 2] = [0.05, 0.5];
 /// How level the frame of poses is, each way \[rad\]: what a calibration with a level or gravity leaves.
 const TILT_STD: f64 = 0.01;
+/// What data sheets of cheap inertial sensors allow the scale factors of accelerometers \[–\] and the axes of both triads \[rad\]: poses show
+/// them in every turn, and what is not estimated of them looks like noise.
+const ACCEL_SCALE_STD: f64 = 0.01;
+const MISALIGNMENT_STD: f64 = 0.01;
 
 /// Reads the table: the log, and how its poses are used.
 pub(crate) fn read(
@@ -254,13 +258,27 @@ pub(super) fn read_states(section: &Section, given: bool) -> Result<Parameters, 
     let std = |key, otherwise| read_std(section, key, Quantity::Angle, Some(otherwise));
     let marker = std("marker", MARKER_STD[usize::from(!given)])?;
     let tilt = std("frame_tilt", TILT_STD)?;
+    let misalignment = std("misalignment", MISALIGNMENT_STD)?;
+    let quantity = Quantity::Dimensionless;
+    let scale = read_std(section, "scale_factor", quantity, Some(ACCEL_SCALE_STD))?;
     let mut parameters = Parameters::none();
-    for (kind, std) in [
-        (Parameter::MarkerRotation, marker),
-        (Parameter::FrameTilt, tilt),
+    for (kind, std, walk) in [
+        (Parameter::MarkerRotation, marker, 0.0),
+        (Parameter::FrameTilt, tilt, 0.0),
+        (Parameter::AccelScale, scale, SCALE_FACTOR_WALK),
+        (Parameter::GyroMisalignment, misalignment, SCALE_FACTOR_WALK),
+        (
+            Parameter::AccelMisalignment,
+            misalignment,
+            SCALE_FACTOR_WALK,
+        ),
     ] {
         if let Some(std) = std {
-            parameters = parameters.with(kind, Prior::constant(std));
+            let prior = Prior {
+                walk,
+                ..Prior::constant(std)
+            };
+            parameters = parameters.with(kind, prior);
         }
     }
     Ok(parameters)
@@ -323,8 +341,17 @@ mod tests {
         assert_eq!(prior(Parameter::FrameTilt), Some((0.01, 0.0)));
         assert_eq!(prior(Parameter::TimeOffset), Some((0.1, 0.0)));
         assert_eq!(prior(Parameter::VelocityTimeOffset), None);
+        // What turns show, as they change with temperature.
+        for kind in [
+            Parameter::AccelScale,
+            Parameter::GyroMisalignment,
+            Parameter::AccelMisalignment,
+        ] {
+            assert_eq!(prior(kind), Some((0.01, 2e-4)));
+        }
         let stated = "marker = \"1, 2, 3 deg\"\naxes = \"x,z,-y\"\ninterval = \"50 ms\"\n";
-        let states = "[states]\nframe_tilt = \"off\"\n[local]\nearth_rate = true\n";
+        let states =
+            "[states]\nframe_tilt = \"off\"\nmisalignment = \"off\"\n[local]\nearth_rate = true\n";
         let room = drive(&format!("{STD}{stated}"), states).unwrap();
         assert!(room.poses.unwrap().earth_rate && fixes(&room).interval == 0.05);
         // y is up.
@@ -333,6 +360,7 @@ mod tests {
         let prior = |kind| room.parameters.prior(kind).map(|prior| prior.std);
         assert_eq!(prior(Parameter::MarkerRotation), Some(0.05));
         assert_eq!(prior(Parameter::FrameTilt), None);
+        assert_eq!(prior(Parameter::AccelMisalignment), None);
     }
 
     #[test]
