@@ -50,8 +50,8 @@ pub struct Done<const N: usize> {
 pub struct Fixed {
     /// First state of the lasting part of position and velocity, where there is one.
     pub lasting: [Option<usize>; 2],
-    /// First of the states of scale factors and misaligned axes that walk, their number and the variance that each gains in a second.
-    pub walks: [(usize, usize, f64); 4],
+    /// First state of the gyros' scale factors and the variance that their walk gains in a second.
+    pub scale: Option<(usize, f64)>,
     /// The constraint in the replay.
     pub rule: NonHolonomic,
     /// White noise of each axis beside what is sought [unit²·s].
@@ -127,8 +127,8 @@ impl<const N: usize> State<N> {
                     self.p[i][i] += factor * factor * (1.0 - step.left[i] * step.left[i]);
                 }
             }
-            for (at, count, variance) in fixed.walks {
-                for i in at..at + count {
+            if let Some((at, variance)) = fixed.scale {
+                for i in at..at + 3 {
                     self.p[i][i] += variance * step.span;
                 }
             }

@@ -78,14 +78,6 @@ const STEP: f64 = 0.05;
 /// The inverse of the first curvature.
 const FIRST: f64 = 0.05;
 
-/// Parameters that change as a random walk.
-const WALKING: [Parameter; 4] = [
-    Parameter::GyroScale,
-    Parameter::AccelScale,
-    Parameter::GyroMisalignment,
-    Parameter::AccelMisalignment,
-];
-
 /// Whether logarithms have come to rest from one replay to the next.
 fn is_at_rest(before: &Vector, now: &Vector) -> bool {
     let moved = before.iter().zip(now).map(|(a, b)| (a - b).abs());
@@ -144,12 +136,9 @@ impl<const N: usize> Linear<N> {
             let at = |kind| parameters.start(kind).map(|at| behind + at);
             let fixed = Fixed {
                 lasting: [at(Parameter::PositionError), at(Parameter::VelocityError)],
-                walks: WALKING.map(|kind| {
-                    let prior = parameters.prior(kind).filter(|prior| prior.walk > 0.0);
-                    at(kind).zip(prior).map_or((0, 0, 0.0), |(at, prior)| {
-                        (at, kind.width(), prior.walk * prior.walk)
-                    })
-                }),
+                scale: parameters
+                    .prior(Parameter::GyroScale)
+                    .and_then(|prior| Some((at(Parameter::GyroScale)?, prior.walk * prior.walk))),
                 rule: settings
                     .constraints
                     .non_holonomic

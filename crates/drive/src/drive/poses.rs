@@ -6,7 +6,7 @@ use super::{
     imu::rotation_of_axes,
     keys,
     logs::Logs,
-    tables::{SCALE_FACTOR_WALK, read_delimiter, read_std},
+    tables::{read_delimiter, read_std},
 };
 use crate::columns;
 use std::{
@@ -42,9 +42,8 @@ const LATITUDE: f64 = 45.0 * FRAC_PI_2 / 90.0;
 const MARKER_STD: [f64; 2] = [0.05, 0.5];
 /// How level the frame of poses is, each way \[rad\]: what a calibration with a level or gravity leaves.
 const TILT_STD: f64 = 0.01;
-/// What data sheets of cheap inertial sensors allow the scale factors of accelerometers \[–\] and the axes of both triads \[rad\]: poses show
-/// them in every turn, and what is not estimated of them looks like noise.
-const ACCEL_SCALE_STD: f64 = 0.01;
+/// What data sheets of cheap inertial sensors allow the axes of gyros \[rad\]: poses show them in every turn, and what is not estimated of
+/// them looks like noise. Of accelerometers only if asked for: where all motion has one posture, they follow what else errs.
 const MISALIGNMENT_STD: f64 = 0.01;
 
 /// Reads the table: the log, and how its poses are used.
@@ -259,26 +258,14 @@ pub(super) fn read_states(section: &Section, given: bool) -> Result<Parameters, 
     let marker = std("marker", MARKER_STD[usize::from(!given)])?;
     let tilt = std("frame_tilt", TILT_STD)?;
     let misalignment = std("misalignment", MISALIGNMENT_STD)?;
-    let quantity = Quantity::Dimensionless;
-    let scale = read_std(section, "scale_factor", quantity, Some(ACCEL_SCALE_STD))?;
     let mut parameters = Parameters::none();
-    for (kind, std, walk) in [
-        (Parameter::MarkerRotation, marker, 0.0),
-        (Parameter::FrameTilt, tilt, 0.0),
-        (Parameter::AccelScale, scale, SCALE_FACTOR_WALK),
-        (Parameter::GyroMisalignment, misalignment, SCALE_FACTOR_WALK),
-        (
-            Parameter::AccelMisalignment,
-            misalignment,
-            SCALE_FACTOR_WALK,
-        ),
+    for (kind, std) in [
+        (Parameter::MarkerRotation, marker),
+        (Parameter::FrameTilt, tilt),
+        (Parameter::GyroMisalignment, misalignment),
     ] {
         if let Some(std) = std {
-            let prior = Prior {
-                walk,
-                ..Prior::constant(std)
-            };
-            parameters = parameters.with(kind, prior);
+            parameters = parameters.with(kind, Prior::constant(std));
         }
     }
     Ok(parameters)
@@ -341,14 +328,8 @@ mod tests {
         assert_eq!(prior(Parameter::FrameTilt), Some((0.01, 0.0)));
         assert_eq!(prior(Parameter::TimeOffset), Some((0.1, 0.0)));
         assert_eq!(prior(Parameter::VelocityTimeOffset), None);
-        // What turns show, as they change with temperature.
-        for kind in [
-            Parameter::AccelScale,
-            Parameter::GyroMisalignment,
-            Parameter::AccelMisalignment,
-        ] {
-            assert_eq!(prior(kind), Some((0.01, 2e-4)));
-        }
+        assert_eq!(prior(Parameter::GyroMisalignment), Some((0.01, 0.0)));
+        assert_eq!(prior(Parameter::AccelMisalignment), None);
         let stated = "marker = \"1, 2, 3 deg\"\naxes = \"x,z,-y\"\ninterval = \"50 ms\"\n";
         let states =
             "[states]\nframe_tilt = \"off\"\nmisalignment = \"off\"\n[local]\nearth_rate = true\n";
@@ -360,7 +341,26 @@ mod tests {
         let prior = |kind| room.parameters.prior(kind).map(|prior| prior.std);
         assert_eq!(prior(Parameter::MarkerRotation), Some(0.05));
         assert_eq!(prior(Parameter::FrameTilt), None);
-        assert_eq!(prior(Parameter::AccelMisalignment), None);
+        assert_eq!(prior(Parameter::GyroMisalignment), None);
+    }
+
+    /// Position and attitude by the same keys, each with a factor of its own: half of the variance lasts, twice as large of
+    /// the position, three times of the attitude.
+    #[test]
+    fn errors_of_both_last_where_that_is_said() {
+        let lasting = "correlation_time = \"2 s\"\ncorrelated_share = 0.5\n\
+                       std_factors = { position_correlated = 2, attitude_correlated = 3 }\n";
+        let errors = |keys: &str| {
+            let room = drive(&format!("{STD}{ATTITUDE}{keys}"), "").unwrap();
+            crate::navigate::fix_errors(&room)
+        };
+        let found = errors(lasting);
+        let both = [found.correlated, found.velocity_correlated].map(|part| part.unwrap());
+        assert_eq!(both.map(|part| part.time), [2.0; 2]);
+        assert!((both[0].share - 0.8).abs() < 1e-12 && (both[1].share - 0.9).abs() < 1e-12);
+        assert!((found.velocity_factor.x - 5f64.sqrt()).abs() < 1e-12);
+        let white = errors("");
+        assert!(white.correlated.is_none() && white.velocity_correlated.is_none());
     }
 
     #[test]

@@ -214,10 +214,9 @@ const LEVER_ARM_STD: f64 = 0.5;
 const LEVER_ARM_STD_GIVEN: f64 = 0.05;
 /// What data sheets of cheap inertial sensors allow their scale factors, one standard deviation.
 const SCALE_FACTOR_STD: f64 = 0.02;
-/// How much a scale factor of a gyro changes with temperature, rate and vibration [1/√s], beside poses a misaligned axis \[rad/√s\] and scale
-/// factors of accelerometers, too. A constant would be believed to
+/// How much a scale factor of a gyro changes with temperature, rate and vibration [1/√s]. A constant would be believed to
 /// a thousandth where vibration, not the scale, is what is wrong.
-pub(super) const SCALE_FACTOR_WALK: f64 = 2e-4;
+const SCALE_FACTOR_WALK: f64 = 2e-4;
 
 /// The constraints, and the parameters that they ask for.
 pub(super) fn read_vehicle(section: &Section) -> Result<(Constraints, Parameters), ConfigError> {

@@ -109,7 +109,7 @@ fn gradient_is_that_of_the_value(start: &RestNoise, about: Noise, factors: Optio
     drop(logged);
     let fixed = Fixed {
         lasting: [Some(15), Some(18)],
-        walks: [(0, 0, 0.0); 4],
+        scale: None,
         rule: settings.constraints.non_holonomic.unwrap(),
         white: factors.map_or([0.0; AXES], |_| start.white.map(|white| white * white)),
     };
