@@ -42,9 +42,6 @@ const LATITUDE: f64 = 45.0 * FRAC_PI_2 / 90.0;
 const MARKER_STD: [f64; 2] = [0.05, 0.5];
 /// How level the frame of poses is, each way \[rad\]: what a calibration with a level or gravity leaves.
 const TILT_STD: f64 = 0.01;
-/// What data sheets of cheap inertial sensors allow the axes of gyros \[rad\]: poses show them in every turn, and what is not estimated of
-/// them looks like noise. Of accelerometers only if asked for: where all motion has one posture, they follow what else errs.
-const MISALIGNMENT_STD: f64 = 0.01;
 
 /// Reads the table: the log, and how its poses are used.
 pub(crate) fn read(
@@ -257,12 +254,10 @@ pub(super) fn read_states(section: &Section, given: bool) -> Result<Parameters, 
     let std = |key, otherwise| read_std(section, key, Quantity::Angle, Some(otherwise));
     let marker = std("marker", MARKER_STD[usize::from(!given)])?;
     let tilt = std("frame_tilt", TILT_STD)?;
-    let misalignment = std("misalignment", MISALIGNMENT_STD)?;
     let mut parameters = Parameters::none();
     for (kind, std) in [
         (Parameter::MarkerRotation, marker),
         (Parameter::FrameTilt, tilt),
-        (Parameter::GyroMisalignment, misalignment),
     ] {
         if let Some(std) = std {
             parameters = parameters.with(kind, Prior::constant(std));
@@ -328,11 +323,8 @@ mod tests {
         assert_eq!(prior(Parameter::FrameTilt), Some((0.01, 0.0)));
         assert_eq!(prior(Parameter::TimeOffset), Some((0.1, 0.0)));
         assert_eq!(prior(Parameter::VelocityTimeOffset), None);
-        assert_eq!(prior(Parameter::GyroMisalignment), Some((0.01, 0.0)));
-        assert_eq!(prior(Parameter::AccelMisalignment), None);
         let stated = "marker = \"1, 2, 3 deg\"\naxes = \"x,z,-y\"\ninterval = \"50 ms\"\n";
-        let states =
-            "[states]\nframe_tilt = \"off\"\nmisalignment = \"off\"\n[local]\nearth_rate = true\n";
+        let states = "[states]\nframe_tilt = \"off\"\n[local]\nearth_rate = true\n";
         let room = drive(&format!("{STD}{stated}"), states).unwrap();
         assert!(room.poses.unwrap().earth_rate && fixes(&room).interval == 0.05);
         // y is up.
@@ -341,7 +333,6 @@ mod tests {
         let prior = |kind| room.parameters.prior(kind).map(|prior| prior.std);
         assert_eq!(prior(Parameter::MarkerRotation), Some(0.05));
         assert_eq!(prior(Parameter::FrameTilt), None);
-        assert_eq!(prior(Parameter::GyroMisalignment), None);
     }
 
     /// Position and attitude by the same keys, each with a factor of its own: half of the variance lasts, twice as large of

@@ -18,7 +18,7 @@ use undrift::{
     drive::Logs,
     inspect,
     nav::{
-        Matrix3, Vector3,
+        Vector3,
         attitude::from_rpy,
         parameters::{Parameter, Parameters},
         shaping::ShapingFilter,
@@ -37,8 +37,6 @@ const RATE: f64 = 200.0;
 const LOUDER: [f64; 6] = [4.0, 8.0, 3.0, 6.0, 3.0, 5.0];
 /// Random walks, gyros [rad/s/√s] and accelerometers [m/s²/√s].
 const WALKS: [f64; 6] = [2e-5, 1e-5, 1.5e-5, 1e-3, 2e-3, 1e-3];
-/// Scale factors and misaligned axes of the gyros, standard deviation of each.
-const AXES_STD: f64 = 0.005;
 /// Poses: standard deviations of position \[m\] and attitude \[rad\], samples from one to the next, and of errors that last, in those, with how long \[s\].
 type Poses = (&'static str, f64, f64, usize, f64, f64);
 const POSES: [Poses; 4] = [
@@ -79,8 +77,6 @@ fn room(
 ) -> Result<Room, String> {
     let mut dice = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut vector = |scale: f64| Vector3::from_fn(|_, _| scale * dice.random_range(-1.0..1.0));
-    let rows = [0, 1, 2].map(|_| vector(3f64.sqrt() * AXES_STD).transpose());
-    let axes = Matrix3::identity() + Matrix3::from_rows(&rows);
     let (marker, lever) = (from_rpy(&vector(3.0)), vector(0.3));
     // Another heading, and a tilt of tenths of a degree.
     let tilt = vector(0.005);
@@ -118,7 +114,7 @@ fn room(
         .map_err(|e| e.to_string())?;
     let mut imu = String::from("t,gx,gy,gz,ax,ay,az\n");
     for s in &log.imu {
-        let (w, f) = (axes * s.dtheta / s.dt, s.dvel / s.dt);
+        let (w, f) = (s.dtheta / s.dt, s.dvel / s.dt);
         imu += &format!(
             "{:.6},{},{},{},{},{},{}\n",
             s.time, w.x, w.y, w.z, f.x, f.y, f.z
