@@ -26,7 +26,7 @@ use crate::{
     reference::Errors,
     rejected::Rejected,
     replay::{Aid, Measurement, ReplayError, Settings, Summary, replay},
-    settings::fix_errors::{FixErrors, FromFixes},
+    settings::fix_errors::{Correlation, FixErrors, FromFixes},
     smooth,
     vehicle::Constraints,
 };
@@ -157,7 +157,7 @@ pub const NODE_SPAN: f64 = 1.0;
 pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateError> {
     let model = drive.model.as_ref().ok_or(NavigateError::NoModel)?;
     let stated = stated(drive);
-    let fix_errors = FixErrors::default().under(&stated);
+    let fix_errors = fix_errors(drive);
     Ok(Settings {
         fix_errors,
         // A tracker's noise is stated, and its positions lie on no road.
@@ -178,6 +178,16 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
         vibration: drive.vibration,
         ..Settings::new(model.shaping(kind, drive.sample_interval()?)?)
     })
+}
+
+/// The errors of fixes or poses as the drive file states them.
+pub(crate) fn fix_errors(drive: &Drive) -> FixErrors {
+    let mut errors = FixErrors::default();
+    if let (Some(_), Correlation::Given(given)) = (&drive.poses, drive.correlation) {
+        // What bends a mount or drifts in a camera's map turns the poses as it moves them.
+        errors.velocity_correlated = Some(given);
+    }
+    errors.under(&stated(drive))
 }
 
 /// What the fixes of a drive show of their own errors ([`fixes::study`]), under the drive's rule for kinds of solution; `None` where there are

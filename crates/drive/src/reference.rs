@@ -90,6 +90,17 @@ impl Errors {
         Self::new(&dr.unwrap_or(Vector3::repeat(f64::NAN)), dv, None)
     }
 
+    /// Errors against a pose: of its position `off` north, east, down \[m\], predicted less measured, and of its attitude, which is turned by
+    /// `turn` about north, east, down against the predicted one \[rad\].
+    pub fn of_pose(off: &Vector3, turn: Option<&Vector3>, q_nb: &Quaternion) -> Self {
+        let mut errors = Self::new(off, None, None);
+        if let Some(turn) = turn {
+            let angles = -(angle_rates(q_nb) * turn);
+            errors.0[7..10].copy_from_slice(angles.as_slice());
+        }
+        errors
+    }
+
     /// These errors, with those of `others` in place of unknown components.
     #[must_use]
     pub fn or(self, others: Self) -> Self {
@@ -149,20 +160,7 @@ impl Predicted {
 
     /// Covariances of the components of [`Errors`], in their units; `q_nb` is the attitude.
     fn of_components(&self, q_nb: &Quaternion) -> [Matrix3; 3] {
-        let rpy = to_rpy(q_nb);
-        let ((sin_y, cos_y), (sin_p, cos_p)) = (rpy.z.sin_cos(), rpy.y.sin_cos());
-        // Rates of roll, pitch and yaw by a rate about north, east and down.
-        let angles = Matrix3::new(
-            cos_y / cos_p,
-            sin_y / cos_p,
-            0.0,
-            -sin_y,
-            cos_y,
-            0.0,
-            cos_y * sin_p / cos_p,
-            sin_y * sin_p / cos_p,
-            1.0,
-        ) * 1f64.to_degrees();
+        let angles = angle_rates(q_nb);
         let [position, velocity, attitude] = self.0;
         [position, velocity, angles * attitude * angles.transpose()]
     }
@@ -197,6 +195,23 @@ impl Predicted {
             factor.map_or(f64::NAN, |factor| e.dot(&factor.solve(&e)) / known)
         })
     }
+}
+
+/// Rates of roll, pitch and yaw \[deg\] by a rate about north, east and down \[rad\].
+fn angle_rates(q_nb: &Quaternion) -> Matrix3 {
+    let rpy = to_rpy(q_nb);
+    let ((sin_y, cos_y), (sin_p, cos_p)) = (rpy.z.sin_cos(), rpy.y.sin_cos());
+    Matrix3::new(
+        cos_y / cos_p,
+        sin_y / cos_p,
+        0.0,
+        -sin_y,
+        cos_y,
+        0.0,
+        cos_y * sin_p / cos_p,
+        sin_y * sin_p / cos_p,
+        1.0,
+    ) * 1f64.to_degrees()
 }
 
 /// Counts of errors inside one, two and three predicted standard deviations, by group of [`GROUPS`]: each

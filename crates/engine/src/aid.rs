@@ -291,6 +291,8 @@ pub enum Aiding {
         q_rk: Quaternion,
         /// The marker's axes in the body, as configured.
         q_bk: Quaternion,
+        /// Standard deviation of the time-correlated part of its error, about the frame's axes \[rad\]; 0 where it is white.
+        correlated: Vector3,
         /// Time at which it holds \[s\]; the filter is there or after it.
         due: f64,
     },
@@ -365,9 +367,12 @@ pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Op
         Aiding::Magnetometer { measured, field } => {
             Observed::Three(filter.observe_magnetometer(measured, field))
         }
-        Aiding::Attitude { q_rk, q_bk, due } => {
-            Observed::Three(pose::observe_attitude(filter, q_rk, q_bk, *due))
-        }
+        Aiding::Attitude {
+            q_rk,
+            q_bk,
+            correlated,
+            due,
+        } => Observed::Three(pose::observe_attitude(filter, q_rk, q_bk, correlated, *due)),
     })
 }
 

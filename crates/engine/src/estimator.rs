@@ -309,6 +309,8 @@ pub trait Estimator: Send + Sync {
     /// Innovation of a measurement, predicted less measured, zeros behind its components; `None`
     /// where it says nothing: a course of a vehicle that points up or down.
     fn innovation(&self, aiding: &Aiding) -> Option<Vector3>;
+    /// Covariance of [`Estimator::innovation`] for a measurement of three numbers without noise of its own: `H P Hᵀ`; `None` of others.
+    fn innovation_covariance(&self, aiding: &Aiding) -> Option<Matrix3>;
     /// Updates with a measurement whose covariance is the leading block of `noise`, past a gate;
     /// `None` where it says nothing.
     ///

@@ -225,17 +225,12 @@ impl Receiver {
         }
         let frozen = self.frozen;
         self.motion.follow(filter);
-        if let Some((position, r)) = fix.position
+        if let Some((_, r)) = fix.position
+            && let Some((aiding, mut white)) =
+                Aiding::position(fix, due, lever_arm, &settings.fix_errors)
             && settings.gnss_use != GnssUse::Velocity
             && part != Some(Part::Velocity)
         {
-            let (mut white, correlated) = settings.fix_errors.split(&r);
-            let aiding = Aiding::Position {
-                position,
-                lever_arm,
-                correlated,
-                due,
-            };
             let patience = match (frozen, with_velocity) {
                 (true, _) => PATIENCE_FROZEN,
                 (_, false) => PATIENCE_NO_VELOCITY,

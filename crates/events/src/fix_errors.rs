@@ -103,7 +103,8 @@ pub struct FixErrors {
     pub velocity_factor: Vector3,
     /// The time-correlated part of the position's error.
     pub correlated: Option<Correlated>,
-    /// The time-correlated part of the velocity's error: share of the variance with the factor applied, and correlation time.
+    /// The time-correlated part of the velocity's error, of a pose of the attitude's: share of the variance with the factor applied, and
+    /// correlation time.
     pub velocity_correlated: Option<Correlated>,
     /// Step in which positions come, north, east, down \[m\], as of degrees rounded to six digits; 0 without.
     pub step: Vector3,
@@ -291,7 +292,8 @@ impl FixErrors {
         split(self.correlated, covariance)
     }
 
-    /// White part of a velocity's `covariance` [m²/s²], and the standard deviation of the correlated part, axis by axis [m/s].
+    /// White part of a velocity's `covariance` [m²/s²], or a pose's attitude's \[rad²\], and the standard deviation of the correlated part, axis
+    /// by axis [m/s, rad].
     pub fn split_velocity(&self, covariance: &Matrix3) -> (Matrix3, Vector3) {
         split(self.velocity_correlated, covariance)
     }

@@ -26,6 +26,7 @@ pub fn sections(runs: &[Run<'_, Tune>]) -> Vec<Section> {
             )),
             text([what_was_done(tune)]),
             drift(tune).block(),
+            nees(tune).and_then(Table::block),
             calibration(tune),
         ];
         let second = [parameters(tune).block(), text([undetermined(tune)])];
@@ -49,6 +50,7 @@ pub fn plain(tune: &Tune, mark: Mark) -> String {
         text([verdict(tune)]),
         text([what_was_done(tune)]),
         drift(tune).captioned(""),
+        nees(tune).and_then(|table| table.captioned("")),
         parameters(tune).captioned(""),
         text([undetermined(tune)]),
     ];
@@ -132,6 +134,31 @@ fn drift(tune: &Tune) -> Table {
             ("inside after", &|d| within(&d.after_within).into()),
         ],
     )
+}
+
+/// How far the errors at the ends of outages of poses are off, against what the solution states; `None` of other drives.
+fn nees(tune: &Tune) -> Option<Table> {
+    let rows = tune
+        .drift
+        .iter()
+        .flat_map(|drift| drift.nees.iter().map(move |nees| (drift, nees)));
+    let rows = Vec::from_iter(rows);
+    let shown = |[mean, low, high]: &[undrift_results::Number; 3]| {
+        format!("{} ({} to {})", short(mean.0), short(low.0), short(high.0))
+    };
+    (!rows.is_empty()).then(|| {
+        Table::from_rows(
+            "nees",
+            "NEES at the ends of the outages per degree of freedom, the pose's own error counted, with its 95 % interval: 1 where standard deviations are right, above where they are too small.",
+            &rows,
+            &[
+                ("NEES", &|(drift, _)| span(drift.length_s.0).into()),
+                ("of", &|(_, nees)| (&nees.of).into()),
+                ("before", &|(_, nees)| shown(&nees.before).into()),
+                ("after", &|(_, nees)| shown(&nees.after).into()),
+            ],
+        )
+    })
 }
 
 /// A value in the unit that data sheets use.

@@ -119,4 +119,20 @@ pub struct TunedDrift {
     pub before_within: [Number; 3],
     /// With the noise found.
     pub after_within: [Number; 3],
+    /// Normalised errors squared at the ends per degree of freedom against the reference, of its position and, of poses, of its attitude:
+    /// mean and 95 % interval, before and after; 1 where standard deviations are right. Empty where there are no poses.
+    pub nees: Vec<TunedNees>,
+}
+
+/// Normalised errors squared per degree of freedom at the ends of outages, of the position or the attitude of poses.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct TunedNees {
+    /// `position` or `attitude`.
+    pub of: String,
+    /// Mean and 95 % interval with the noise of the model and drive files.
+    pub before: [Number; 3],
+    /// With the noise found.
+    pub after: [Number; 3],
 }

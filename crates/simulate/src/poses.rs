@@ -1,4 +1,4 @@
-//! Poses of a marker, as motion capture or a camera gives them, with white noise.
+//! Poses of a marker, as motion capture or a camera gives them, with white noise and errors that last.
 
 use super::sensors::{GNSS_STREAM, stream_seed};
 use rand::SeedableRng;
@@ -20,6 +20,10 @@ pub struct PoseNoise {
     pub position_std: f64,
     /// Standard deviation of the attitude, about each axis \[rad\].
     pub attitude_std: f64,
+    /// Standard deviations of Gauss-Markov errors beside these, of the position \[m\] and the attitude \[rad\], and how long they last \[s\].
+    pub lasting: [f64; 2],
+    /// See there.
+    pub correlation_time: f64,
     /// Axes of the marker in the body, `q_bk`.
     pub marker: Quaternion,
     /// IMU → marker, body axes \[m\].
@@ -47,6 +51,8 @@ impl Default for PoseNoise {
         Self {
             position_std: 1e-3,
             attitude_std: 0.1_f64.to_radians(),
+            lasting: [0.0; 2],
+            correlation_time: 1.0,
             marker: Quaternion::identity(),
             lever_arm: Vector3::zeros(),
             frame: from_rpy(&Vector3::new(std::f64::consts::PI, 0.0, 0.0)),
@@ -70,14 +76,28 @@ impl PoseNoise {
                 std * one
             })
         };
+        let mut last: Option<(f64, [Vector3; 2])> = None;
         let pose = |row: TruthSample| {
             let q_nb = from_rpy(&row.rpy?);
             let marker = origin.ned_to(&row.position) + q_nb * self.lever_arm;
             let error = from_rotation_vector(&noise(self.attitude_std));
+            let position = self.frame * marker + noise(self.position_std);
+            // Nothing is drawn where nothing lasts.
+            let lasting = match (self.lasting, last) {
+                ([0.0, 0.0], _) => [Vector3::zeros(); 2],
+                (std, None) => std.map(&mut noise),
+                (std, Some((time, before))) => {
+                    let left = ((time - row.time) / self.correlation_time).exp();
+                    let drawn = std.map(|std| noise(std * (1.0 - left * left).sqrt()));
+                    [0, 1].map(|k| before[k] * left + drawn[k])
+                }
+            };
+            last = Some((row.time, lasting));
+            let turned = from_rotation_vector(&lasting[1]);
             Some(Pose {
                 time: row.time - self.clock,
-                position: self.frame * marker + noise(self.position_std),
-                attitude: self.frame * q_nb * self.marker * error,
+                position: position + lasting[0],
+                attitude: turned * self.frame * q_nb * self.marker * error,
             })
         };
         truth.into_iter().filter_map(pose).collect()

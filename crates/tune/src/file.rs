@@ -128,7 +128,7 @@ fn std_factors(noise: &Noise, used: &[bool], second: &str) -> InlineTable {
         ("position", factors.white[0]),
         (second, factors.white[1]),
         ("position_correlated", factors.correlated[0]),
-        ("velocity_correlated", factors.correlated[1]),
+        (&format!("{second}_correlated"), factors.correlated[1]),
     ];
     let mut table = InlineTable::new();
     for ((key, factor), used) in all.into_iter().zip(&used[super::noise::FIX..]) {

@@ -22,6 +22,10 @@ const REPORTED: [f64; 2] = [30.0, 10.0];
 const SEED: u64 = 1;
 /// They follow each other in so many runs, so that none begins before the filter has recovered.
 const RUNS: usize = 3;
+/// Outages of poses begin at so many places within their length, so that the few long ones are some dozens …
+const STAGGERED: usize = 3;
+/// … where they are so long \[s\].
+const LONG: f64 = 2.0;
 /// Resamples of the bootstrap.
 const RESAMPLES: usize = 2000;
 /// After the last fix that the fit has seen \[s\].
@@ -34,6 +38,11 @@ pub struct Judged {
     pub length: f64,
     /// Largest horizontal error of each outage, before and after \[m\].
     pub drift: Vec<[f64; 2]>,
+    /// Which of them overlap: those of one number are no more than one for the intervals.
+    pub overlap: Vec<usize>,
+    /// Normalised error squared per degree of freedom of position and attitude at the end of each, before and after; not a number where
+    /// the reference has no attitude.
+    pub nees: Vec<[[f64; 2]; 2]>,
     /// Shares of the position's errors inside one, two and three standard deviations, before and after.
     pub within: [[f64; 3]; 2],
 }
@@ -41,38 +50,49 @@ pub struct Judged {
 impl Judged {
     /// Root mean squares before and after \[m\].
     pub fn rms(&self) -> [f64; 2] {
-        rms(&self.drift)
+        rms(self.drift.iter().copied())
     }
 
-    /// After over before with its 95 % interval, by the bootstrap over outages (Efron & Tibshirani 1993, chapter 13).
+    /// After over before with its 95 % interval.
     pub fn ratio(&self) -> [f64; 3] {
-        let ratio = |drift: &[[f64; 2]]| {
-            let [before, after] = rms(drift);
+        self.with_interval(&|drawn| {
+            let [before, after] = rms(drawn.iter().map(|k| self.drift[*k]));
             after / before
+        })
+    }
+
+    /// Mean of the normalised errors squared per degree of freedom, before or after, of position or attitude, with its 95 % interval; 1 where
+    /// covariances are right. `None` without.
+    pub fn nees(&self, after: usize, group: usize) -> Option<[f64; 3]> {
+        let mean = |drawn: &[usize]| {
+            let all = drawn.iter().map(|k| self.nees[*k][after][group]);
+            all.sum::<f64>() / drawn.len() as f64
         };
+        Some(self.with_interval(&mean)).filter(|found| found.iter().all(|n| n.is_finite()))
+    }
+
+    /// A statistic of the outages by their places with its 95 % interval, by the bootstrap over those that do not overlap (Efron & Tibshirani
+    /// 1993, chapter 13).
+    fn with_interval(&self, of: &dyn Fn(&[usize]) -> f64) -> [f64; 3] {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(SEED);
-        let n = self.drift.len();
-        let ratios: Vec<f64> = (0..RESAMPLES)
-            .map(|_| {
-                let drawn: Vec<_> = (0..n)
-                    .map(|_| self.drift[random.random_range(0..n)])
-                    .collect();
-                ratio(&drawn)
-            })
-            .collect();
-        [
-            ratio(&self.drift),
-            quantile(&ratios, 0.025),
-            quantile(&ratios, 0.975),
-        ]
+        let n = self.overlap.iter().max().map_or(0, |most| most + 1);
+        let mut together = vec![Vec::new(); n];
+        for (k, at) in self.overlap.iter().enumerate() {
+            together[*at].push(k);
+        }
+        let mut draw = |_| {
+            let drawn = (0..n).flat_map(|_| &together[random.random_range(0..n)]);
+            of(&Vec::from_iter(drawn.copied()))
+        };
+        let drawn: Vec<f64> = (0..RESAMPLES).map(&mut draw).collect();
+        let all = Vec::from_iter(0..self.drift.len());
+        [of(&all), quantile(&drawn, 0.025), quantile(&drawn, 0.975)]
     }
 }
 
-fn rms(drift: &[[f64; 2]]) -> [f64; 2] {
-    [0, 1].map(|k| {
-        let sum: f64 = drift.iter().map(|pair| pair[k] * pair[k]).sum();
-        (sum / drift.len() as f64).sqrt()
-    })
+fn rms(drift: impl ExactSizeIterator<Item = [f64; 2]> + Clone) -> [f64; 2] {
+    let n = drift.len() as f64;
+    [0, 1].map(|k| (drift.clone().map(|pair| pair[k] * pair[k]).sum::<f64>() / n).sqrt())
 }
 
 /// A drive to judge on.
@@ -177,26 +197,44 @@ pub fn judge(drives: &[Unseen], gain: Option<f64>) -> Judgement {
     }
 }
 
-/// The outages of each pass over the drives; `None` for a pass without a solution.
-type Passes = Vec<Option<Vec<OutageErrors>>>;
+/// The outages of a pass over a drive, and from when on there are any in it \[s\].
+struct Pass {
+    from: f64,
+    errors: Vec<OutageErrors>,
+}
+
+/// Each pass over the drives; `None` for a pass without a solution.
+type Passes = Vec<Option<Pass>>;
+
+/// Of a quotient of times.
+const ROUNDING: f64 = 1e-6;
 
 /// Runs the outages of one length under each of the settings.
 fn run_all(drives: &[Unseen], rejected: &[Rejected], length: f64, follows: bool) -> [Passes; 3] {
     let mut all: [Passes; 3] = Default::default();
     for (drive, rejected) in drives.iter().zip(rejected) {
         let (from, to) = (drive.span.0 + APART, drive.span.1);
-        let count = ((to - from) / length).floor().max(0.0) as usize;
-        let outage = |k: usize| Outage {
-            start: from + k as f64 * length,
-            end: from + (k + 1) as f64 * length,
-        };
-        let passes = RUNS.min(count);
+        let posed = drive.log.settings.marker.is_some();
+        let places = if posed && length > LONG { STAGGERED } else { 1 };
+        let mut of_each = Vec::new();
+        for place in 0..places {
+            let from = from + length * place as f64 / places as f64;
+            let count = ((to - from) / length).floor().max(0.0) as usize;
+            let outage = |k: usize| Outage {
+                start: from + k as f64 * length,
+                end: from + (k + 1) as f64 * length,
+            };
+            of_each.extend((0..RUNS.min(count)).map(|offset| {
+                let outages = (offset..count).step_by(RUNS).map(outage);
+                Vec::from_iter(outages)
+            }));
+        }
+        let passes = of_each.len();
         let mut runs = Vec::new();
         for settings in &drive.settings[..if follows { 3 } else { 2 }] {
-            for offset in 0..passes {
-                let outages = (offset..count).step_by(RUNS).map(outage).collect();
+            for outages in &of_each {
                 let settings = Settings {
-                    outages,
+                    outages: outages.clone(),
                     ..settings.clone()
                 };
                 runs.push((String::new(), settings));
@@ -208,7 +246,10 @@ fn run_all(drives: &[Unseen], rejected: &[Rejected], length: f64, follows: bool)
         };
         let done = run_against(drive.log.imu, drive.log.aiding, reference, &runs, &|_| ());
         for (at, (_, ran)) in done.into_iter().enumerate() {
-            all[at / passes].push(ran.ok().map(|ran| ran.errors.per_outage));
+            all[at / passes].push(ran.ok().map(|ran| Pass {
+                from,
+                errors: ran.errors.per_outage,
+            }));
         }
     }
     all
@@ -217,24 +258,37 @@ fn run_all(drives: &[Unseen], rejected: &[Rejected], length: f64, follows: bool)
 /// Drift over the outages that have one under both settings; `None` of fewer than two.
 fn compared(length: f64, before: &Passes, after: &Passes) -> Option<Judged> {
     let mut drift = Vec::new();
+    let (mut overlap, mut seen) = (Vec::new(), Vec::new());
+    let mut nees = Vec::new();
     let mut covered = [Coverage::default(), Coverage::default()];
     for pair in before.iter().zip(after) {
         let (Some(before), Some(after)) = pair else {
             continue;
         };
-        for (a, b) in before.iter().zip(after) {
+        for (a, b) in before.errors.iter().zip(&after.errors) {
             let pair = [a.max.0[HORIZONTAL], b.max.0[HORIZONTAL]];
             if pair.iter().all(|drift| drift.is_finite()) {
                 drift.push(pair);
+                // Of one drive, and begun within one length.
+                let at = ((a.start_s - before.from) / length + ROUNDING).floor();
+                let at = (before.from.to_bits(), at as i64);
+                let place = seen.iter().position(|other| *other == at);
+                overlap.push(place.unwrap_or(seen.len()));
+                if place.is_none() {
+                    seen.push(at);
+                }
+                nees.push([a, b].map(|of| [of.nees[0], of.nees[2]]));
                 covered[0].add(&a.end, &a.sigma);
                 covered[1].add(&b.end, &b.sigma);
             }
         }
     }
     let within = covered.map(|covered| covered.shares(0).unwrap_or([f64::NAN; 3]));
-    (drift.len() > 1).then_some(Judged {
+    (seen.len() > 1).then_some(Judged {
         length,
         drift,
+        overlap,
+        nees,
         within,
     })
 }
@@ -316,21 +370,32 @@ mod tests {
     /// Pairs of the same outage before and after: largest errors as drift, errors at the end against σ.
     #[test]
     fn drift_is_of_the_largest_errors_and_coverage_of_those_at_the_end() {
-        let before = vec![
-            Some(vec![
-                outage(6.0, 0.5),
-                outage(8.0, 1.5),
-                outage(f64::NAN, 0.0),
-            ]),
+        // Begun 10 s apart, in the order of the passes.
+        let pass = |errors: &[OutageErrors], first: f64| {
+            let begun = errors.iter().enumerate().map(|(k, of)| OutageErrors {
+                start_s: 100.0 + first + 90.0 * k as f64,
+                ..of.clone()
+            });
+            let errors = begun.collect();
+            Some(Pass {
+                from: 100.0,
+                errors,
+            })
+        };
+        let mut before = vec![
+            pass(
+                &[outage(6.0, 0.5), outage(8.0, 1.5), outage(f64::NAN, 0.0)],
+                0.0,
+            ),
             None,
-            Some(vec![outage(10.0, 2.5)]),
+            pass(&[outage(10.0, 2.5)], 60.0),
         ];
         let after = vec![
-            Some(vec![outage(3.0, 0.1), outage(4.0, 0.2), outage(1.0, 0.3)]),
-            Some(vec![outage(9.0, 9.0)]),
-            Some(vec![outage(5.0, 3.5)]),
+            pass(&[outage(3.0, 0.1), outage(4.0, 0.2), outage(1.0, 0.3)], 0.0),
+            pass(&[outage(9.0, 9.0)], 30.0),
+            pass(&[outage(5.0, 3.5)], 60.0),
         ];
-        let judged = compared(30.0, &before, &after).unwrap();
+        let mut judged = compared(30.0, &before, &after).unwrap();
         assert_eq!(judged.drift, [[6.0, 3.0], [8.0, 4.0], [10.0, 5.0]]);
         let third = 1.0 / 3.0;
         assert_eq!(judged.within, [[third, 2.0 * third, 1.0], [2.0 * third; 3]]);
@@ -344,6 +409,13 @@ mod tests {
                 .iter()
                 .all(|ratio| (ratio - 0.5).abs() < 1e-12)
         );
-        assert!(compared(30.0, &before[2..].to_vec(), &after[2..].to_vec()).is_none());
+        assert_eq!(judged.overlap, [0, 1, 2]);
+        // The last two overlap where outages last 60 s: NEES 1 and 7 are one draw, beside 4.
+        judged.overlap = vec![0, 1, 1];
+        judged.nees = [4.0, 1.0, 7.0].map(|nees| [[nees, f64::NAN]; 2]).to_vec();
+        assert_eq!(judged.nees(1, 0), Some([4.0; 3]));
+        assert_eq!(judged.nees(1, 1), None);
+        before.drain(..2);
+        assert!(compared(30.0, &before, &after[2..].iter().map(|_| None).collect()).is_none());
     }
 }

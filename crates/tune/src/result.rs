@@ -8,7 +8,7 @@ use std::path::Path;
 use undrift_drive::drive::Drive;
 use undrift_noise::model_file::AXES;
 use undrift_results::{
-    self, Number, SCHEMA, Tune, TunedDrift, TunedParameter, TunedVibration, VERSION,
+    self, Number, SCHEMA, Tune, TunedDrift, TunedNees, TunedParameter, TunedVibration, VERSION,
 };
 
 /// Standard deviations to the ends of a 95 % interval.
@@ -39,6 +39,19 @@ fn named(i: usize, follows: bool, posed: bool) -> (String, &'static str) {
         }
         _ => (REST[i - FIX].0.to_owned(), REST[i - FIX].1),
     }
+}
+
+/// Normalised errors squared at the ends of outages of poses.
+fn nees(judged: &super::Judged) -> Vec<TunedNees> {
+    let of = |(group, of): (usize, &str)| {
+        Some(TunedNees {
+            of: of.to_owned(),
+            before: judged.nees(0, group)?.map(Number),
+            after: judged.nees(1, group)?.map(Number),
+        })
+    };
+    let groups = ["position", "attitude"].into_iter().enumerate();
+    groups.filter_map(of).collect()
 }
 
 const _: () = assert!(LASTING == FIX + 2 && RULE == FIX + 4 && COUNT == RULE + 3);
@@ -84,6 +97,10 @@ impl Tuned {
                 ratio_high: high.into(),
                 before_within: judged.within[0].map(Number),
                 after_within: judged.within[1].map(Number),
+                nees: match posed {
+                    true => nees(judged),
+                    false => Vec::new(),
+                },
             }
         };
         let drives: Vec<_> = drives

@@ -174,7 +174,11 @@ pub(super) fn read_std_factors(section: &Section, poses: bool) -> Result<StdFact
         ],
         correlated: [
             factor("position_correlated")?,
-            factor("velocity_correlated")?,
+            factor(if poses {
+                "attitude_correlated"
+            } else {
+                "velocity_correlated"
+            })?,
         ],
     };
     factors.only_known()?;

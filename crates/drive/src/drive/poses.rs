@@ -335,6 +335,25 @@ mod tests {
         assert_eq!(prior(Parameter::FrameTilt), None);
     }
 
+    /// Position and attitude by the same keys, each with a factor of its own: half of the variance lasts, twice as large of
+    /// the position, three times of the attitude.
+    #[test]
+    fn errors_of_both_last_where_that_is_said() {
+        let lasting = "correlation_time = \"2 s\"\ncorrelated_share = 0.5\n\
+                       std_factors = { position_correlated = 2, attitude_correlated = 3 }\n";
+        let errors = |keys: &str| {
+            let room = drive(&format!("{STD}{ATTITUDE}{keys}"), "").unwrap();
+            crate::navigate::fix_errors(&room)
+        };
+        let found = errors(lasting);
+        let both = [found.correlated, found.velocity_correlated].map(|part| part.unwrap());
+        assert_eq!(both.map(|part| part.time), [2.0; 2]);
+        assert!((both[0].share - 0.8).abs() < 1e-12 && (both[1].share - 0.9).abs() < 1e-12);
+        assert!((found.velocity_factor.x - 5f64.sqrt()).abs() < 1e-12);
+        let white = errors("");
+        assert!(white.correlated.is_none() && white.velocity_correlated.is_none());
+    }
+
     #[test]
     fn gravity_is_that_of_a_latitude() {
         let at =

@@ -63,8 +63,11 @@ const LEAST_SHARE: f64 = 0.003;
 const OTHER_UNIT: f64 = 2.0;
 /// Rounds in which marker and bias are found.
 const ROUNDS: usize = 12;
-/// Median of the absolute value of a normal variable, inverse.
-const MAD: f64 = 1.4826;
+/// Turns err more the faster they are: this quantile of the misfits has those in motion where half of the log is rest, and leaves out what is
+/// no noise.
+const MOST: f64 = 0.9;
+/// That quantile of the absolute value of a normal variable.
+const OF_NORMAL: f64 = 1.645;
 
 impl<'a> Motion<'a> {
     /// Compares samples and poses.
@@ -348,7 +351,7 @@ fn fit(both: &[(f64, Vector3, Vector3)]) -> Fit {
     let off = left
         .iter()
         .flat_map(|(dt, left)| (left - bias * *dt).map(f64::abs).data.0[0]);
-    let scatter = MAD * quantile(&Vec::from_iter(off), 0.5);
+    let scatter = quantile(&Vec::from_iter(off), MOST) / OF_NORMAL;
     // How well the turns show each axis of the rotation.
     let shown = SymmetricEigen::new(Matrix3::identity() * own.trace() - own);
     Fit {

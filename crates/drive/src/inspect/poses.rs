@@ -31,7 +31,10 @@ use undrift_results::inspect::PoseFault;
 const POSITION_STD: &str = "10, 10, 10 mm";
 const ATTITUDE_STD: &str = "0.5, 0.5, 0.5 deg";
 /// Least standard deviations that poses are taken to have \[m, rad\]: mounts bend, and stamps jitter.
-const LEAST: [f64; 2] = [5e-4, 8.7e-4];
+const LEAST: [f64; 2] = [2e-4, 2e-4];
+/// How long errors of poses last, of a mount that gives or a map that drifts \[s\], and their share of the variance: `tune` finds how large
+/// they are.
+const LASTING: (&str, f64) = ("2 s", 0.5);
 /// An axis of the frame that gravity is nearer to than this \[rad\] is taken for the vertical: a tilt is estimated.
 const UPRIGHT: f64 = 0.02;
 
@@ -250,6 +253,9 @@ fn write(part: &mut Part, found: &HandEye) {
         Known::Scatter,
     );
     put("interval", format!("{INTERVAL} s"), Known::Thinned);
+    put("correlation_time", LASTING.0.into(), Known::Lasting);
+    part.lines
+        .push(Line::new("correlated_share", LASTING.1, Known::Lasting));
 }
 
 fn degrees(of: &Quaternion) -> [f64; 3] {

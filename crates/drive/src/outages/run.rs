@@ -3,7 +3,7 @@
 use super::errors::{ModelErrors, ModelOutcome, ModelRun, OutageErrors};
 use crate::rejected::{Reference, Rejected};
 use crate::{
-    estimator::{Adjoint, Estimator, STAMP_ROUNDING},
+    estimator::{Adjoint, Aiding, Estimator, STAMP_ROUNDING},
     findings::Finding,
     mounting::Mounting,
     reference::{self, Coverage, Errors, HORIZONTAL, Predicted, TruthCursor},
@@ -12,7 +12,7 @@ use crate::{
 };
 use undrift_base::parallel;
 use undrift_nav::{
-    Vector3,
+    Matrix3, Quaternion, Vector3,
     mechanisation::NavState,
     sample::{GnssFix, ImuSample, TruthSample},
 };
@@ -169,6 +169,31 @@ impl<'a> OutageWatch<'a> {
         (self.present < all.len() && all[self.present].contains(time)).then_some(self.present)
     }
 
+    /// Errors against a withheld pose of a marker with the axes `q_bk`, and their covariances: with the marker, the lever arm and the frame
+    /// that are estimated, and the pose's own errors, less what of them lasts and is known.
+    fn by_pose(
+        &self,
+        filter: &dyn Estimator,
+        fix: &GnssFix,
+        q_bk: Quaternion,
+    ) -> Option<(Errors, Predicted)> {
+        let (due, own) = (filter.nav().time, &self.settings.fix_errors);
+        let seen = |(aiding, white): (Aiding, Matrix3)| {
+            let covariance = filter.innovation_covariance(&aiding)? + white;
+            Some((filter.innovation(&aiding)?, covariance))
+        };
+        let (off, covariance) = seen(Aiding::position(fix, due, self.lever_arm, own)?)?;
+        let attitude = Aiding::attitude(fix, due, q_bk, own).and_then(seen);
+        let mut predicted = Predicted::from_filter(filter);
+        predicted.0[0] = covariance;
+        if let Some((_, covariance)) = &attitude {
+            predicted.0[2] = *covariance;
+        }
+        let turn = attitude.as_ref().map(|(turn, _)| turn);
+        let errors = Errors::of_pose(&off, turn, &filter.nav().q_nb);
+        Some((errors, predicted))
+    }
+
     /// Notes errors inside an outage, with the covariance that the solution gives them.
     fn note(&mut self, outage: usize, nav: &NavState, errors: Errors, predicted: &Predicted) {
         let o = &mut self.outages[outage];
@@ -300,8 +325,14 @@ impl Observer for OutageWatch<'_> {
             && let Some(fix) = self.withheld
             && let Some(outage) = self.outage_at(fix.time)
         {
-            let errors = Errors::against_fix(filter, &fix, &self.lever_arm);
-            let predicted = Predicted::from_filter(filter).against_fix(&fix);
+            let of_pose = self
+                .settings
+                .marker
+                .and_then(|q_bk| self.by_pose(filter, &fix, q_bk));
+            let (errors, predicted) = of_pose.unwrap_or_else(|| {
+                let errors = Errors::against_fix(filter, &fix, &self.lever_arm);
+                (errors, Predicted::from_filter(filter).against_fix(&fix))
+            });
             self.note(outage, filter.nav(), errors, &predicted);
         }
     }

@@ -314,6 +314,16 @@ impl<const N: usize> Estimator for Erased<N> {
         })
     }
 
+    fn innovation_covariance(&self, aiding: &Aiding) -> Option<Matrix3> {
+        match observe(&self.filter, aiding)? {
+            Observed::Three(observed) => {
+                let (h, p) = (observed.h, self.filter.covariance());
+                Some(h * p * h.transpose() + observed.extra)
+            }
+            _ => None,
+        }
+    }
+
     fn update(
         &mut self,
         aiding: &Aiding,

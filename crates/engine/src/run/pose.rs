@@ -35,9 +35,8 @@ pub(super) fn update(
     settings: &Settings,
     summary: &mut Summary,
 ) -> Option<Result<Update, FilterError>> {
-    let (q_rk, noise) = fix.attitude?;
     let q_bk = settings.marker.unwrap_or_default();
-    let aiding = Aiding::Attitude { q_rk, q_bk, due };
+    let (aiding, noise) = Aiding::attitude(fix, due, q_bk, &settings.fix_errors)?;
     let gate = if settings.gating { GATE } else { Gate::OPEN };
     let update = filter.update(&aiding, &noise, &gate).transpose()?;
     if let Ok(update) = update {

@@ -4,7 +4,10 @@ use super::{DEG, RATE, at, imu};
 use crate::{
     Aid, Navigator, Summary,
     align::AttitudeSource,
-    settings::{Outage, Settings},
+    settings::{
+        Outage, Settings,
+        fix_errors::{Correlated, FixErrors},
+    },
 };
 use alloc::{vec, vec::Vec};
 use undrift_nav::{
@@ -26,6 +29,15 @@ struct Ran {
 
 /// A minute in a hand, a pose each tenth of a second of 2 mm and 0.1°; `settings` may be changed.
 fn run(seed: u64, change: impl FnOnce(&mut Settings, &mut Vec<GnssFix>)) -> Ran {
+    run_lasting(seed, 0.0, change)
+}
+
+/// The same with errors that last a second beside them, so many times as large.
+fn run_lasting(
+    seed: u64,
+    lasting: f64,
+    change: impl FnOnce(&mut Settings, &mut Vec<GnssFix>),
+) -> Ran {
     let sensors = imu([5e-3 * DEG, 0.2 * DEG], [1e-3, 0.05]);
     let hand = Trajectory::handheld(60.0, 0.6, seed);
     let log = simulate(&hand, RATE, Some(&sensors), &GnssNoise::default(), seed).unwrap();
@@ -38,10 +50,12 @@ fn run(seed: u64, change: impl FnOnce(&mut Settings, &mut Vec<GnssFix>)) -> Ran 
     let seen = PoseNoise {
         position_std: 2e-3,
         attitude_std: 0.1 * DEG,
+        lasting: [lasting * 2e-3, lasting * 0.1 * DEG],
         marker: stated * from_rotation_vector(&turn),
         lever_arm: lever,
         frame: from_rotation_vector(&tilt),
         clock: -clock,
+        ..PoseNoise::default()
     };
     let truth = log.truth.iter().copied().step_by(5);
     let variance = |std: f64| Matrix3::from_diagonal_element(std * std);
@@ -132,6 +146,39 @@ fn the_marker_its_frame_and_its_clock_are_found_within_what_is_stated_of_them() 
     let [constants, solution] = [constants, solution].map(|all| mean_square(&all));
     assert!((0.6..1.6).contains(&constants), "{constants}");
     assert!((0.6..1.6).contains(&solution), "{solution}");
+}
+
+/// Positions and attitudes that err for a second, too, by three times what is white of them, over twelve seeds: the solution is as good as it
+/// says where the filter knows, and three times as bad where all of it is taken for white.
+#[test]
+fn errors_of_attitudes_that_last_are_estimated() {
+    let part = Some(Correlated {
+        share: 0.9,
+        time: 1.0,
+    });
+    let whole = FixErrors {
+        position_factor: 10f64.sqrt(),
+        velocity_factor: Vector3::repeat(10f64.sqrt()),
+        ..FixErrors::default()
+    };
+    let lasting = FixErrors {
+        correlated: part,
+        velocity_correlated: part,
+        ..whole
+    };
+    let square = |errors: FixErrors| {
+        let of = |seed: u64| {
+            let ran = run_lasting(seed, 3.0, |settings, _| {
+                settings.fix_errors = errors;
+                settings.parameters = errors.with_states(settings.parameters);
+            });
+            ran.solution[3..].to_vec()
+        };
+        mean_square(&(1..=12).flat_map(of).collect::<Vec<_>>())
+    };
+    let [white, known] = [whole, lasting].map(square);
+    assert!((0.6..1.6).contains(&known), "{known}");
+    assert!(white > 2.0 * known, "{white} {known}");
 }
 
 /// An outage cuts the attitude as well: the heading of a room is then the gyros' alone.

@@ -158,6 +158,7 @@ pub(super) fn known(known: &Known) -> String {
         }
         Known::Scatter => "from what the turns of the poses differ by from those of the gyros",
         Known::Thinned => "poses that follow at once err alike: one in this time is used",
+        Known::Lasting => "usual: part of their error lasts; `undrift tune` finds how much",
         Known::SensorName => "from the sensor's name in the log, or in its file or folder name",
         Known::Steps => "from the quantisation steps of its values",
         Known::NoSensor => "guessed: nothing in the log shows the kind of sensor",

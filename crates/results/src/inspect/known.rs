@@ -148,6 +148,8 @@ pub enum Known {
     Scatter,
     /// Poses are thinned, since those that follow at once err alike.
     Thinned,
+    /// Poses err alike for a while, as a rule by so much.
+    Lasting,
     /// Assumed, as the message is defined so: the heading is the vehicle's.
     VehicleHeading,
     /// Estimated in motion: the direction of the second antenna.

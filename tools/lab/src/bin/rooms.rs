@@ -37,10 +37,27 @@ const RATE: f64 = 200.0;
 const LOUDER: [f64; 6] = [4.0, 8.0, 3.0, 6.0, 3.0, 5.0];
 /// Random walks, gyros [rad/s/√s] and accelerometers [m/s²/√s].
 const WALKS: [f64; 6] = [2e-5, 1e-5, 1.5e-5, 1e-3, 2e-3, 1e-3];
-/// Poses: standard deviations of position \[m\] and attitude \[rad\], and their rate \[Hz\].
-const POSES: [(&str, f64, f64, usize); 2] = [
-    ("1 mm, 0.1°, 100 Hz", 0.001, 0.001_745, 2),
-    ("1 cm, 0.5°, 20 Hz", 0.01, 0.008_727, 10),
+/// Poses: standard deviations of position \[m\] and attitude \[rad\], samples from one to the next, and of errors that last, in those, with how long \[s\].
+type Poses = (&'static str, f64, f64, usize, f64, f64);
+const POSES: [Poses; 4] = [
+    ("1 mm, 0.1°, 100 Hz", 0.001, 0.001_745, 2, 0.0, 1.0),
+    ("1 cm, 0.5°, 20 Hz", 0.01, 0.008_727, 10, 0.0, 1.0),
+    (
+        "1 mm, 0.1°, as much lasting 2 s",
+        0.001,
+        0.001_745,
+        2,
+        1.0,
+        2.0,
+    ),
+    (
+        "1 mm, 0.1°, as much lasting 10 s",
+        0.001,
+        0.001_745,
+        2,
+        1.0,
+        10.0,
+    ),
 ];
 
 /// What came of one room.
@@ -49,12 +66,14 @@ struct Room {
     off: [f64; 7],
     /// Of each noise: whether it is determined, its true value over the one found, and that in standard deviations of the logarithm.
     noise: Vec<(String, bool, f64, f64)>,
+    /// Lengths of the outages of the half that the fit has not seen \[s\], and NEES of position and attitude at their ends.
+    nees: Vec<(f64, [f64; 2])>,
 }
 
 fn room(
     seed: u64,
     seconds: f64,
-    (_, position, attitude, every): (&str, f64, f64, usize),
+    (_, position, attitude, every, lasting, correlation_time): Poses,
 ) -> Result<Room, String> {
     let mut dice = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut vector = |scale: f64| Vector3::from_fn(|_, _| scale * dice.random_range(-1.0..1.0));
@@ -66,6 +85,8 @@ fn room(
     let seen = PoseNoise {
         position_std: position,
         attitude_std: attitude,
+        lasting: [lasting * position, lasting * attitude],
+        correlation_time,
         marker,
         lever_arm: lever,
         frame: from_rpy(&rpy),
@@ -179,9 +200,17 @@ fn room(
             (p.value.0 / truth).ln() / std,
         )
     });
+    let nees = tuned.judged.iter().map(|of| {
+        let mean = |group: usize| {
+            let all = of.nees.iter().map(|nees| nees[1][group]);
+            all.sum::<f64>() / of.nees.len() as f64
+        };
+        (of.length, [mean(0), mean(1)])
+    });
     Ok(Room {
         off,
         noise: noise.collect(),
+        nees: nees.collect(),
     })
 }
 
@@ -217,6 +246,22 @@ fn main() {
             println!(
                 "  {what:10} inside 3σ {:.3}, mean square of errors over σ {square:.2}",
                 inside
+            );
+        }
+        for length in [1.0, 3.0, 10.0] {
+            let of = |group: usize| {
+                let all = rooms.iter().flat_map(|room| &room.nees);
+                let all = all.filter(|(of, _)| *of == length);
+                let all = Vec::from_iter(all.map(|(_, nees)| nees[group]));
+                let n = all.len() as f64;
+                let mean = all.iter().sum::<f64>() / n;
+                let square = all.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
+                format!("{mean:.2} ± {:.2}", (square / (n * (n - 1.0))).sqrt())
+            };
+            println!(
+                "  NEES after {length} s: position {}, attitude {}",
+                of(0),
+                of(1)
             );
         }
         println!("  noise                  determined  inside  true/found (geometric mean)");
