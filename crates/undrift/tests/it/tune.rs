@@ -204,6 +204,7 @@ fn the_drive_file_is_written() {
     let mut settings = plain();
     settings.constraints.non_holonomic = Some(NonHolonomic::CAR);
     let found = Tuned {
+        pose_faults: Vec::new(),
         posed: false,
         prior: Prior::new(&start, &[&settings]),
         start,
