@@ -31,7 +31,7 @@ use undrift_results::inspect::PoseFault;
 const POSITION_STD: &str = "10, 10, 10 mm";
 const ATTITUDE_STD: &str = "0.5, 0.5, 0.5 deg";
 /// Least standard deviations that poses are taken to have \[m, rad\]: mounts bend, and stamps jitter.
-const LEAST: [f64; 2] = [2e-4, 2e-4];
+const LEAST: [f64; 2] = [5e-4, 8.7e-4];
 /// How long errors of poses last, of a mount that gives or a map that drifts \[s\], and their share of the variance: `tune` finds how large
 /// they are.
 const LASTING: (&str, f64) = ("2 s", 0.5);
