@@ -10,8 +10,8 @@ use undrift_nav::{Matrix3, Vector3};
 /// Spans over which accelerations are averaged, least and most \[s\].
 const SPAN: (f64, f64) = (0.1, 2.5);
 /// Time by which the lag of a receiver's velocity varies, one standard deviation \[s\]: loops of 2 to 10 Hz have 15 to 80 ms (Kaplan & Hegarty
-/// 2017, section 8.6), and filters behind them more.
-const LAG: f64 = 0.1;
+/// 2017, section 8.6).
+const LAG: f64 = 0.05;
 
 /// A delay that fixes may have beyond the one that is estimated \[s\].
 const UNKNOWN: f64 = 0.1;
