@@ -256,9 +256,10 @@ impl Receiver {
             };
             let judged = !open && !frozen && !self.position.gate.is_in_doubt();
             let before = filter.innovation(&aiding);
+            let mut blind = 0.0;
             if judged && let Some(innovation) = &before {
-                white[(2, 2)] +=
-                    (self.height).judge(filter, fix.time, innovation, &r, patience, summary);
+                blind = (self.height).judge(filter, fix.time, innovation, &r, patience, summary);
+                white[(2, 2)] += blind;
             }
             let offer = Offer {
                 aiding,
@@ -272,7 +273,9 @@ impl Receiver {
             };
             let update = self.position.update(filter, &offer, settings, summary);
             match (&update, before, filter.innovation(&offer.aiding)) {
-                (Ok(update), Some(before), Some(after)) if update.outcome != Outcome::Rejected => {
+                (Ok(update), Some(before), Some(after))
+                    if update.outcome != Outcome::Rejected && blind == 0.0 =>
+                {
                     let changes = [&before, &after];
                     let moves = (self.motion.drift(filter), &filter.nav().v_n);
                     self.steps.used(fix.time, changes, &r, moves, summary);
@@ -286,7 +289,6 @@ impl Receiver {
             && part != Some(Part::Position)
         {
             let (mut white, correlated) = settings.fix_errors.split_velocity(&r);
-            white += self.motion.lag();
             let mut aiding = Aiding::Velocity {
                 v_n,
                 lever_arm,

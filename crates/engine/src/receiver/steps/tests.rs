@@ -34,7 +34,7 @@ fn a_step_that_stays_is_a_jump_of_its_size() {
     }
     assert_eq!(jumps(|k| if k == 80 { 0.2 } else { 0.0 }, 0.0), []);
     // What the solution drifts by in a quarter of a second is no step of the fixes.
-    assert_eq!(jumps(|k| if k == 80 { 0.45 } else { 0.0 }, 0.8), []);
+    assert_eq!(jumps(|k| if k == 80 { 0.45 } else { 0.0 }, 1.2), []);
 }
 
 #[test]
