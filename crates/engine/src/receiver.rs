@@ -29,10 +29,12 @@
 
 mod height;
 mod motion;
+mod offer;
 mod stamps;
 mod steps;
 
-use self::{height::HeightGate, motion::Motion, stamps::Stamps, steps::Steps};
+pub(crate) use self::offer::Held;
+use self::{height::HeightGate, motion::Motion, offer::Offer, stamps::Stamps, steps::Steps};
 use super::{
     gate::{FixGate, Scale, Verdict},
     summary::{MOST_EVENTS, Summary},
@@ -47,8 +49,7 @@ use nalgebra::ComplexField;
 use nalgebra::Vector2;
 use undrift_events::{Aid, Part};
 use undrift_nav::{
-    Matrix3, Vector3,
-    aiding::Stretch,
+    Vector3,
     earth::STANDARD_GRAVITY,
     filter::{FilterError, Gate, Outcome, Update},
     sample::{GnssFix, Position},
@@ -116,6 +117,8 @@ pub(super) struct Receiver {
     steps: Steps,
     motion: Motion,
     stamps: Stamps,
+    /// By how much the delay has changed since the fix before, one standard deviation \[s\].
+    wander: f64,
     /// The last position, since when it has been the same \[s\], and the velocity then.
     same: Option<(Position, f64, Option<Vector3>)>,
     /// Change of the velocity, north and east, by updates with the same fix of late \[m/s\], and the time of the last \[s\].
@@ -143,6 +146,7 @@ impl Receiver {
             steps: Steps::default(),
             motion: Motion::default(),
             stamps: Stamps::default(),
+            wander: 0.0,
             same: None,
             pull: (Vector2::zeros(), time),
             tilted: f64::INFINITY,
@@ -157,8 +161,17 @@ impl Receiver {
     pub(super) fn forget_solution(&mut self, time: f64, summary: &mut Summary) {
         let scales = (self.position.scale, self.velocity.scale);
         self.close(summary);
-        *self = Self::new(time);
+        let stamps = core::mem::take(&mut self.stamps);
+        *self = Self {
+            stamps,
+            ..Self::new(time)
+        };
         (self.position.scale, self.velocity.scale) = scales;
+    }
+
+    /// Takes in the stamp of a fix \[s\], before anything is done with it.
+    pub(super) fn stamp(&mut self, time: f64) {
+        self.wander = self.stamps.next(time);
     }
 
     /// Whether a fix may serve to align: its velocity and its way from the fix before are the same to
@@ -218,9 +231,8 @@ impl Receiver {
                 self.velocity.gate.unconfirm();
             }
             self.frozen = frozen;
-            let wander = self.stamps.next(fix.time);
-            if settings.gating && wander > 0.0 {
-                filter.inflate_time_offsets(wander);
+            if settings.gating && self.wander > 0.0 {
+                filter.inflate_time_offsets(self.wander);
             }
         }
         let frozen = self.frozen;
@@ -239,9 +251,10 @@ impl Receiver {
             };
             let judged = !open && !frozen && !self.position.gate.is_in_doubt();
             let before = filter.innovation(&aiding);
+            let mut blind = 0.0;
             if judged && let Some(innovation) = &before {
-                white[(2, 2)] +=
-                    (self.height).judge(filter, fix.time, innovation, &r, patience, summary);
+                blind = (self.height).judge(filter, fix.time, innovation, &r, patience, summary);
+                white[(2, 2)] += blind;
             }
             let offer = Offer {
                 aiding,
@@ -255,7 +268,9 @@ impl Receiver {
             };
             let update = self.position.update(filter, &offer, settings, summary);
             match (&update, before, filter.innovation(&offer.aiding)) {
-                (Ok(update), Some(before), Some(after)) if update.outcome != Outcome::Rejected => {
+                (Ok(update), Some(before), Some(after))
+                    if update.outcome != Outcome::Rejected && blind == 0.0 =>
+                {
                     let changes = [&before, &after];
                     let moves = (self.motion.drift(filter), &filter.nav().v_n);
                     self.steps.used(fix.time, changes, &r, moves, summary);
@@ -269,7 +284,6 @@ impl Receiver {
             && part != Some(Part::Position)
         {
             let (mut white, correlated) = settings.fix_errors.split_velocity(&r);
-            white += self.motion.lag();
             let mut aiding = Aiding::Velocity {
                 v_n,
                 lever_arm,
@@ -389,38 +403,6 @@ impl Receiver {
             summary.adapted[i] = channel.scale.mean();
         }
     }
-}
-
-/// When a fix holds, and of what.
-pub(super) struct Held {
-    /// The part of it, where it is not all.
-    pub(super) part: Option<Part>,
-    /// Time \[s\].
-    pub(super) due: f64,
-    /// The motion over its mean velocity's time, where that is known.
-    pub(super) stretch: Option<Stretch>,
-}
-
-/// A part of a fix, and how it is to be judged.
-///
-/// Lives for one update; what differs between position and velocity is in it.
-struct Offer {
-    /// The measurement with its lever arm and due time.
-    aiding: Aiding,
-    /// Covariance as the fix states it.
-    stated: Matrix3,
-    /// Stamp of the fix \[s\].
-    time: f64,
-    /// Whether it passes in any case.
-    open: bool,
-    /// Whether the receiver repeats itself.
-    frozen: bool,
-    /// Time that fixes which agree with each other are rejected \[s\].
-    patience: f64,
-    /// Whether a contradiction counts as an error of the velocity, too.
-    speed_doubted: bool,
-    /// Whether it may drift slowly to one side, as a receiver's positions do.
-    leans: bool,
 }
 
 impl FixPart {

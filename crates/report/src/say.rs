@@ -94,7 +94,7 @@ pub fn say(finding: &Finding) -> String {
         F::Copied { axes } => sensors::copied(*axes),
         F::Wrapped(of) => sensors::wrapped(of),
         F::SensorChanged(change) => sensors::changed(change),
-        F::Mismatch(of) => sensors::mismatch(of),
+        F::Mismatch { what } => sensors::mismatch(what),
         F::NoisyHeights { factor } => fixes::noisy_heights(*factor),
         F::VelocityScale { ratio } => fixes::velocity_scale(*ratio),
         F::WrongGravity { ratio, exchanged } => sensors::wrong_gravity(*ratio, *exchanged),

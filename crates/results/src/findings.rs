@@ -6,9 +6,7 @@ mod weight;
 pub use kinds::*;
 pub use weight::{is_doubtful, is_jump, ranked, verdict};
 
-use undrift_events::{
-    Contradiction, FixMend, Lean, Mismatch, Part, RestartCause, SensorChange, WindowPart,
-};
+use undrift_events::{Contradiction, FixMend, Lean, Part, RestartCause, SensorChange, WindowPart};
 
 /// One thing found.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -124,8 +122,11 @@ pub enum Finding {
         /// Which, and its standard deviation [–].
         ratio: [f64; 2],
     },
-    /// Samples and fixes do not go together by this.
-    Mismatch(Mismatch),
+    /// Samples and fixes do not go together.
+    Mismatch {
+        /// By what.
+        what: undrift_events::Mismatch,
+    },
     /// The mean specific force is not gravity.
     WrongGravity {
         /// Mean specific force over gravity.

@@ -199,7 +199,8 @@ pub fn of_disagreement(summary: &Summary) -> Vec<Finding> {
             most: late.most,
         });
     }
-    found.extend(summary.mismatches.iter().copied().map(Finding::Mismatch));
+    let mismatches = summary.mismatches.iter().copied();
+    found.extend(mismatches.map(|what| Finding::Mismatch { what }));
     found.extend(summary.leans.iter().copied().map(Finding::OneSided));
     found.extend(
         summary

@@ -12,7 +12,7 @@ use undrift_events::{Contradiction, Part};
 use undrift_nav::{Matrix3, Vector3};
 
 /// Standard deviations of two fixes from which a change is a step, and multiples of the usual change.
-const SIGMAS: f64 = 8.0;
+const SIGMAS: f64 = 5.0;
 const USUAL: f64 = 8.0;
 /// Changes that the usual size is taken from, and how many there must be.
 const WINDOW: usize = 32;

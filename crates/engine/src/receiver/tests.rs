@@ -3,7 +3,9 @@ use crate::{
     Contradiction, RestartCause,
     tests::{DEG, Epoch, Navigated, RATE, Scenario, driving_north, imu, receiver, sensors},
 };
-use undrift_nav::{covariance::AXES, earth::Geodetic, sample::FixQuality, shaping::ShapingFilter};
+use undrift_nav::{
+    Matrix3, covariance::AXES, earth::Geodetic, sample::FixQuality, shaping::ShapingFilter,
+};
 use undrift_simulate::{GnssNoise, Trajectory};
 
 /// Through a wide bend.

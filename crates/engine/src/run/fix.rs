@@ -237,6 +237,7 @@ impl Run {
         let fix = self.settings.quality.apply(fix);
         let fix = &self.vertical.judge(fix, begins, &mut self.summary);
         if begins && !withheld {
+            self.receiver.stamp(fix.time);
             self.study(fix)?;
         }
         let settings = Arc::clone(&self.settings);

@@ -95,19 +95,19 @@ fn every_finding_has_its_sentence() {
             "IMU log: ends at 12.5 s, 300 s before the last fix: it may be cut short",
         ),
         (
-            Finding::Mismatch(Mismatch::LateVelocities(0.27)),
+            Finding::Mismatch { what: Mismatch::LateVelocities(0.27) },
             "the velocities of the fixes are 0.27 s late against the turns of the gyros: the receiver's own filter, differences of positions, or wrong stamps",
         ),
         (
-            Finding::Mismatch(Mismatch::LateAccelerometers(0.2)),
+            Finding::Mismatch { what: Mismatch::LateAccelerometers(0.2) },
             "the accelerometers are 0.20 s later than the gyros: two clocks or topics, or a low-pass on one of them; shift one of the two, or estimate it with states.accel_delay",
         ),
         (
-            Finding::Mismatch(Mismatch::HeldPositions(1.6)),
+            Finding::Mismatch { what: Mismatch::HeldPositions(1.6) },
             "the receiver holds its position while it moves slowly, and then steps by up to 1.60 m: switch off its static hold",
         ),
         (
-            Finding::Mismatch(Mismatch::MovesAside(3.0)),
+            Finding::Mismatch { what: Mismatch::MovesAside(3.0) },
             "the vehicle moves 172 deg off the IMU's forward axis: attitude and heading are the IMU's, not the vehicle's; set imu.mounting or imu.axes",
         ),
         (

@@ -23,6 +23,8 @@ const MOVED: f64 = 0.5;
 /// One that stays so far off \[rad\] for so long \[s\] was wrong before or is now.
 const TURNED: f64 = 0.1;
 const LASTS: f64 = 60.0;
+/// Velocities that are later than this \[s\] are behind a filter, of which a delay is a part.
+const LAGS: f64 = 0.2;
 /// Accelerometers that are further from the gyros than this \[s\] turn the attitude in every manoeuvre.
 const APART: f64 = 0.15;
 /// Samples that came from the wrong end of the range, up to which they are treated as spikes are.
@@ -121,12 +123,12 @@ impl Finding {
             // A vehicle that begins to move across its axis turns its course without its gyros.
             Self::SensorChanged(change) if change.what == ChangeOf::NoTurn => Severity::Warning,
             Self::Copied { .. } | Self::SensorChanged(_) => Severity::Unusable,
-            Self::Mismatch(Mismatch::LateAccelerometers(delay)) if *delay > APART => {
-                Severity::Unusable
-            }
-            Self::Mismatch(Mismatch::LateAccelerometers(_) | Mismatch::MovesAside(_)) => {
-                Severity::Warning
-            }
+            Self::Mismatch { what } => match what {
+                Mismatch::LateAccelerometers(delay) if *delay > APART => Severity::Unusable,
+                Mismatch::LateVelocities(delay) if *delay <= LAGS => Severity::Note,
+                Mismatch::HeldPositions(_) => Severity::Note,
+                _ => Severity::Warning,
+            },
             Self::Wrapped(of) if of.jumps > FEW_JUMPS => Severity::Unusable,
             Self::VelocityScale { ratio, .. } if (ratio[0] - 1.0).abs() > FAR_SCALE => {
                 Severity::Unusable
@@ -245,7 +247,7 @@ impl Finding {
             | Self::NotRun { all: true, .. } => 0,
             Self::Copied { .. } | Self::Wrapped { .. } => 1,
             Self::Poses(_) if self.severity() > Severity::Note => 1,
-            Self::Mismatch(_) => 2,
+            Self::Mismatch { .. } => 2,
             Self::SensorChanged { .. } | Self::VelocityScale { .. } => 1,
             Self::OutagesLeftOut(of) if of.is_all() => 0,
             Self::Constant { .. }

@@ -157,7 +157,9 @@ fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
             what,
         })
     };
-    let apart = |delay| Finding::Mismatch(Mismatch::LateAccelerometers(delay));
+    let apart = |delay| Finding::Mismatch {
+        what: Mismatch::LateAccelerometers(delay),
+    };
     let turned = |end, angle| Finding::HeadingOff {
         start: 0.0,
         end,
@@ -199,9 +201,34 @@ fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
         (wrapped(10), Warning, 1),
         (apart(0.16), Unusable, 2),
         (apart(0.14), Warning, 2),
-        (Finding::Mismatch(Mismatch::MovesAside(3.0)), Warning, 2),
-        (Finding::Mismatch(Mismatch::LateVelocities(0.3)), Note, 2),
-        (Finding::Mismatch(Mismatch::HeldPositions(3.0)), Note, 2),
+        (
+            Finding::Mismatch {
+                what: Mismatch::MovesAside(3.0),
+            },
+            Warning,
+            2,
+        ),
+        (
+            Finding::Mismatch {
+                what: Mismatch::LateVelocities(0.19),
+            },
+            Note,
+            2,
+        ),
+        (
+            Finding::Mismatch {
+                what: Mismatch::LateVelocities(0.21),
+            },
+            Warning,
+            2,
+        ),
+        (
+            Finding::Mismatch {
+                what: Mismatch::HeldPositions(3.0),
+            },
+            Note,
+            2,
+        ),
         (turned(61.0, 0.11), Unusable, 5),
         (turned(61.0, -0.09), Warning, 5),
         (turned(59.0, 0.11), Warning, 5),
