@@ -19,6 +19,7 @@ pub(super) fn of_length(length: f64, ratio: [f64; 3]) -> TunedDrift {
         ratio_high: ratio[2].into(),
         before_within: [0.5, 0.8, 0.9].map(Number),
         after_within: [0.7, 0.95, 0.99].map(Number),
+        nees: Vec::new(),
     }
 }
 
