@@ -274,7 +274,7 @@ fn compared(samples: &[ImuSample], poses: &[LocalPose]) -> Result<HandEye, PoseF
     let mut faults = Vec::from_iter(differ.flatten());
     let jumped = |of: &&(Range<usize>, f64, bool)| !of.2;
     let gone = breaks.jumps.iter().filter(jumped);
-    let gone = gone.map(|(of, size, _)| PoseFault::Jumped {
+    let mut gone = gone.map(|(of, size, _)| PoseFault::Jumped {
         time: motion.turns[of.start].to + motion.clock,
         end: motion.turns[of.end - 1].to + motion.clock,
         angle_deg: size.to_degrees(),
@@ -284,7 +284,8 @@ fn compared(samples: &[ImuSample], poses: &[LocalPose]) -> Result<HandEye, PoseF
     let slides = breaks.jumps.iter().all(|of| !of.2) && faults.len() >= SLIDES;
     let longest = all.iter().max_by_key(|piece| piece.turns.len());
     let Some(longest) = longest else {
-        return Err(gone.last().unwrap_or(PoseFault::NoFit { correlation: 0.0 }));
+        let last = gone.next_back();
+        return Err(last.unwrap_or(PoseFault::NoFit { correlation: 0.0 }));
     };
     if let (true, Some(first), Some(last)) = (slides, all.first(), all.last()) {
         faults = vec![PoseFault::Slid {

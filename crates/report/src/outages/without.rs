@@ -11,12 +11,23 @@ use undrift_results::{ModelErrors, Outages, is_clear_lead};
 
 const CAPTION: &str = "Each constraint and sensor beside GNSS removed: RMS over the outages of the largest error of each; \"ratio\" is the horizontal drift with it over that without it, \"less with it\" counts outages.";
 
-/// The last model, by its name, and its errors without one kind of measurement at a time.
-fn compared(run: &Outages) -> Option<(&str, &ModelErrors, Vec<(Aid, &ModelErrors)>)> {
-    let name = run.order.last()?.as_str();
+/// The last model with all that the drive has, and without one kind of measurement at a time.
+struct Compared<'a> {
+    model: &'a str,
+    with: &'a ModelErrors,
+    without: Vec<(Aid, &'a ModelErrors)>,
+}
+
+/// What there is to compare, if it was run.
+fn compared(run: &Outages) -> Option<Compared<'_>> {
+    let model = run.order.last()?;
     let of_aid = |aid: Aid| Some((aid, run.without.get(&aid.key())?));
     let without = Vec::from_iter(Aid::ALL.into_iter().filter_map(of_aid));
-    Some((name, run.models.get(name)?, without)).filter(|(.., without)| !without.is_empty())
+    (!without.is_empty()).then_some(Compared {
+        model,
+        with: run.models.get(model)?,
+        without,
+    })
 }
 
 /// In how many outages the horizontal drift is less with the measurement, and in how many it differs.
@@ -36,7 +47,11 @@ fn ratio(with: &ModelErrors, without: &ModelErrors) -> f64 {
 
 /// The table of a run.
 pub(super) fn table(name: &str, run: &Outages) -> Option<Table> {
-    let (model, with, without) = compared(run)?;
+    let Compared {
+        model,
+        with,
+        without,
+    } = compared(run)?;
     let named = |aid: &Aid| prefixed(name, &format!("without {}", aid.name())).into();
     let names = std::iter::once(prefixed(name, model).into());
     let rows = Vec::from_iter(names.chain(without.iter().map(|(aid, _)| named(aid))));
@@ -68,7 +83,7 @@ pub(super) fn table(name: &str, run: &Outages) -> Option<Table> {
 
 /// A sentence for each that makes a difference beyond chance.
 pub(super) fn sentences(name: &str, run: &Outages) -> Vec<String> {
-    let Some((_, with, without)) = compared(run) else {
+    let Some(Compared { with, without, .. }) = compared(run) else {
         return Vec::new();
     };
     let sentence = |(aid, errors): &(Aid, &ModelErrors)| {
