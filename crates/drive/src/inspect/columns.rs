@@ -11,8 +11,7 @@ use crate::columns::{
 };
 use toml::Value;
 use undrift_io::{Opened, ReadError, table::Preview};
-use undrift_results::inspect::PoseFault;
-use undrift_results::inspect::{Known, Line, Note, Part};
+use undrift_results::inspect::{Known, Line, Note, Part, PoseFault};
 
 /// By the names of several columns.
 pub(super) const NAMES: Known = Known::Name { several: true };
@@ -108,11 +107,8 @@ fn usual_width(rows: &[Vec<f64>]) -> usize {
     longest.and_then(|run| run.first()).copied().unwrap_or(0)
 }
 
-pub(super) fn all(three: &[Option<usize>; 3]) -> Option<[usize; 3]> {
-    match *three {
-        [Some(x), Some(y), Some(z)] => Some([x, y, z]),
-        _ => None,
-    }
+pub(super) fn all(&[x, y, z]: &[Option<usize>; 3]) -> Option<[usize; 3]> {
+    Some([x?, y?, z?])
 }
 
 fn by_names(table: &Preview) -> Found {

@@ -240,13 +240,15 @@ fn write(part: &mut Part, found: &HandEye) {
     );
     let (key, value) = frame(&found.gravity);
     put(key, value, Known::Accelerations);
-    let position = digits(1e3 * found.position_std.max(LEAST[0]));
+    // The scatter from one pose to the next is that of the part that does not last.
+    let all = 1.0 / (1.0 - LASTING.1).sqrt();
+    let position = digits(1e3 * all * found.position_std.max(LEAST[0]));
     put(
         "position_std",
         format!("{position}, {position}, {position} mm"),
         Known::Accelerations,
     );
-    let attitude = digits(found.attitude_std.max(LEAST[1]).to_degrees());
+    let attitude = digits(all * found.attitude_std.max(LEAST[1]).to_degrees());
     put(
         "attitude_std",
         format!("{attitude}, {attitude}, {attitude} deg"),

@@ -10,7 +10,7 @@ use undrift_nav::{Vector3, earth::Geodetic, sample::GnssFix};
 
 /// Times that it takes to be a habit.
 const LEAST: u32 = 2;
-/// Standard deviations of a position, and of the way by its velocity, beyond which a step is none of them.
+/// Standard deviations of a position, and of the way by its velocity, beyond which a step is neither.
 const SIGMAS: f64 = 5.0;
 const FASTER: f64 = 1.5;
 

@@ -12,6 +12,7 @@
 use super::Run;
 use crate::{
     align::{Stamps, compare},
+    estimator::Estimator,
     fixes::{FixStudy, FixWatch},
     health::covariance_health,
     not_aligned::NotAligned,
@@ -21,6 +22,7 @@ use crate::{
     vibration::Vibration,
 };
 use alloc::boxed::Box;
+use undrift_events::Mismatch;
 use undrift_nav::parameters::Parameter;
 
 impl Run {
@@ -94,6 +96,8 @@ impl Run {
             self.summary.diverged = self.summary.restarts.last().map(|last| last.time);
             return Ok(self.summary);
         };
+        let summary = &mut self.summary;
+        summary.mismatches.retain(|of| !is_estimated(of, &**filter));
         self.summary.covariance = Some(covariance_health(&**filter));
         for (kind, _, prior) in filter.parameters().blocks() {
             if let Some((value, std)) = filter.parameter(kind) {
@@ -119,4 +123,19 @@ impl Run {
         }
         Ok(self.summary)
     }
+}
+
+/// Shorter delays of velocities are no mismatch where they are estimated \[s\], to this \[s\] or three standard deviations.
+const SHORT_DELAY: f64 = 0.2;
+const SAME_DELAY: f64 = 0.05;
+
+/// Whether it is a short delay that the filter knows.
+fn is_estimated(of: &Mismatch, filter: &dyn Estimator) -> bool {
+    let Mismatch::LateVelocities(delay) = *of else {
+        return false;
+    };
+    let kinds = [Parameter::VelocityTimeOffset, Parameter::TimeOffset];
+    let known = kinds.into_iter().find_map(|kind| filter.time_offset(kind));
+    delay < SHORT_DELAY
+        && known.is_some_and(|(offset, std)| (delay + offset).abs() < SAME_DELAY.max(3.0 * std))
 }

@@ -37,8 +37,8 @@ impl Ellipses {
         }
     }
 
-    /// The line has ended: rows and polygons, closed and counterclockwise, the last at its end. A polygon across the antimeridian, which maps
-    /// draw around the Earth, is none of them.
+    /// The line has ended: rows and polygons, closed and counterclockwise, the last at its end. Polygons across the antimeridian, which maps
+    /// draw around the Earth, are omitted.
     pub fn end(&mut self) -> Vec<(SolutionRow, Vec<Geodetic>)> {
         let last = self.last.take();
         let drawn = self.due.last().map(|row| row.time);

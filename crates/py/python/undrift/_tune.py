@@ -73,6 +73,9 @@ class TunedDrift(Result):
     """Shares of the position's errors at the ends inside 1, 2 and 3 σ, before."""
     after_within: tuple[float | None, ...]
     """The same with the noise found."""
+    nees: tuple[dict[str, Any], ...] = ()
+    """Of poses: normalised error squared at the ends per degree of freedom ``of`` position and attitude, mean and 95 % interval,
+    ``before`` and ``after``."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -235,3 +235,43 @@ fn what_is_not_determined_is_close_to_what_was_expected_or_not() {
     );
     assert_eq!(said(&[]), "");
 }
+
+/// Each row has its length, its part, and before and after in their columns; a drive without poses has no table.
+#[test]
+fn nees_of_poses_is_a_row_of_each_length_and_part() {
+    let of = |of: &str, before: f64| undrift_results::TunedNees {
+        of: of.into(),
+        before: [before, before - 0.5, before + 0.5].map(Number),
+        after: [1.0, 0.75, 1.25].map(Number),
+    };
+    let drift = |length, nees| TunedDrift {
+        nees,
+        ..of_length(length, [0.5, 0.4, 0.6])
+    };
+    let posed = Tune {
+        drift: vec![
+            drift(1.0, vec![of("position", 2.0), of("attitude", 3.0)]),
+            drift(10.0, vec![of("position", 4.0)]),
+        ],
+        ..Tune::default()
+    };
+    let table = nees(&posed).unwrap();
+    let rows = table.rows.iter();
+    let rows = rows.map(|row| Vec::from_iter(row.iter().map(|cell| cell.text.as_str())));
+    let after = "1.00 (0.750 to 1.25)";
+    assert_eq!(
+        Vec::from_iter(rows),
+        [
+            ["1 s", "position", "2.00 (1.50 to 2.50)", after],
+            ["1 s", "attitude", "3.00 (2.50 to 3.50)", after],
+            ["10 s", "position", "4.00 (3.50 to 4.50)", after],
+        ]
+    );
+    assert_eq!(
+        nees(&Tune {
+            drift: vec![of_length(1.0, [1.0; 3])],
+            ..Tune::default()
+        }),
+        None
+    );
+}

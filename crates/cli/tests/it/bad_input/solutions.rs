@@ -18,6 +18,7 @@ fn spans(case: &Case, name: &str) -> Vec<(bool, f64, f64)> {
         .as_array()
         .unwrap()
         .iter()
+        .filter(|feature| feature["geometry"]["type"] == "LineString")
         .map(of)
         .collect()
 }
