@@ -242,13 +242,13 @@ fn write(part: &mut Part, found: &HandEye) {
     put(key, value, Known::Accelerations);
     // The scatter from one pose to the next is that of the part that does not last.
     let all = 1.0 / (1.0 - LASTING.1).sqrt();
-    let position = digits(1e3 * all * found.position_std.max(LEAST[0]));
+    let position = digits(1e3 * LEAST[0].max(all * found.position_std));
     put(
         "position_std",
         format!("{position}, {position}, {position} mm"),
         Known::Accelerations,
     );
-    let attitude = digits(all * found.attitude_std.max(LEAST[1]).to_degrees());
+    let attitude = digits(LEAST[1].max(all * found.attitude_std).to_degrees());
     put(
         "attitude_std",
         format!("{attitude}, {attitude}, {attitude} deg"),

@@ -125,17 +125,15 @@ impl Run {
     }
 }
 
-/// Shorter delays of velocities are no mismatch where they are estimated \[s\], to this \[s\] or three standard deviations.
-const SHORT_DELAY: f64 = 0.2;
+/// A delay of velocities is no mismatch where the filter has it to this \[s\] or three standard deviations.
 const SAME_DELAY: f64 = 0.05;
 
-/// Whether it is a short delay that the filter knows.
+/// Whether it is a delay that the filter knows.
 fn is_estimated(of: &Mismatch, filter: &dyn Estimator) -> bool {
     let Mismatch::LateVelocities(delay) = *of else {
         return false;
     };
     let kinds = [Parameter::VelocityTimeOffset, Parameter::TimeOffset];
     let known = kinds.into_iter().find_map(|kind| filter.time_offset(kind));
-    delay < SHORT_DELAY
-        && known.is_some_and(|(offset, std)| (delay + offset).abs() < SAME_DELAY.max(3.0 * std))
+    known.is_some_and(|(offset, std)| (delay + offset).abs() < SAME_DELAY.max(3.0 * std))
 }
