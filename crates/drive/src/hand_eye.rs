@@ -15,7 +15,7 @@ mod force;
 mod path;
 mod turns;
 
-use breaks::{Breaks, TURNED};
+use breaks::{Breaks, Jump, TURNED};
 use force::Forces;
 use std::ops::Range;
 use turns::{Fit, LEAST, Motion};
@@ -214,20 +214,12 @@ fn pieces(
 }
 
 /// What differs from one piece to the next, if anything does: the marker and the lever arm beyond chance, or its frame.
-fn between(
-    before: &Piece,
-    after: &Piece,
-    jumps: &Breaks,
-    clock: f64,
-    motion: &Motion,
-) -> Option<PoseFault> {
+fn between(before: &Piece, after: &Piece, jumps: &[Jump], motion: &Motion) -> Option<PoseFault> {
     let at = before.turns.end.saturating_sub(LEAST)..after.turns.start + LEAST;
-    let jump = jumps
-        .jumps
-        .iter()
-        .find(|of| of.2 && at.contains(&of.0.start));
+    let mut lasting = jumps.iter().filter(|jump| jump.lasting);
+    let jump = lasting.find(|jump| at.contains(&jump.turns.start));
     let time = match jump {
-        Some((of, ..)) => motion.turns[of.start].to + clock,
+        Some(jump) => motion.turns[jump.turns.start].to + motion.clock,
         None => 0.5 * (before.end + after.start),
     };
     let turned = before.fit.marker.angle_to(&after.fit.marker);
@@ -250,10 +242,10 @@ fn between(
             distance_m: distance,
         });
     }
-    jump.map(|(_, size, _)| PoseFault::Jumped {
+    jump.map(|jump| PoseFault::Jumped {
         time,
         end: time,
-        angle_deg: size.to_degrees(),
+        angle_deg: jump.size.to_degrees(),
         lasting: true,
     })
 }
@@ -270,18 +262,17 @@ fn compared(samples: &[ImuSample], poses: &[LocalPose]) -> Result<HandEye, PoseF
         pieces(samples, poses, &motion, turns, &mut all);
     }
     let pairs = all.iter().zip(all.iter().skip(1));
-    let differ = pairs.map(|(a, b)| between(a, b, &breaks, motion.clock, &motion));
+    let differ = pairs.map(|(a, b)| between(a, b, &breaks.jumps, &motion));
     let mut faults = Vec::from_iter(differ.flatten());
-    let jumped = |of: &&(Range<usize>, f64, bool)| !of.2;
-    let gone = breaks.jumps.iter().filter(jumped);
-    let mut gone = gone.map(|(of, size, _)| PoseFault::Jumped {
-        time: motion.turns[of.start].to + motion.clock,
-        end: motion.turns[of.end - 1].to + motion.clock,
-        angle_deg: size.to_degrees(),
+    let gone = breaks.jumps.iter().filter(|jump| !jump.lasting);
+    let mut gone = gone.map(|jump| PoseFault::Jumped {
+        time: motion.turns[jump.turns.start].to + motion.clock,
+        end: motion.turns[jump.turns.end - 1].to + motion.clock,
+        angle_deg: jump.size.to_degrees(),
         lasting: false,
     });
     let cut = all.len() > 1 && !faults.is_empty();
-    let slides = breaks.jumps.iter().all(|of| !of.2) && faults.len() >= SLIDES;
+    let slides = breaks.jumps.iter().all(|jump| !jump.lasting) && faults.len() >= SLIDES;
     let longest = all.iter().max_by_key(|piece| piece.turns.len());
     let Some(longest) = longest else {
         let last = gone.next_back();

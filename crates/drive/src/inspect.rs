@@ -36,6 +36,7 @@ use undrift_io::{
     source::BytesRead,
     table::{Preview, halves},
 };
+use undrift_results::inspect::{pose_notes, pose_piece};
 
 /// Standard deviations to begin with where a log does not have any: a single-frequency receiver
 /// under an open sky.
@@ -188,25 +189,11 @@ pub fn guessed_rate(inspections: &[Inspection]) -> Option<f64> {
 
 /// What is wrong with poses, and is taken into account in the drive file of them.
 pub fn pose_faults(inspections: &[Inspection]) -> Vec<PoseFault> {
-    let notes = inspections.iter().flat_map(|file| &file.found);
-    let faults = notes.filter_map(|note| match note {
-        Note::Poses(fault) => Some(fault),
-        _ => None,
-    });
-    let cut = piece(inspections).is_some();
-    faults
+    let cut = pose_piece(inspections).is_some();
+    pose_notes(inspections)
         .filter(|fault| fault.is_mended(cut))
         .cloned()
         .collect()
-}
-
-/// The part of the logs in which marker and IMU move as one \[s\], where that is not all of them.
-fn piece(inspections: &[Inspection]) -> Option<[f64; 2]> {
-    let mut notes = inspections.iter().flat_map(|file| &file.found);
-    notes.find_map(|note| match note {
-        Note::Poses(PoseFault::Piece { start, end }) => Some([*start, *end]),
-        _ => None,
-    })
 }
 
 /// Where the logs are: those in memory, and files relative to `folder`.

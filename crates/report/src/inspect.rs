@@ -15,7 +15,7 @@ use undrift_io::visible;
 use undrift_results::findings::{Finding, PosesApart};
 use undrift_results::inspect::{
     Comment, Content, CounterRestarts, Flight, Inspection, Known, Measured, Model, Motion, Note,
-    Part, PoseFault, Start, Wheels, about_gravity,
+    Part, PoseFault, Start, Wheels, about_gravity, pose_notes, pose_piece,
 };
 
 /// An inspection with its sentences, for JSON.
@@ -44,15 +44,9 @@ pub fn shown(inspection: &Inspection) -> impl Serialize {
 }
 
 fn notes(inspection: &Inspection) -> Vec<String> {
-    let cut = is_cut(std::slice::from_ref(inspection));
+    let cut = pose_piece(std::slice::from_ref(inspection)).is_some();
     let notes = inspection.found.iter();
     notes.map(|of| note(of, cut)).collect()
-}
-
-/// Whether the drive file reads a part of the logs, in which the marker does not move against the IMU.
-fn is_cut(inspections: &[Inspection]) -> bool {
-    let mut notes = inspections.iter().flat_map(|file| &file.found);
-    notes.any(|note| matches!(note, Note::Poses(PoseFault::Piece { .. })))
 }
 
 fn remarks(measured: &Measured) -> Vec<String> {
@@ -227,20 +221,14 @@ fn content(content: &Content) -> String {
 
 /// The first line: what is wrong with poses, and whether they can be used all the same.
 pub fn lead(inspections: &[Inspection]) -> Option<String> {
-    let notes = inspections.iter().flat_map(|file| &file.found);
-    let faults = notes.filter_map(|note| match note {
-        Note::Poses(fault) => Some(fault),
-        _ => None,
-    });
-    let faults = Vec::from_iter(faults);
-    let cut = is_cut(inspections);
-    let finding = |fault: &&PoseFault| {
+    let cut = pose_piece(inspections).is_some();
+    let finding = |fault: &PoseFault| {
         Finding::Poses(PosesApart {
             mended: fault.is_mended(cut),
-            fault: (*fault).clone(),
+            fault: fault.clone(),
         })
     };
-    let all = Vec::from_iter(faults.iter().map(finding));
+    let all = Vec::from_iter(pose_notes(inspections).map(finding));
     let worst = all.iter().map(|of| of.severity()).max()?;
     let cause = all.iter().find(|of| of.severity() == worst)?;
     Some(format!("{}: {}", usable(worst), crate::say::say(cause)))
@@ -332,12 +320,8 @@ pub fn unknown_log(inspections: &[Inspection], table: &str) -> Option<String> {
             "position or ecef",
         ),
     };
-    let fault = log.found.iter().find_map(|note| match note {
-        Note::Poses(fault) => Some(poses::fault(fault, false)),
-        _ => None,
-    });
-    if fault.is_some() {
-        return fault;
+    if let Some(fault) = pose_notes(std::slice::from_ref(log)).next() {
+        return Some(poses::fault(fault, false));
     }
     let has = log.found.iter().find_map(|note| match note {
         Note::Columns(names) => Some(format!(

@@ -43,12 +43,6 @@ struct Model<'a> {
 }
 
 impl Model<'_> {
-    /// Largest horizontal error of each outage \[m\].
-    fn largest(&self) -> Vec<f64> {
-        let outages = self.errors.per_outage.iter();
-        outages.map(|o| get(&o.max, HORIZONTAL)).collect()
-    }
-
     /// Its name in a sentence, in quotes where it would fall apart there.
     fn spoken(&self) -> String {
         if self.name.contains([',', ' ']) {
@@ -56,6 +50,11 @@ impl Model<'_> {
         } else {
             self.name.clone()
         }
+    }
+
+    /// Largest horizontal error of each outage \[m\].
+    fn largest(&self) -> Vec<f64> {
+        largest(self.errors).collect()
     }
 
     fn rms(&self) -> f64 {
@@ -235,16 +234,13 @@ fn findings(models: &[Model<'_>]) -> Vec<String> {
         short(best.rms())
     )];
     if let Some(second) = rest.first() {
-        let pairs = best.largest().into_iter().zip(second.largest());
-        let pairs: Vec<(f64, f64)> = pairs.filter(|(a, b)| a != b).collect();
-        let wins = pairs.iter().filter(|(a, b)| a < b).count();
-        let clear = is_clear_lead(wins, pairs.len());
+        let (wins, of) = wins(best.errors, second.errors);
+        let clear = is_clear_lead(wins, of);
         found.push(format!(
-            "Next is {} with {} m; {} drifted less in {wins} of {} outages, {} than expected by chance.",
+            "Next is {} with {} m; {} drifted less in {wins} of {of} outages, {} than expected by chance.",
             second.spoken(),
             short(second.rms()),
             best.spoken(),
-            pairs.len(),
             if clear { "more" } else { "no more" }
         ));
     }
@@ -257,6 +253,19 @@ fn findings(models: &[Model<'_>]) -> Vec<String> {
         ));
     }
     found
+}
+
+/// Largest horizontal error of each outage \[m\].
+fn largest(errors: &ModelErrors) -> impl Iterator<Item = f64> {
+    let outages = errors.per_outage.iter();
+    outages.map(|outage| get(&outage.max, HORIZONTAL))
+}
+
+/// In how many outages the horizontal drift is less with the one than with the other, and in how many it differs.
+fn wins(one: &ModelErrors, other: &ModelErrors) -> (usize, usize) {
+    let pairs = largest(one).zip(largest(other));
+    let differ = Vec::from_iter(pairs.filter(|(a, b)| a != b));
+    (differ.iter().filter(|(a, b)| a < b).count(), differ.len())
 }
 
 /// A statistic of a model's errors over the outages, by component.

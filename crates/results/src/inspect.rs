@@ -6,5 +6,5 @@ mod parts;
 pub use known::{Content, Known, Note, PoseFault, about_gravity};
 pub use parts::{
     Comment, CounterRestarts, Flight, Inspection, Line, Measured, Model, Motion, Part, Start,
-    Wheels,
+    Wheels, pose_notes, pose_piece,
 };

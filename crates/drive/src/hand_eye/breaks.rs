@@ -59,15 +59,25 @@ const RETURNED: f64 = 0.05;
 /// Turns that go together, of which each range has one marker.
 pub(super) struct Breaks {
     pub pieces: Vec<Range<usize>>,
-    /// Jumps: the turns from the first to the last, the largest \[rad\], and whether the frame stays turned.
-    pub jumps: Vec<(Range<usize>, f64, bool)>,
+    pub jumps: Vec<Jump>,
+}
+
+/// Turns of the marker that the gyros do not measure, within a second.
+#[derive(Clone)]
+pub(super) struct Jump {
+    /// From the first to the last.
+    pub turns: Range<usize>,
+    /// The largest \[rad\].
+    pub size: f64,
+    /// Whether the frame stays turned.
+    pub lasting: bool,
 }
 
 impl Breaks {
     /// Looks at all turns; those that jump are not used any more.
     pub(super) fn find(motion: &mut Motion) -> Self {
         let mut splits = Vec::new();
-        let mut jumps: Vec<(Range<usize>, f64, bool)> = Vec::new();
+        let mut jumps: Vec<Jump> = Vec::new();
         search(
             motion,
             0..motion.turns.len(),
@@ -75,42 +85,46 @@ impl Breaks {
             &mut |at, turns, size| {
                 let time = |at: usize| turns[at].to;
                 match jumps.last_mut() {
-                    Some((of, largest, _)) if time(at) - time(of.end - 1) < AT_ONCE => {
-                        of.end = at + 1;
-                        *largest = largest.max(size);
+                    Some(last) if time(at) - time(last.turns.end - 1) < AT_ONCE => {
+                        last.turns.end = at + 1;
+                        last.size = last.size.max(size);
                     }
-                    _ => jumps.push((at..at + 1, size, false)),
+                    _ => jumps.push(Jump {
+                        turns: at..at + 1,
+                        size,
+                        lasting: false,
+                    }),
                 }
             },
         );
-        for (of, _, lasting) in &mut jumps {
-            *lasting = misses(motion, of.clone()) > RETURNED;
+        for jump in &mut jumps {
+            jump.lasting = misses(motion, jump.turns.clone()) > RETURNED;
         }
         // There and back.
         let mut at = 0;
         while at < jumps.len() {
-            let (of, size, lasting) = jumps[at].clone();
+            let start = jumps[at].turns.start;
+            let since = |to: &Jump| motion.turns[to.turns.start].from - motion.turns[start].from;
+            let returns = |to: &Jump| to.lasting && misses(motion, start..to.turns.end) < RETURNED;
             let back = (at + 1..jumps.len())
-                .take_while(|to| {
-                    motion.turns[jumps[*to].0.start].from - motion.turns[of.start].from < LOST
-                })
-                .find(|to| jumps[*to].2 && misses(motion, of.start..jumps[*to].0.end) < RETURNED);
-            if let (true, Some(to)) = (lasting, back) {
-                let largest = jumps[at..=to].iter().map(|of| of.1).fold(size, f64::max);
-                let all = of.start..jumps[to].0.end;
-                jumps.splice(at..=to, [(all, largest, false)]);
+                .take_while(|to| since(&jumps[*to]) < LOST)
+                .find(|to| returns(&jumps[*to]));
+            if let (true, Some(to)) = (jumps[at].lasting, back) {
+                let sizes = jumps[at..=to].iter().map(|jump| jump.size);
+                let whole = Jump {
+                    turns: start..jumps[to].turns.end,
+                    size: sizes.fold(0.0, f64::max),
+                    lasting: false,
+                };
+                jumps.splice(at..=to, [whole]);
             }
             at += 1;
         }
         let mut pieces = Vec::new();
         let mut from = 0;
         let mut ends = Vec::from_iter(splits.into_iter().map(|at| at..at));
-        ends.extend(
-            jumps
-                .iter()
-                .filter(|of| of.2 || of.0.len() > LEAST / 2)
-                .map(|of| of.0.clone()),
-        );
+        let apart = |jump: &&Jump| jump.lasting || jump.turns.len() > LEAST / 2;
+        ends.extend(jumps.iter().filter(apart).map(|jump| jump.turns.clone()));
         ends.sort_by_key(|of| of.start);
         for end in ends {
             // A change is seen beside its jump.
@@ -147,7 +161,7 @@ fn misses(motion: &Motion, of: Range<usize>) -> f64 {
 
 type Jumps<'a> = dyn FnMut(usize, &[super::turns::Turn], f64) + 'a;
 
-/// Looks for changes of the marker's rotation in a range of turns, in each part of it again, and for jumps where there is none.
+/// Looks for changes of the marker's rotation in a range of turns, in each part of it again, and for jumps where it does not change.
 fn search(motion: &mut Motion, of: Range<usize>, splits: &mut Vec<usize>, jumps: &mut Jumps) {
     let fit = motion.fit(of.clone());
     let limit = JUMP.0.max(JUMP.1 * fit.scatter);

@@ -2,7 +2,7 @@
 
 use super::{INTERVAL, path::Path};
 use nalgebra::{Matrix3, SymmetricEigen};
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 use undrift_base::order_statistics::quantile;
 use undrift_io::poses::LocalPose;
 use undrift_nav::{Quaternion, Vector3, sample::ImuSample};
@@ -166,22 +166,13 @@ pub(super) fn rate(samples: &[ImuSample], poses: &[LocalPose]) -> Option<f64> {
     let mut lags = Vec::new();
     for (k, piece) in marker.chunks_exact(WINDOW).enumerate() {
         let at = (k * WINDOW) as isize;
-        let lag = known.map_or_else(
-            || {
-                let (by_stamps, near) = ((-apart / STEP).round() as isize, (NEAR / STEP) as isize);
-                let near = best_lag(&body, piece, at + by_stamps - near..=at + by_stamps + near);
-                near.filter(|of| of.1 > COMMON)
-                    .or_else(|| best_lag(&body, piece, 0..=body.len() as isize))
-            },
-            |known| {
-                best_lag(
-                    &body,
-                    piece,
-                    at + known - (WINDOW / 8) as isize..=at + known + (WINDOW / 8) as isize,
-                )
-            },
-        );
-        if let Some((lag, _)) = lag.filter(|of| of.1 > COMMON) {
+        let reach = (WINDOW / 8) as isize;
+        let lag = match known {
+            Some(known) => in_common(&body, piece, about(at + known, reach)),
+            None => in_common(&body, piece, by_stamps(apart, at))
+                .or_else(|| in_common(&body, piece, 0..=body.len() as isize)),
+        };
+        if let Some(lag) = lag {
             known = Some(lag - at);
             lags.push((at as f64, (lag - at) as f64));
         }
@@ -264,24 +255,35 @@ fn both_speeds(samples: &[ImuSample], turns: &[Turn]) -> (Vec<f64>, Vec<f64>, f6
 fn clock(samples: &[ImuSample], turns: &[Turn]) -> Option<f64> {
     let (body, marker, apart) = both_speeds(samples, turns);
     // By the stamps first; else wherever a piece of it is found.
-    let near = (NEAR / STEP) as isize;
-    let by_stamps = (-apart / STEP).round() as isize;
-    let best = best_lag(&body, &marker, by_stamps - near..=by_stamps + near);
-    if let Some((lag, _)) = best.filter(|(_, correlation)| *correlation > COMMON) {
-        return Some(apart + lag as f64 * STEP);
-    }
-    let piece = &marker[..marker.len().min((PIECE / STEP) as usize)];
-    let half = piece.len() as isize / 2;
-    let (lag, correlation) = best_lag(&body, piece, -half..=body.len() as isize - half)?;
-    (correlation > COMMON).then_some(apart + lag as f64 * STEP)
+    let lag = in_common(&body, &marker, by_stamps(apart, 0)).or_else(|| {
+        let piece = &marker[..marker.len().min((PIECE / STEP) as usize)];
+        let half = piece.len() as isize / 2;
+        in_common(&body, piece, -half..=body.len() as isize - half)
+    });
+    Some(apart + lag? as f64 * STEP)
+}
+
+/// Lags about one, so far to each side.
+fn about(lag: isize, reach: isize) -> RangeInclusive<isize> {
+    lag - reach..=lag + reach
+}
+
+/// Lags at which the stamps nearly agree, of a part that begins at this place.
+fn by_stamps(apart: f64, at: isize) -> RangeInclusive<isize> {
+    about(
+        at + (-apart / STEP).round() as isize,
+        (NEAR / STEP) as isize,
+    )
+}
+
+/// The best lag among these, where the speeds are alike beyond chance.
+fn in_common(body: &[f64], marker: &[f64], lags: RangeInclusive<isize>) -> Option<isize> {
+    let (lag, correlation) = best_lag(body, marker, lags)?;
+    (correlation > COMMON).then_some(lag)
 }
 
 /// The lag among these at which the second series, begun so much later, is most alike the first, and the correlation then.
-fn best_lag(
-    body: &[f64],
-    marker: &[f64],
-    lags: std::ops::RangeInclusive<isize>,
-) -> Option<(isize, f64)> {
+fn best_lag(body: &[f64], marker: &[f64], lags: RangeInclusive<isize>) -> Option<(isize, f64)> {
     let correlation = |lag: isize| {
         let pairs = marker.iter().enumerate().filter_map(|(k, b)| {
             let a = body.get(usize::try_from(k as isize + lag).ok()?)?;

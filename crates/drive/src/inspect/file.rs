@@ -1,10 +1,11 @@
 //! A starter `DRIVE.toml`.
 
-use super::{Comment, Flight, Inspection, Model, Motion, Part, Wheels, first, fixes_table, piece};
+use super::{Comment, Flight, Inspection, Model, Motion, Part, Wheels, first, fixes_table};
 use crate::vehicle::Profile;
 use std::path::{Path, PathBuf};
 use toml::Value;
 use undrift_io::{table::halves, visible};
+use undrift_results::inspect::pose_piece;
 
 /// What is left away beside a break of poses \[s\].
 const APART: f64 = 0.3;
@@ -43,7 +44,7 @@ pub fn drive_file(
             None => {}
         }
     }
-    if let Some([start, end]) = piece(inspections) {
+    if let Some([start, end]) = pose_piece(inspections) {
         let why = say(Comment::Piece);
         // Beside the break nothing is sure.
         let (start, end) = (start + APART, end - APART);

@@ -1,6 +1,6 @@
 //! By how much one record of the motion is later than another, by regressions at a row of lags.
 
-use super::regression::Rows;
+use alloc::vec::Vec;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 
@@ -26,13 +26,18 @@ impl Lag {
     }
 }
 
-/// The lag at which a regression leaves least, of regressions at `first`, `first + step`, … \[s\], by a parabola through the three about the
-/// least; `None` where none explains enough, or the least is the first or the last.
+/// The lag at which a regression leaves least, of regressions at `first`, `first + step`, … \[s\], each by its number of pairs and its coefficient
+/// of determination, by a parabola through the three about the least; `None` where none explains enough, or the least is the first or the last.
 ///
 /// A record y that is δ late of itself leaves δ² Σẏ² beside what noise does, Σ(y − ŷ)²: the curvature of what is left, c, is Σẏ² in units
 /// of Σy², and δ has the variance (1 − r²) / (n c).
-pub(super) fn best(rows: &[impl Rows], first: f64, step: f64) -> Option<Lag> {
-    let left = |k: usize| 1.0 - rows[k].determination();
+pub(super) fn best(
+    regressions: impl Iterator<Item = (f64, f64)>,
+    first: f64,
+    step: f64,
+) -> Option<Lag> {
+    let rows = Vec::from_iter(regressions);
+    let left = |k: usize| 1.0 - rows[k].1;
     let least = (0..rows.len()).min_by(|a, b| left(*a).total_cmp(&left(*b)))?;
     if least == 0 || least + 1 == rows.len() {
         return None;
@@ -45,6 +50,6 @@ pub(super) fn best(rows: &[impl Rows], first: f64, step: f64) -> Option<Lag> {
     let beside = (before - after) / (4.0 * curvature * step);
     Some(Lag {
         lag: first + step * least as f64 + beside,
-        std: (here / (rows[least].count() * curvature)).sqrt(),
+        std: (here / (rows[least].0 * curvature)).sqrt(),
     })
 }

@@ -69,21 +69,10 @@ impl Regression {
             (0.0, 0.0)
         }
     }
-}
 
-/// A regression of some kind: how many pairs, and what share of the scatter it explains.
-pub(super) trait Rows {
-    fn count(&self) -> f64;
-    fn determination(&self) -> f64;
-}
-
-impl Rows for Regression {
-    fn count(&self) -> f64 {
-        self.n.max(1.0)
-    }
-
-    fn determination(&self) -> f64 {
-        self.fit().1
+    /// Number of pairs, and the coefficient of determination.
+    pub(super) fn determined(&self) -> (f64, f64) {
+        (self.n.max(1.0), self.fit().1)
     }
 }
 
@@ -113,23 +102,22 @@ impl OnForce {
     pub(super) fn power(&self) -> f64 {
         self.yy - self.y * self.y / self.count()
     }
-}
 
-impl Rows for OnForce {
-    fn count(&self) -> f64 {
-        self.n.max(1.0)
-    }
-
-    fn determination(&self) -> f64 {
-        let n = self.count();
+    /// Number of pairs, and the coefficient of determination.
+    pub(super) fn determined(&self) -> (f64, f64) {
+        let (n, power) = (self.count(), self.power());
         let xx = self.xx - self.x * self.x.transpose() / n;
         let xy = self.xy - self.x * (self.y / n);
         let explained = xx
             .try_inverse()
             .map_or(0.0, |inverse| xy.dot(&(inverse * xy)));
-        match self.power() > 1e-12 {
-            true => explained / self.power(),
-            false => 0.0,
+        match power > 1e-12 {
+            true => (n, explained / power),
+            false => (n, 0.0),
         }
+    }
+
+    fn count(&self) -> f64 {
+        self.n.max(1.0)
     }
 }

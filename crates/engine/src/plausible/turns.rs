@@ -308,7 +308,9 @@ impl Turns {
         let near = &self.lags[LAGS - NEAR_LAGS..=LAGS + NEAR_LAGS];
         let enough = self.is_enough() && near[NEAR_LAGS].n >= LAG_WINDOWS;
         let first = -LAG * NEAR_LAGS as f64;
-        let Some(turns) = lags::best(near, first, LAG).filter(|_| enough) else {
+        let Some(turns) =
+            lags::best(near.iter().map(Regression::determined), first, LAG).filter(|_| enough)
+        else {
             return Vec::new();
         };
         let mut found = Vec::new();
@@ -318,7 +320,7 @@ impl Turns {
         let ways = [&self.gains, &self.swings].map(|rows| {
             let pushed = rows[SPEED_LAGS].power() > ENOUGH_PUSH;
             let first = -SPEED_LAG * SPEED_LAGS as f64;
-            lags::best(rows, first, SPEED_LAG).filter(|_| pushed)
+            lags::best(rows.iter().map(OnForce::determined), first, SPEED_LAG).filter(|_| pushed)
         });
         if let [Some(gains), Some(swings)] = ways {
             let gains = gains.less(&turns);

@@ -5,7 +5,6 @@
 //! a random walk of the time offset: with D(n) the mean square of what n intervals on end are longer than usual, q² = (D(8) − D(1)) / 7 Δ.
 //! Even stamps say nothing: a clock may be even and wrong.
 
-use alloc::collections::VecDeque;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 
@@ -18,26 +17,43 @@ const GAP: f64 = 1.5;
 /// More than this [s/√s] is no delay that wanders.
 const MOST: f64 = 0.05;
 
-/// The last stamps of fixes.
-#[derive(Clone, Default)]
+/// The last stamps of fixes, in a ring: what is cloned with a snapshot allocates nothing.
+#[derive(Clone)]
 #[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Stamps {
-    last: VecDeque<f64>,
+    #[cfg_attr(feature = "checkpoint", serde(with = "crate::kept::array"))]
+    ring: [f64; WINDOW],
+    /// Place of the next one, and how many there are.
+    next: usize,
+    count: usize,
+}
+
+impl Default for Stamps {
+    fn default() -> Self {
+        Self {
+            ring: [0.0; WINDOW],
+            next: 0,
+            count: 0,
+        }
+    }
 }
 
 impl Stamps {
     /// Takes in a stamp \[s\]; by how much the delay has changed since the one before, one standard deviation \[s\].
     pub(super) fn next(&mut self, time: f64) -> f64 {
         let interval = self.interval();
-        let since = self.last.back().map_or(0.0, |last| time - last);
+        let since = self.count.checked_sub(1);
+        let since = since.map_or(0.0, |last| time - self.at(last));
         if since <= 0.0 || interval.is_some_and(|usual| since > GAP * usual) {
-            self.last.clear();
+            self.count = 0;
         }
-        self.last.push_back(time);
-        if self.last.len() <= WINDOW {
+        let full = self.count == WINDOW;
+        self.ring[self.next] = time;
+        self.next = (self.next + 1) % WINDOW;
+        self.count = WINDOW.min(self.count + 1);
+        if !full {
             return 0.0;
         }
-        self.last.pop_front();
         match self.interval() {
             Some(usual) => {
                 let walk = (self.longer(MANY, usual) - self.longer(1, usual)) / (MANY - 1) as f64;
@@ -47,17 +63,22 @@ impl Stamps {
         }
     }
 
+    /// The stamp at this place, of the oldest first \[s\].
+    fn at(&self, place: usize) -> f64 {
+        self.ring[(self.next + WINDOW - self.count + place) % WINDOW]
+    }
+
     /// Mean interval \[s\].
     fn interval(&self) -> Option<f64> {
-        let (first, last) = (self.last.front()?, self.last.back()?);
-        (self.last.len() > 1).then(|| (last - first) / (self.last.len() - 1) as f64)
+        let last = self.count.checked_sub(1).filter(|last| *last > 0)?;
+        Some((self.at(last) - self.at(0)) / last as f64)
     }
 
     /// Mean square of what `n` intervals on end are longer than usual \[s²\].
     fn longer(&self, n: usize, usual: f64) -> f64 {
-        let spans = self.last.iter().zip(self.last.iter().skip(n));
-        let sum: f64 = spans.map(|(a, b)| (b - a - n as f64 * usual).powi(2)).sum();
-        sum / (self.last.len() - n) as f64
+        let spans = (n..self.count).map(|k| self.at(k) - self.at(k - n));
+        let sum: f64 = spans.map(|span| (span - n as f64 * usual).powi(2)).sum();
+        sum / (self.count - n) as f64
     }
 }
 

@@ -42,17 +42,6 @@ fn folder(seed: u64) -> tempfile::TempDir {
 /// A drive of any length \[s\].
 fn folder_of(seed: u64, length: f64) -> tempfile::TempDir {
     let log = simulated(seed, length);
-    let folder = tempfile::tempdir().unwrap();
-    let mut imu = "t,gx,gy,gz,fx,fy,fz\n".to_owned();
-    for sample in &log.imu {
-        let (gyro, accel) = (sample.dtheta / sample.dt, sample.dvel / sample.dt);
-        writeln!(
-            imu,
-            "{},{},{},{},{},{},{}",
-            sample.time, gyro.x, gyro.y, gyro.z, accel.x, accel.y, accel.z
-        )
-        .unwrap();
-    }
     let mut gnss = "t,lat,lon,h\n".to_owned();
     for fix in &log.gnss {
         let Some((undrift_nav::sample::Position::Geodetic(place), _)) = fix.position else {
@@ -68,11 +57,32 @@ fn folder_of(seed: u64, length: f64) -> tempfile::TempDir {
         )
         .unwrap();
     }
-    for (name, text) in [
-        ("imu.csv", imu.as_str()),
-        ("gnss.csv", gnss.as_str()),
+    written([
+        ("imu.csv", &imu_rows(&log.imu)),
+        ("gnss.csv", &gnss),
         ("drive.toml", DRIVE),
-    ] {
+    ])
+}
+
+/// Samples as a table.
+fn imu_rows(samples: &[ImuSample]) -> String {
+    let mut rows = "t,gx,gy,gz,fx,fy,fz\n".to_owned();
+    for sample in samples {
+        let (gyro, accel) = (sample.dtheta / sample.dt, sample.dvel / sample.dt);
+        writeln!(
+            rows,
+            "{},{},{},{},{},{},{}",
+            sample.time, gyro.x, gyro.y, gyro.z, accel.x, accel.y, accel.z
+        )
+        .unwrap();
+    }
+    rows
+}
+
+/// Files in a folder of their own.
+fn written(files: [(&str, &str); 3]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
         std::fs::write(folder.path().join(name), text).unwrap();
     }
     folder

@@ -29,6 +29,22 @@ fn sample(k: usize) -> ImuSample {
     }
 }
 
+/// Level and at rest, and what is known of it: 1 m, 1 m/s, 0.1 rad.
+pub(super) fn at_rest() -> (NavState, InitialStd) {
+    let nav = NavState {
+        time: 0.0,
+        position: Geodetic::from_degrees(45.0, 7.0, 300.0),
+        v_n: Vector3::zeros(),
+        q_nb: from_rpy(&Vector3::zeros()),
+    };
+    let std = InitialStd {
+        position: Vector3::repeat(1.0),
+        velocity: Vector3::repeat(1.0),
+        attitude: Vector3::repeat(0.1),
+    };
+    (nav, std)
+}
+
 /// A filter that has been aided for five seconds: every block of its covariance is full.
 fn aided() -> Filter<N> {
     let nav = NavState {
@@ -187,17 +203,7 @@ fn a_gyro_whose_error_has_no_state_stays_as_it_was() {
         h: Default::default(),
         ..known
     };
-    let nav = NavState {
-        time: 0.0,
-        position: Geodetic::from_degrees(45.0, 7.0, 300.0),
-        v_n: Vector3::zeros(),
-        q_nb: from_rpy(&Vector3::zeros()),
-    };
-    let std = InitialStd {
-        position: Vector3::repeat(1.0),
-        velocity: Vector3::repeat(1.0),
-        attitude: Vector3::repeat(0.1),
-    };
+    let (nav, std) = at_rest();
     let sensors = [known, known, unseen, known, known, known];
     let mut filter = Filter::<15>::new(nav, &std, sensors, Parameters::none()).unwrap();
     let before = *filter.covariance();
@@ -210,17 +216,7 @@ fn a_gyro_whose_error_has_no_state_stays_as_it_was() {
 
 #[test]
 fn a_delay_that_has_changed_is_that_of_both_parts_of_a_fix() {
-    let nav = NavState {
-        time: 0.0,
-        position: Geodetic::from_degrees(45.0, 7.0, 300.0),
-        v_n: Vector3::zeros(),
-        q_nb: from_rpy(&Vector3::zeros()),
-    };
-    let std = InitialStd {
-        position: Vector3::repeat(1.0),
-        velocity: Vector3::repeat(1.0),
-        attitude: Vector3::repeat(0.1),
-    };
+    let (nav, std) = at_rest();
     let white = ShapingFilter::white(1e-3, DT).unwrap();
     let offset = Prior::constant(0.1);
     let kinds = [Parameter::TimeOffset, Parameter::VelocityTimeOffset];

@@ -1,5 +1,6 @@
 //! What a filter may be started from.
 
+use super::doubts::at_rest;
 use undrift_nav::{
     Matrix3, Vector3,
     attitude::from_rpy,
@@ -14,17 +15,7 @@ use undrift_nav::{
 
 #[test]
 fn a_model_made_by_hand_of_more_states_than_an_axis_holds_is_refused() {
-    let nav = NavState {
-        time: 0.0,
-        position: Geodetic::from_degrees(45.0, 7.0, 300.0),
-        v_n: Vector3::zeros(),
-        q_nb: from_rpy(&Vector3::zeros()),
-    };
-    let std = InitialStd {
-        position: Vector3::repeat(1.0),
-        velocity: Vector3::repeat(1.0),
-        attitude: Vector3::repeat(0.1),
-    };
+    let (nav, std) = at_rest();
     let start = |order: usize| {
         let mut sensors = [ShapingFilter::none(0.01).unwrap(); AXES];
         sensors[4].order = order;

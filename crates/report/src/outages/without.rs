@@ -1,6 +1,6 @@
 //! What each constraint and sensor beside GNSS saves: the last model with and without it.
 
-use super::HORIZONTAL;
+use super::{HORIZONTAL, wins};
 use crate::{
     Cell, Table,
     numbers::{get, short},
@@ -28,17 +28,6 @@ fn compared(run: &Outages) -> Option<Compared<'_>> {
         with: run.models.get(model)?,
         without,
     })
-}
-
-/// In how many outages the horizontal drift is less with the measurement, and in how many it differs.
-fn wins(with: &ModelErrors, without: &ModelErrors) -> (usize, usize) {
-    let largest = |of: &ModelErrors| {
-        let outages = of.per_outage.iter().map(|o| get(&o.max, HORIZONTAL));
-        Vec::from_iter(outages)
-    };
-    let pairs = largest(with).into_iter().zip(largest(without));
-    let differ = Vec::from_iter(pairs.filter(|(a, b)| a != b));
-    (differ.iter().filter(|(a, b)| a < b).count(), differ.len())
 }
 
 fn ratio(with: &ModelErrors, without: &ModelErrors) -> f64 {

@@ -1,6 +1,6 @@
 //! What an inspection finds: the parts of a file, and the keys of a drive file that read them.
 
-use super::known::{Content, Known, Note};
+use super::known::{Content, Known, Note, PoseFault};
 use serde::{Serialize, Serializer};
 use std::{
     fmt,
@@ -233,4 +233,21 @@ impl Part {
             choices: Vec::new(),
         }
     }
+}
+
+/// What the notes say is wrong with poses.
+pub fn pose_notes(inspections: &[Inspection]) -> impl Iterator<Item = &PoseFault> {
+    let notes = inspections.iter().flat_map(|file| &file.found);
+    notes.filter_map(|note| match note {
+        Note::Poses(fault) => Some(fault),
+        _ => None,
+    })
+}
+
+/// The part of the logs in which marker and IMU move as one \[s\], where that is not all of them.
+pub fn pose_piece(inspections: &[Inspection]) -> Option<[f64; 2]> {
+    pose_notes(inspections).find_map(|fault| match fault {
+        PoseFault::Piece { start, end } => Some([*start, *end]),
+        _ => None,
+    })
 }

@@ -39,17 +39,6 @@ fn room() -> (tempfile::TempDir, Vec<undrift_simulate::Pose>) {
         ..PoseNoise::default()
     };
     let poses = seen.measure(log.truth.iter().copied().step_by(5), &hand.start, 5);
-    let folder = tempfile::tempdir().unwrap();
-    let mut imu = "t,gx,gy,gz,fx,fy,fz\n".to_owned();
-    for sample in &log.imu {
-        let (w, f) = (sample.dtheta / sample.dt, sample.dvel / sample.dt);
-        writeln!(
-            imu,
-            "{},{},{},{},{},{},{}",
-            sample.time, w.x, w.y, w.z, f.x, f.y, f.z
-        )
-        .unwrap();
-    }
     let mut tum = String::new();
     for pose in &poses {
         let (p, q) = (pose.position, pose.attitude);
@@ -60,13 +49,11 @@ fn room() -> (tempfile::TempDir, Vec<undrift_simulate::Pose>) {
         )
         .unwrap();
     }
-    for (name, text) in [
-        ("imu.csv", imu.as_str()),
-        ("poses.txt", tum.as_str()),
+    let folder = written([
+        ("imu.csv", &imu_rows(&log.imu)),
+        ("poses.txt", &tum),
         ("drive.toml", ROOM),
-    ] {
-        std::fs::write(folder.path().join(name), text).unwrap();
-    }
+    ]);
     (folder, poses)
 }
 

@@ -19,7 +19,7 @@ const SAME: f64 = 1.15;
 const SCALES_S: RangeInclusive<f64> = 10.0..=320.0;
 /// Degrees of freedom of each scale in the fit, which has no errors of its own.
 const EDF: f64 = 1e3;
-/// Share of the variance at every scale below which a term is left out.
+/// Share of the variance at every scale below which a term is dropped.
 const TRACE: f64 = 1e-3;
 
 /// What the average is made of.
