@@ -123,7 +123,21 @@ pub struct Settings {
 /// A lever arm that is known to so small a part of the fixes' standard deviation is not worth estimating.
 const LITTLE: f64 = 0.1;
 
+/// Scale factor errors of accelerometers that are not estimated, one standard deviation [–]: of sensors of this class they are of the order
+/// of a per cent (Groves 2013, section 4.4.2), and they count as white over five seconds.
+const SCALE_ERROR: f64 = 0.007;
+
 impl Settings {
+    /// Scale factor error of the accelerometers that the covariance has to cover, one standard deviation [–]: that of its states where there
+    /// are any, and none beside poses, whose motion shows nothing else.
+    pub(crate) fn accel_scale_error(&self) -> f64 {
+        let is_estimated = self.parameters.prior(Parameter::AccelScale).is_some();
+        match is_estimated || self.marker.is_some() {
+            true => 0.0,
+            false => SCALE_ERROR,
+        }
+    }
+
     /// The parameters that a filter estimates from fixes of this covariance \[m²\] on: without the lever arm where it is known to a
     /// tenth of their standard deviation.
     pub(crate) fn worthwhile(&self, position: &Matrix3) -> Parameters {

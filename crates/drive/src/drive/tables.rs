@@ -203,6 +203,10 @@ const MOUNTING_STD: f64 = 0.05;
 const AXLE_STD_GIVEN: f64 = 0.3;
 pub(crate) const AXLE_STD: f64 = 2.0;
 
+/// Random walk of the lever arm in units of its prior standard deviation [1/√s]: what turns show of it is not white (tyres, suspension, a receiver
+/// that smooths), so that no number of them shows it to the millimetre.
+const LEVER_ARM_WALK: f64 = 6e-3;
+
 /// How far fixes are from their stamps, as a rule \[s\], and how much that changes [s/√s]: clocks drift, hosts stamp late.
 const TIME_OFFSET_STD: f64 = 0.1;
 const TIME_OFFSET_WALK: f64 = 6e-3;
@@ -407,7 +411,11 @@ fn estimated(
         (Parameter::AccelScale, accel_scale, 0.0),
         (Parameter::GyroMisalignment, misalignment, 0.0),
         (Parameter::AccelMisalignment, misalignment, 0.0),
-        (Parameter::LeverArm, lever_arm, 0.0),
+        (
+            Parameter::LeverArm,
+            lever_arm,
+            LEVER_ARM_WALK * lever_arm.unwrap_or(0.0),
+        ),
         (Parameter::TimeOffset, offset, TIME_OFFSET_WALK),
         (Parameter::VelocityTimeOffset, offset, TIME_OFFSET_WALK),
         (Parameter::AccelDelay, delay, 0.0),

@@ -272,7 +272,7 @@ impl Run {
         if !withheld {
             solution.grow_to(due);
             if settings.gating {
-                solution.grow_by_products(due);
+                solution.grow_by_products(due, settings.accel_scale_error());
             }
         }
         if begins {
@@ -328,9 +328,7 @@ impl Run {
             }
         }
         if let Some(solution) = &mut self.solution {
-            if begins {
-                solution.begin_stretch();
-            }
+            solution.updated(begins);
             solution.node(self.settings.nodes, observer);
         }
         Ok(())
