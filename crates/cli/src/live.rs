@@ -82,7 +82,7 @@ pub struct Arguments {
     /// Whose times the solution has: imu or gnss. Default: imu, and where the two differ the standard deviations contain it
     #[arg(long, value_name = "NAME")]
     clock: Option<Clock>,
-    /// Write the solution: a file, - or serial:/dev/… as csv, jsonl, nmea, mavlink or kf-gins, tcp://:port (a server), udp://host:port,
+    /// Write the solution: a file, - or serial:/dev/… as csv, jsonl, nmea, mavlink, tum or kf-gins, tcp://:port (a server), udp://host:port,
     /// each with ?format=NAME behind it; foxglove://:8765 (a server for Foxglove), ros2:/undrift (topics); repeatable
     #[arg(short, long, value_name = "OUTPUT", help_heading = "Output")]
     output: Vec<outputs::Asked>,
@@ -397,6 +397,7 @@ impl Sink for Run {
             epoch: drive.epoch,
             name: "undrift live".into(),
             every: self.every,
+            frame: drive.pose_frame(),
         };
         for (_, view) in &mut self.views {
             view.ready(drive.epoch);

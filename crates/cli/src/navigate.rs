@@ -47,10 +47,10 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", default_value = "arma")]
     bias_model: BiasModel,
     /// Write the solution, in the format of the extension: csv (every sample, with standard deviations
-    /// and estimated sensor errors), nav (KF-GINS), nmea, kml, geojson, gpx, mcap, parquet, sbet, jsonl, mavlink; repeatable
+    /// and estimated sensor errors), nav (KF-GINS), nmea, kml, geojson, gpx, mcap, parquet, sbet, jsonl, mavlink, tum (of poses); repeatable
     #[arg(short, long, value_name = "nav.csv", help_heading = "Output")]
     output: Vec<PathBuf>,
-    /// Format of the solution regardless of the extension: csv, kf-gins, nmea, kml, geojson, gpx, mcap, parquet, sbet, jsonl or mavlink
+    /// Format of the solution regardless of the extension: csv, kf-gins, nmea, kml, geojson, gpx, mcap, parquet, sbet, jsonl, mavlink or tum
     #[arg(long, value_name = "NAME", help_heading = "Output")]
     format: Option<SolutionFormat>,
     /// Minimum time between rows of the solution [s]; 0: every sample. Default: 0, but 0.1 for nmea,
@@ -208,6 +208,7 @@ fn outputs(arguments: &Arguments, file: &Path, drive: &Drive) -> Result<Vec<Solu
         epoch: drive.epoch,
         name: stem(file),
         every: arguments.every,
+        frame: drive.pose_frame(),
     };
     let unknown = |path: &PathBuf| {
         let is_standard = path == Path::new("-");

@@ -213,7 +213,12 @@ impl Receiver {
         &mut self,
         filter: &mut dyn Estimator,
         fix: &GnssFix,
-        &Held { part, due, stretch }: &Held,
+        &Held {
+            part,
+            due,
+            stretch,
+            settling,
+        }: &Held,
         settings: &Settings,
         summary: &mut Summary,
     ) -> [Option<Result<Update, FilterError>>; 2] {
@@ -249,7 +254,7 @@ impl Receiver {
                 _ if self.velocity.gate.is_in_doubt() => PATIENCE,
                 _ => PATIENCE_POSITION_ALONE,
             };
-            let judged = !open && !frozen && !self.position.gate.is_in_doubt();
+            let judged = !open && !settling && !frozen && !self.position.gate.is_in_doubt();
             let before = filter.innovation(&aiding);
             let mut blind = 0.0;
             if judged && let Some(innovation) = &before {
@@ -261,6 +266,7 @@ impl Receiver {
                 stated: white,
                 time: fix.time,
                 open,
+                settling,
                 frozen,
                 patience,
                 speed_doubted: !with_velocity,
@@ -309,6 +315,7 @@ impl Receiver {
                 stated: white,
                 time: fix.time,
                 open,
+                settling,
                 frozen,
                 patience: if frozen { PATIENCE_FROZEN } else { PATIENCE },
                 speed_doubted: true,
@@ -428,6 +435,7 @@ impl FixPart {
             match self.gate.judge(time, &innovation, &r, offer.patience) {
                 Verdict::Limits(_) if offer.open => {}
                 Verdict::Limits(_) if offer.frozen => limits = SHUT,
+                Verdict::Limits(gate) if offer.settling => limits.weaken = gate.weaken,
                 Verdict::Limits(gate) => limits = gate,
                 Verdict::ResetToFixes(duration) => {
                     let size = innovation.norm();

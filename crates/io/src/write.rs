@@ -25,9 +25,11 @@ mod spans;
 mod text;
 mod text_writer;
 mod thinning;
+mod tum;
 
 pub use file::{SolutionFile, SolutionFormat, SolutionOptions, UnknownSolutionFormat};
 pub use fixed::write_fixed;
 pub use pending::{PendingFile, remove_unfinished, write_whole};
 pub use text_writer::TextWriter;
 pub use thinning::Thinning;
+pub use tum::PoseFrame;

@@ -58,7 +58,7 @@ impl Output {
 pub struct OutputError(pub String, pub String);
 
 /// Formats that can be read while they are written.
-const STREAMED: &str = "csv, jsonl, nmea, mavlink or kf-gins";
+const STREAMED: &str = "csv, jsonl, nmea, mavlink, tum or kf-gins";
 
 impl FromStr for Output {
     type Err = OutputError;
@@ -121,6 +121,7 @@ impl FromStr for Output {
             SolutionFormat::Nmea,
             SolutionFormat::KfGins,
             SolutionFormat::Mavlink,
+            SolutionFormat::Tum,
         ];
         if !streamed.contains(&format) {
             let name = format.name();

@@ -51,6 +51,7 @@ pub fn navigate<'py>(
         epoch: drive.drive.epoch,
         name: name.to_string_lossy().into_owned(),
         every,
+        frame: drive.drive.pose_frame(),
     };
     let wanted = Wanted {
         files: SolutionFile::create_all(&output, format, &options).map_err(error)?,

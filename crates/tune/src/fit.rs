@@ -61,8 +61,11 @@ impl Fit {
     }
 }
 
-/// Most replays about a better solution each.
-const REPLAYS: usize = 3;
+/// Most replays about a better solution each, of drives by fixes and by poses.
+const REPLAYS: [usize; 2] = [3, 6];
+/// Fixes are so coarse that what is found about one solution serves the next. With poses of millimetres it may be less likely under the
+/// solution of its own than what was before, since gates and what is not linear make that another one: then half as far, up to so many times.
+const HALVINGS: i32 = 5;
 /// Most evaluations of the objective about one.
 const EVALUATIONS: usize = 60;
 /// A logarithm that changes by less from one replay to the next has come to rest.
@@ -82,6 +85,19 @@ const FIRST: f64 = 0.05;
 fn is_at_rest(before: &Vector, now: &Vector) -> bool {
     let moved = before.iter().zip(now).map(|(a, b)| (a - b).abs());
     moved.fold(0.0, f64::max) < SETTLED
+}
+
+/// The first that there is at `found`, half as far from `z`, a quarter …, the way halved up to so many times.
+fn first_towards<T>(
+    z: &Vector,
+    found: &Vector,
+    halvings: i32,
+    of: impl Fn(&Vector) -> Option<T>,
+) -> Option<T> {
+    (0..=halvings).find_map(|halved| {
+        let share = 0.5f64.powi(halved);
+        of(&std::array::from_fn(|i| z[i] + share * (found[i] - z[i])))
+    })
 }
 
 /// The settings of a replay under a noise.
@@ -259,13 +275,14 @@ fn fit_sized<const N: usize>(
     };
     let mut before: Option<Noise> = None;
     let mut inverse = DMatrix::from_diagonal_element(COUNT, COUNT, FIRST);
+    let posed = logs.iter().any(|log| log.settings.marker.is_some());
     let mut linear = Linear::<N>::new(logs, fit.noise, start)?;
     for replays in 1.. {
         fit.windows = linear.drives.iter().map(Objective::windows).sum();
         let z = fit.noise.ln();
         let rest = before.is_some_and(|before| is_at_rest(&before.ln(), &z));
         fit.converged |= rest;
-        if rest || fit.windows == 0 || replays > REPLAYS {
+        if rest || fit.windows == 0 || replays > REPLAYS[usize::from(posed)] {
             break;
         }
         let least = minimise(
@@ -280,13 +297,23 @@ fn fit_sized<const N: usize>(
         );
         inverse = least.inverse;
         before = Some(fit.noise);
-        fit.noise = Noise::new(&std::array::from_fn(|i| least.z[i]));
         fit.evaluations += least.evaluations;
         fit.converged = least.converged;
-        // Under the noise found the drive may be too short to align: then it is judged about what there is.
-        match Linear::<N>::new(logs, fit.noise, start) {
-            Ok(next) => linear = next,
-            Err(_) => {
+        let about = |linear: &Linear<N>, z: &Vector| cost(&linear.score(z), prior, z).0;
+        let most = posed.then(|| about(&linear, &z));
+        let halvings = if posed { HALVINGS } else { 0 };
+        let found: Vector = std::array::from_fn(|i| least.z[i]);
+        let next = first_towards(&z, &found, halvings, |there| {
+            let next = Linear::<N>::new(logs, Noise::new(there), start).ok()?;
+            let better = most.is_none_or(|most| about(&next, there) <= most);
+            better.then_some(next)
+        });
+        match next {
+            Some(next) => (fit.noise, linear) = (next.about, next),
+            None if posed => break,
+            // Under the noise found the drive may be too short to align: then it is judged about what there is.
+            None => {
+                fit.noise = Noise::new(&found);
                 fit.converged = false;
                 break;
             }

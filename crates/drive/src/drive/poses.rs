@@ -1,6 +1,7 @@
 //! The table `[poses]` of `DRIVE.toml`: poses in a local frame in the place of GNSS fixes.
 
 use super::{
+    Drive,
     error::{ConfigError, DriveError},
     gnss,
     imu::rotation_of_axes,
@@ -18,6 +19,7 @@ use undrift_io::{
     gnss::{GnssSource, PoseFixes},
     poses::{AttitudeColumns, PoseFormat, PoseLog, PoseSource, QuaternionOrder},
     source::BytesRead,
+    write::PoseFrame,
 };
 use undrift_nav::{
     Matrix3, Quaternion,
@@ -116,6 +118,22 @@ pub(crate) fn read(
         (path, GnssSource::Poses(Box::new(fixes))),
         Poses { marker, earth_rate },
     ))
+}
+
+impl Drive {
+    /// The frame of the poses, for a solution that is written in it; `None` of a drive by fixes.
+    pub fn pose_frame(&self) -> Option<PoseFrame> {
+        let (poses, GnssSource::Poses(fixes)) = (self.poses?, &self.gnss.1) else {
+            return None;
+        };
+        Some(PoseFrame {
+            origin: fixes.base,
+            rotation: fixes.rotation,
+            marker: poses.marker,
+            lever_arm: self.lever_arm,
+            time_offset: *fixes.source.clone().time_offset(),
+        })
+    }
 }
 
 /// From the frame's axes to north, east, down: `axes = "x,-y,-z"`, which is what a frame with z up needs, or `frame` as angles.

@@ -12,6 +12,8 @@ pub(crate) struct Held {
     pub(crate) due: f64,
     /// The motion over its mean velocity's time, where that is known.
     pub(crate) stretch: Option<Stretch>,
+    /// Whether the solution has begun so lately that a pose contradicts it by the solution's fault.
+    pub(crate) settling: bool,
 }
 
 /// A part of a fix, and how it is to be judged.
@@ -26,6 +28,8 @@ pub(super) struct Offer {
     pub(super) time: f64,
     /// Whether it passes in any case.
     pub(super) open: bool,
+    /// Whether it is used with less weight where it would be rejected.
+    pub(super) settling: bool,
     /// Whether the receiver repeats itself.
     pub(super) frozen: bool,
     /// Time that fixes which agree with each other are rejected \[s\].

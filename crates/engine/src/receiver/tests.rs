@@ -22,6 +22,7 @@ const HELD: Held = Held {
     part: None,
     due: 0.0,
     stretch: None,
+    settling: false,
 };
 
 /// A receiver without velocities.

@@ -41,6 +41,9 @@ use undrift_nav::{
 /// A heading that motion shows confirms one within so many standard deviations of both, and any within this \[rad\].
 const CONFIRMS: f64 = 3.0;
 const SAME_HEADING: f64 = 0.1;
+/// A solution by poses begins with degrees of doubt about its attitude and the marker's, metres per second about its velocity, and
+/// poses of millimetres contradict what is linear in them for so long \[s\]: a pose that is rejected then is the first of many.
+const SETTLES: f64 = 10.0;
 
 impl Run {
     /// Shows the aligner a fix, which is moved to `due` before; what it finds with it.
@@ -291,13 +294,19 @@ impl Run {
         // Its own velocity would be late by another delay.
         let apart = mean.is_some() && stretch.is_none() && latency.velocity.is_some();
         let part = if apart { Some(Part::Position) } else { part };
-        let held = Held { part, due, stretch };
+        let settling = fix.attitude.is_some() && due - solution.began < SETTLES;
+        let held = Held {
+            part,
+            due,
+            stretch,
+            settling,
+        };
         let updates = self
             .receiver
             .update(filter, fix, &held, &self.settings, &mut self.summary);
         if begins {
             // One that the filter refuses is a bad fix as well.
-            let attitude = pose::update(filter, fix, due, &settings, &mut self.summary);
+            let attitude = pose::update(filter, fix, due, settling, &settings, &mut self.summary);
             let failed = attitude.is_some_and(|update| update.is_err());
             self.summary.bad_fixes += u64::from(failed);
         }

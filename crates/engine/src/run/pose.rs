@@ -23,6 +23,8 @@ const GATE: Gate = Gate {
 
 /// Updates the filter, which is at or after the time `due` \[s\] at which the fix holds, with its attitude, where it has one.
 ///
+/// A solution that is `settling` rejects none.
+///
 /// `None` of a fix without an attitude, or where the filter has nothing to compare it with. Used
 /// updates and rejected ones enter [`Aid::Attitude`]'s statistics.
 ///
@@ -32,12 +34,16 @@ pub(super) fn update(
     filter: &mut dyn Estimator,
     fix: &GnssFix,
     due: f64,
+    settling: bool,
     settings: &Settings,
     summary: &mut Summary,
 ) -> Option<Result<Update, FilterError>> {
     let q_bk = settings.marker.unwrap_or_default();
     let (aiding, noise) = Aiding::attitude(fix, due, q_bk, &settings.fix_errors)?;
-    let gate = if settings.gating { GATE } else { Gate::OPEN };
+    let mut gate = if settings.gating { GATE } else { Gate::OPEN };
+    if settling {
+        gate.reject = f64::INFINITY;
+    }
     let update = filter.update(&aiding, &noise, &gate).transpose()?;
     if let Ok(update) = update {
         summary.innovations[Aid::Attitude].add(update);

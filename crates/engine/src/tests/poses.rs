@@ -219,3 +219,18 @@ fn a_room_without_the_earth_s_rate_has_it_as_a_bias() {
     // 15°/h in a minute against 0.3°/√h of the gyros.
     assert!(mean_square(&still.solution) < 9.0, "{:?}", still.solution);
 }
+
+/// A pose that is a metre off counts for less in the first ten seconds of a solution, and is rejected later.
+#[test]
+fn no_pose_is_rejected_by_a_solution_that_has_just_begun() {
+    let rejected = |after: f64| {
+        let ran = run(3, |_, poses| {
+            let wrong = poses.iter_mut().find(|pose| pose.time > after).unwrap();
+            if let Some((Position::Baseline { ned, .. }, _)) = &mut wrong.position {
+                ned.x += 1.0;
+            }
+        });
+        ran.summary.innovations[Aid::Position].rejected
+    };
+    assert_eq!([3.0, 30.0].map(rejected), [0, 1]);
+}

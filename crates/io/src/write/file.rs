@@ -12,6 +12,7 @@ use super::parquet_table::ParquetTableWriter;
 use super::solution::SolutionRow;
 use super::text_writer::TextWriter;
 use super::thinning::Thinning;
+use super::tum::{self, PoseFrame};
 use super::{PendingFile, csv, geojson, gpx, json_lines, kf_gins, kml, nmea, sbet};
 use crate::epoch::Epoch;
 
@@ -40,10 +41,12 @@ pub enum SolutionFormat {
     JsonLines,
     /// MAVLink messages ODOMETRY and GPS_INPUT.
     Mavlink,
+    /// TUM: the marker of a drive by poses, in their frame.
+    Tum,
 }
 
 /// Formats, their names and the extensions of their files; the first is the usual one.
-const FORMATS: [(SolutionFormat, &str, &[&str]); 11] = [
+const FORMATS: [(SolutionFormat, &str, &[&str]); 12] = [
     (SolutionFormat::Csv, "csv", &["csv"]),
     (SolutionFormat::KfGins, "kf-gins", &["nav"]),
     (SolutionFormat::Nmea, "nmea", &["nmea"]),
@@ -55,6 +58,7 @@ const FORMATS: [(SolutionFormat, &str, &[&str]); 11] = [
     (SolutionFormat::Sbet, "sbet", &["sbet"]),
     (SolutionFormat::JsonLines, "jsonl", &["jsonl", "ndjson"]),
     (SolutionFormat::Mavlink, "mavlink", &["mavlink"]),
+    (SolutionFormat::Tum, "tum", &["tum"]),
 ];
 
 impl SolutionFormat {
@@ -94,7 +98,7 @@ impl SolutionFormat {
 /// A name that is no format of solutions.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown format {0:?}; available: csv, kf-gins, nmea, kml, geojson, gpx, mcap, parquet, sbet, jsonl, mavlink"
+    "unknown format {0:?}; available: csv, kf-gins, nmea, kml, geojson, gpx, mcap, parquet, sbet, jsonl, mavlink, tum"
 )]
 pub struct UnknownSolutionFormat(pub String);
 
@@ -121,6 +125,8 @@ pub struct SolutionOptions {
     /// Least time from one row to the next \[s\]; 0 for every row, without it
     /// [`SolutionFormat::usual_every`].
     pub every: Option<f64>,
+    /// The frame of the poses, of a drive by poses.
+    pub frame: Option<PoseFrame>,
 }
 
 /// Writes rows in a format as they come; memory does not grow.
@@ -171,7 +177,7 @@ impl SolutionFile<PendingFile> {
             let format = format.or_else(|| SolutionFormat::from_path(path));
             let format = format.or_else(|| (path == Path::new("-")).then_some(SolutionFormat::Csv));
             let format = format.ok_or_else(|| {
-                format!("{name}: unknown extension; use csv, nav, nmea, kml, geojson, gpx, mcap, parquet, sbet, jsonl or mavlink, or set --format")
+                format!("{name}: unknown extension; use csv, nav, nmea, kml, geojson, gpx, mcap, parquet, sbet, jsonl, mavlink or tum, or set --format")
             })?;
             let file = Self::create(path, format, options);
             files.push(file.map_err(|e| format!("cannot write {name}: {e}"))?);
@@ -210,6 +216,12 @@ impl<W: Write + Send> SolutionFile<W> {
             SolutionFormat::GeoJson => geojson::format(name),
             SolutionFormat::Gpx => gpx::format(name),
             SolutionFormat::JsonLines => json_lines::format(),
+            SolutionFormat::Tum if options.frame.is_none() => {
+                let message =
+                    "tum is for drives by poses, which this one is not: it has no table [poses]";
+                return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+            }
+            SolutionFormat::Tum => tum::format(),
             SolutionFormat::Mcap => {
                 let writer = McapWriter::new(out, epoch)?;
                 let writer = Writer::Mcap(Box::new(writer));
@@ -231,7 +243,9 @@ impl<W: Write + Send> SolutionFile<W> {
                 return Err(io::Error::new(io::ErrorKind::Unsupported, message));
             }
         };
-        let writer = Writer::Text(Box::new(TextWriter::new(out, format, epoch, every)));
+        let writer = Writer::Text(Box::new(
+            TextWriter::new(out, format, epoch, every).in_frame(options.frame),
+        ));
         Ok(Self { writer, thinning })
     }
 

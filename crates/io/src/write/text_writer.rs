@@ -6,6 +6,7 @@ use super::ellipses::Ellipses;
 use super::solution::SolutionRow;
 use super::spans::{Piece, Spans};
 use super::thinning::Thinning;
+use super::tum::PoseFrame;
 use crate::epoch::Epoch;
 
 /// Text is collected up to this size before it is written \[bytes\].
@@ -33,6 +34,8 @@ pub(super) struct Beside {
     pub start: f64,
     /// Whether it is without GNSS.
     pub outage: bool,
+    /// The frame of the poses, where there is one.
+    pub frame: Option<PoseFrame>,
 }
 
 /// What is made of rows.
@@ -70,6 +73,7 @@ pub struct TextWriter<W: Write> {
     body: Body,
     tail: &'static str,
     aside: Aside,
+    frame: Option<PoseFrame>,
     start: Option<f64>,
     thinning: Thinning,
     spans: Spans,
@@ -89,10 +93,16 @@ impl<W: Write> TextWriter<W> {
                 epoch,
                 ..Aside::default()
             },
+            frame: None,
             start: None,
             thinning: Thinning::new(every),
             spans: Spans::new(every),
         }
+    }
+
+    /// With the frame of the poses of the drive.
+    pub(super) fn in_frame(self, frame: Option<PoseFrame>) -> Self {
+        Self { frame, ..self }
     }
 
     /// Writes one row; `outage` where no fix was used for long.
@@ -108,6 +118,7 @@ impl<W: Write> TextWriter<W> {
                         epoch: self.aside.epoch,
                         start,
                         outage,
+                        frame: self.frame,
                     };
                     write(&mut self.block, row, &beside)?;
                 }

@@ -137,6 +137,7 @@ fn read_back(format: SolutionFormat, log: Format, week: u32, rows: &[SolutionRow
         epoch: Some(Epoch::of_week(week, ClockSource::Gnss)),
         name: "a <track> & more".into(),
         every: Some(0.0),
+        frame: None,
     };
     let mut file = SolutionFile::new(Cursor::new(Vec::new()), format, &options).unwrap();
     for row in rows {

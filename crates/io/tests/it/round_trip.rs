@@ -43,6 +43,7 @@ fn round_trip(format: SolutionFormat, log: Format) -> Vec<GnssFix> {
         epoch: Some(Epoch::of_week(WEEK, ClockSource::Gnss)),
         name: "track".into(),
         every: None,
+        frame: None,
     };
     let mut file = SolutionFile::create(&path, format, &options).unwrap();
     for k in 0..60 {

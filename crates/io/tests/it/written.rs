@@ -47,6 +47,7 @@ fn options() -> SolutionOptions {
         epoch: Some(Epoch::of_week(WEEK, ClockSource::Gnss)),
         name: NAME.into(),
         every: None,
+        frame: None,
     }
 }
 

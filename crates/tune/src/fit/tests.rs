@@ -44,6 +44,22 @@ fn a_noise_is_at_rest_when_no_logarithm_moves_by_a_tenth() {
     assert!(!is_at_rest(&[0.0; COUNT], &[SETTLED; COUNT]));
 }
 
+/// The whole way first, then 1/2, 1/4 … of it; not further than asked for, nor beyond what is good.
+#[test]
+fn what_is_worse_there_is_looked_for_half_as_far() {
+    let (z, found) = ([1.0; COUNT], [9.0; COUNT]);
+    let at_most = |most: f64, halvings| {
+        first_towards(&z, &found, halvings, |there| {
+            (there[3] <= most).then_some(there[3])
+        })
+    };
+    assert_eq!(
+        [9.0, 8.9, 2.9, 1.6].map(|most| at_most(most, 4)),
+        [9.0, 5.0, 2.0, 1.5].map(Some)
+    );
+    assert_eq!((at_most(1.4, 4), at_most(8.9, 0)), (None, None));
+}
+
 /// Half of the prior's standard deviation.
 #[test]
 fn a_parameter_is_determined_by_an_interval_that_has_shrunk_by_half() {
