@@ -327,7 +327,8 @@ impl Drive {
         let field = self.magnetometer.iter().map(|(path, _)| path);
         let truth = self.truth.iter().map(|(path, _)| path);
         let logs = [&self.imu.0, &self.gnss.0].into_iter();
-        logs.chain(scalars)
+        logs.chain(self.gnss.1.beside().iter().map(|(path, _)| path))
+            .chain(scalars)
             .chain(field)
             .chain(truth)
             .map(PathBuf::as_path)

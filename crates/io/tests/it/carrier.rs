@@ -7,7 +7,7 @@ use undrift_nav::sample::{FixQuality, GnssFix, Position};
 use undrift_nav::{Vector3, earth::Geodetic};
 
 /// All fixes of a UBX log with mean velocities by its carrier phases.
-fn fixes(file: &str) -> Option<Vec<GnssFix>> {
+pub(crate) fn fixes(file: &str) -> Option<Vec<GnssFix>> {
     let log = GnssLog {
         velocity: Some("RXM-RAWX".into()),
         ..GnssLog::new(Format::Ubx)
