@@ -37,8 +37,12 @@ impl Way {
             Position::Geodetic(place) => *place,
             Position::Baseline { base, ned } => base.displaced(ned),
         };
-        let v_n = v_n.unwrap_or_else(Vector3::zeros);
-        let way = displacement(ephemerides, &before, now, &place, &v_n)?;
+        let about = v_n.unwrap_or_else(Vector3::zeros);
+        let way = displacement(ephemerides, &before, now, &place, &about)?;
+        // A receiver's own velocity is better than what nothing checks.
+        if v_n.is_some() && !way.is_checked() {
+            return None;
+        }
         Some(MeanVelocity {
             over: way.over,
             v_n: way.ned / way.over,

@@ -25,7 +25,7 @@ fn place(fix: &GnssFix) -> Geodetic {
 
 /// Root mean squares over `steps` fixes of the way by the carrier and by the receiver's velocities, both less RTK's \[m\], each axis; and of
 /// how many.
-fn against_rtk(fixes: &[GnssFix], steps: usize) -> ([Vector3; 2], usize) {
+pub(crate) fn against_rtk(fixes: &[GnssFix], steps: usize) -> ([Vector3; 2], usize) {
     let (mut sums, mut count) = ([Vector3::zeros(); 2], 0);
     for span in fixes.windows(steps + 1) {
         let by_rtk = place(&span[0]).offset_to(&place(&span[steps]));
