@@ -47,6 +47,8 @@ impl Way {
             over: way.over,
             v_n: way.ned / way.over,
             covariance: way.covariance / (way.over * way.over),
+            place,
+            by_place: way.by_place / way.over,
         })
     }
 }
