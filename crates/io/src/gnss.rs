@@ -328,7 +328,8 @@ fn cause(out: &SkipEntry) -> Option<ReadError> {
 
 /// A fix of which something can be used.
 fn usable(fix: GnssFix) -> Option<(f64, GnssFix)> {
-    (fix.position.is_some() || fix.velocity.is_some()).then_some((fix.time, fix))
+    let something = fix.position.is_some() || fix.velocity.is_some() || fix.mean_velocity.is_some();
+    something.then_some((fix.time, fix))
 }
 
 #[cfg(test)]

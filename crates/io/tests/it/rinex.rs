@@ -11,7 +11,7 @@ use undrift_nav::sample::GnssFix;
 use undrift_observables::{Ephemerides, Ephemeris, Satellite, System};
 
 /// Messages of a UBX log with their class and number.
-fn messages(log: &[u8]) -> Vec<([u8; 2], &[u8])> {
+pub(crate) fn messages(log: &[u8]) -> Vec<([u8; 2], &[u8])> {
     let mut found = Vec::new();
     let mut at = 0;
     while let Some(head) = log.get(at..at + 6) {
