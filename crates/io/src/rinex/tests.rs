@@ -196,8 +196,8 @@ fn events_and_damage_lose_an_epoch_at_most() {
 fn what_is_missing_is_said_with_the_mend() {
     let refused = |files: &[(&str, String)]| opened(files).err().unwrap().to_string();
     let (obs, nav) = (("a.obs", text("three.obs")), ("a.nav", text("three.nav")));
-    assert!(refused(&[obs.clone()]).contains("no navigation file"));
-    assert!(refused(&[nav.clone()]).contains("no RINEX observation file"));
+    assert!(refused(std::slice::from_ref(&obs)).contains("no navigation file"));
+    assert!(refused(std::slice::from_ref(&nav)).contains("no RINEX observation file"));
     let other = ("a.nmea", "$GPGGA,1,2\n".to_owned());
     assert!(refused(&[other, nav.clone()]).contains("is no RINEX file"));
     let packed = obs
