@@ -46,7 +46,7 @@ pub use imu::{ImuLog, load_imu};
 pub(crate) use keys::{DEGREES_MINUTES, UTM, column};
 pub use keys::{columns, file_name, model};
 pub use logs::Logs;
-pub use named::{files_named, log_tables};
+pub use named::{files_beside, files_named, log_tables};
 pub use poses::Poses;
 pub use scalars::{ScalarLog, Scalars};
 pub(crate) use tables::AXLE_STD;

@@ -72,6 +72,15 @@ impl GnssSource {
             Self::Poses(_) | Self::Fixes { .. } => &[],
         }
     }
+
+    /// Leaves the RINEX files out, as of a log that is read while it comes.
+    pub fn clear_beside(&mut self) {
+        match self {
+            Self::Table(format) => format.fixes.observations.clear(),
+            Self::Log(log) => log.fixes.observations.clear(),
+            Self::Poses(_) | Self::Fixes { .. } => {}
+        }
+    }
 }
 
 impl From<GnssFormat> for GnssSource {
