@@ -205,7 +205,7 @@ impl Observations {
     /// What a row says of a satellite; `None` without a code.
     fn observation(&mut self, satellite: Satellite, row: &[u8], time: f64) -> Option<Observation> {
         let places = self.places[index(satellite.system)]?;
-        // A zero is none in version 2.
+        // Version 2 has zeros where nothing was measured.
         let value = |at: usize| {
             let value = number::parse_finite(part(row, WIDTH * at, 14))?;
             (value != 0.0).then_some(value)
