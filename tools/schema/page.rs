@@ -155,6 +155,9 @@ impl Tables<'_> {
             Takes::Text | Takes::Quantity(_) | Takes::Vector(_) | Takes::Unit(_) => {
                 json!({"type": "string"})
             }
+            Takes::Texts => {
+                json!({"type": "array", "items": {"type": "string"}, "minItems": 1})
+            }
             Takes::Words(words) => json!({"enum": words}),
             Takes::ListOf(words) => {
                 json!({"type": "array", "items": {"enum": words}, "minItems": 1})

@@ -304,6 +304,24 @@ impl<'a> Section<'a> {
         })
     }
 
+    /// A list of one or more strings; none where the key is absent.
+    ///
+    /// # Errors
+    /// If the value is no list, an empty one, or not of strings.
+    pub fn texts(&self, key: &str) -> Result<Vec<&'a str>, ConfigError> {
+        self.note(key, Takes::Texts);
+        let wrong = || self.error(key, "must be a list of strings such as [\"a\", \"b\"]");
+        let one = |item: Value<'a>| match item {
+            Value::Text(text) => Ok(text),
+            _ => Err(wrong()),
+        };
+        match self.get(key) {
+            None => Ok(Vec::new()),
+            Some(Value::List(items)) if !items.is_empty() => items.into_iter().map(one).collect(),
+            Some(_) => Err(wrong()),
+        }
+    }
+
     /// A list of one or more of a few words.
     ///
     /// # Errors

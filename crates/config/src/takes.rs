@@ -7,6 +7,8 @@ use undrift_nav::units::Quantity;
 pub enum Takes {
     /// A string.
     Text,
+    /// A list of one or more strings.
+    Texts,
     /// One of a few words.
     Words(Vec<String>),
     /// A list of one or more of a few words.

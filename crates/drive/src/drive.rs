@@ -46,7 +46,7 @@ pub use imu::{ImuLog, load_imu};
 pub(crate) use keys::{DEGREES_MINUTES, UTM, column};
 pub use keys::{columns, file_name, model};
 pub use logs::Logs;
-pub use named::{files_named, log_tables};
+pub use named::{files_beside, files_named, log_tables};
 pub use poses::Poses;
 pub use scalars::{ScalarLog, Scalars};
 pub(crate) use tables::AXLE_STD;
@@ -327,7 +327,8 @@ impl Drive {
         let field = self.magnetometer.iter().map(|(path, _)| path);
         let truth = self.truth.iter().map(|(path, _)| path);
         let logs = [&self.imu.0, &self.gnss.0].into_iter();
-        logs.chain(scalars)
+        logs.chain(self.gnss.1.beside().iter().map(|(path, _)| path))
+            .chain(scalars)
             .chain(field)
             .chain(truth)
             .map(PathBuf::as_path)

@@ -20,7 +20,7 @@ use undrift_nav::{
     Quaternion, Vector3,
     aiding::{Observation, Stretch},
     filter::Filter,
-    sample::{GnssFix, MagneticField, Position, Scalar},
+    sample::{GnssFix, MagneticField, MeanVelocity, Position, Scalar},
 };
 
 /// One measurement, as it is pushed into a [`Navigator`](crate::Navigator).
@@ -241,6 +241,17 @@ pub enum Aiding {
         /// What the samples say of the time; the filter is at its end.
         stretch: Stretch,
     },
+    /// The same along one direction, by few satellites.
+    MeanVelocityAlong {
+        /// North, east, down.
+        direction: Vector3,
+        /// What the satellites say.
+        mean: MeanVelocity,
+        /// IMU → antenna, body axes, as configured \[m\].
+        lever_arm: Vector3,
+        /// What the samples say of the time; the filter is at its end.
+        stretch: Stretch,
+    },
     /// Heading by the course over ground, from north to east \[rad\].
     Course(f64),
     /// The vehicle is at rest: no velocity, three numbers \[m/s\].
@@ -349,6 +360,12 @@ pub(crate) fn observe<const N: usize>(filter: &Filter<N>, aiding: &Aiding) -> Op
             lever_arm,
             stretch,
         } => Observed::Three(filter.observe_mean_velocity(v_n, lever_arm, stretch)),
+        Aiding::MeanVelocityAlong {
+            direction,
+            mean,
+            lever_arm,
+            stretch,
+        } => Observed::One(filter.observe_mean_velocity_along(direction, mean, lever_arm, stretch)),
         Aiding::Course(course) => Observed::One(filter.observe_course(*course)?),
         Aiding::ZeroVelocity => Observed::Three(filter.observe_zero_velocity()),
         Aiding::EarthRate(rate) => Observed::Three(filter.observe_earth_rate(rate)),

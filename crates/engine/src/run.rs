@@ -23,6 +23,7 @@
 
 mod axes;
 mod end;
+mod few_satellites;
 mod fix;
 mod magnetometer;
 mod pose;

@@ -33,6 +33,9 @@ pub fn inputs(job: &Job) -> Vec<(String, PathBuf)> {
         };
         inputs.push((key.to_owned(), folder.join(name)));
     }
+    for name in drive::files_beside(&text) {
+        inputs.push((format!("observations {name}"), data.join(name)));
+    }
     inputs
 }
 

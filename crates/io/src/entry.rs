@@ -20,6 +20,10 @@ pub struct Entry {
 
 /// What an entry holds.
 #[derive(Clone, Debug)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "few are held at a time, and a box for each fix is an allocation"
+)]
 pub enum What {
     /// An inertial sample.
     Imu(ImuReading),

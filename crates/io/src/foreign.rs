@@ -28,7 +28,7 @@ const ARCHIVE: Foreign = foreign("an archive", "extract it first");
 const IMAGE: Foreign = foreign("an image", "use the log that it was made from");
 const RINEX: Foreign = foreign(
     "a RINEX file of raw observations",
-    "compute positions with RTKLIB or another program first",
+    "give the log with the receiver's positions (NMEA, UBX, .pos), and list RINEX files in gnss.observations",
 );
 const DRIVE: Foreign = foreign("a drive file", "give its logs instead");
 const MODEL: Foreign = foreign("a model file", "give a log here");

@@ -21,6 +21,8 @@ pub use crate::fix::{VelocityAxes, quality_of_rtklib};
 use crate::opened::Memory;
 use crate::poses::Poses;
 use crate::reader::{Kind, Plan, Reader, Row, TableRow, Want};
+use crate::rinex::Rinex;
+pub use crate::rinex::RinexFile;
 use crate::skipped::{SkipEntry, SkipKind, Skipped};
 
 use columns::FixColumns;
@@ -61,6 +63,26 @@ impl GnssSource {
     }
 }
 
+impl GnssSource {
+    /// The RINEX files beside the log.
+    pub fn beside(&self) -> &[RinexFile] {
+        match self {
+            Self::Table(format) => &format.fixes.observations,
+            Self::Log(log) => &log.fixes.observations,
+            Self::Poses(_) | Self::Fixes { .. } => &[],
+        }
+    }
+
+    /// Leaves the RINEX files out, as of a log that is read while it comes.
+    pub fn clear_beside(&mut self) {
+        match self {
+            Self::Table(format) => format.fixes.observations.clear(),
+            Self::Log(log) => log.fixes.observations.clear(),
+            Self::Poses(_) | Self::Fixes { .. } => {}
+        }
+    }
+}
+
 impl From<GnssFormat> for GnssSource {
     fn from(format: GnssFormat) -> Self {
         Self::Table(Box::new(format))
@@ -77,7 +99,12 @@ impl From<GnssLog> for GnssSource {
 pub type GnssReader = Reader<Fixes>;
 
 /// Fixes as a kind of record.
-pub struct Fixes(Of);
+pub struct Fixes {
+    of: Of,
+    rinex: Option<Box<Rinex>>,
+    /// What is added to the file's times \[s\].
+    time_offset: f64,
+}
 
 /// Boxed: one holds its options, a few hundred bytes.
 enum Of {
@@ -88,10 +115,33 @@ enum Of {
     Records(f64),
 }
 
+impl Fixes {
+    fn alone(of: Of) -> Self {
+        Self {
+            of,
+            rinex: None,
+            time_offset: 0.0,
+        }
+    }
+
+    /// With the observations beside the fixes.
+    fn with(of: Of, options: &FixOptions) -> Result<Self, ReadError> {
+        let rinex = match options.observations.as_slice() {
+            [] => None,
+            files => Some(Box::new(Rinex::open(files)?)),
+        };
+        Ok(Self {
+            of,
+            rinex,
+            time_offset: options.time_offset,
+        })
+    }
+}
+
 impl Reader<Fixes> {
     /// Velocities skipped so far because neither the log nor its options tell how certain they are.
     pub fn untold_velocities(&self) -> u64 {
-        match &self.kind().0 {
+        match &self.kind().of {
             Of::Columns(_) | Of::Poses(_) | Of::Records(_) => 0,
             Of::Log(log) => log.untold_velocities,
         }
@@ -109,7 +159,7 @@ impl Kind for Fixes {
             GnssSource::Table(format) => {
                 let (columns, wanted) = FixColumns::new(format)?;
                 Plan {
-                    kind: Self(Of::Columns(Box::new(columns))),
+                    kind: Self::with(Of::Columns(Box::new(columns)), &format.fixes)?,
                     source: Want::Table(wanted),
                     span: format.fixes.span,
                 }
@@ -123,18 +173,18 @@ impl Kind for Fixes {
                     at_once: false,
                 };
                 Plan {
-                    kind: Self(Of::Log(Box::new(LogFixes::new(log)))),
+                    kind: Self::with(Of::Log(Box::new(LogFixes::new(log))), &log.fixes)?,
                     source: Want::Log(log.format, wanted),
                     span: log.fixes.span,
                 }
             }
             GnssSource::Poses(fixes) => {
                 let Plan { kind, source, span } = Poses::plan(&fixes.source)?;
-                let kind = Self(Of::Poses(Box::new(Placed::new(kind, fixes))));
+                let kind = Self::alone(Of::Poses(Box::new(Placed::new(kind, fixes))));
                 Plan { kind, source, span }
             }
             GnssSource::Fixes { time_offset, span } => Plan {
-                kind: Self(Of::Records(*time_offset)),
+                kind: Self::alone(Of::Records(*time_offset)),
                 source: Want::Records,
                 span: *span,
             },
@@ -142,7 +192,7 @@ impl Kind for Fixes {
     }
 
     fn of_row(&mut self, row: TableRow, skipped: &mut Skipped) -> Option<(f64, GnssFix)> {
-        match &mut self.0 {
+        match &mut self.of {
             Of::Columns(columns) => usable(columns.fix(row, skipped)?),
             Of::Poses(placed) => {
                 let pose = placed.poses.of_row(row, skipped)?;
@@ -153,7 +203,7 @@ impl Kind for Fixes {
     }
 
     fn of_entry(&mut self, entry: Entry, skipped: &mut Skipped) -> Option<(f64, GnssFix)> {
-        match (&mut self.0, &entry.what) {
+        match (&mut self.of, &entry.what) {
             (Of::Log(log), What::Fix(fix)) => usable(log.fix(entry.at, fix, skipped)),
             (Of::Poses(placed), _) => {
                 let pose = placed.poses.of_entry(entry, skipped)?;
@@ -176,7 +226,7 @@ impl Kind for Fixes {
         number: u64,
         skipped: &mut Skipped,
     ) -> Option<(f64, GnssFix)> {
-        let Of::Records(time_offset) = self.0 else {
+        let Of::Records(time_offset) = self.of else {
             return None;
         };
         if !fix.is_finite() {
@@ -201,28 +251,35 @@ impl Kind for Fixes {
         row: &Row<GnssFix>,
         _: &mut Skipped,
     ) -> Result<Option<GnssFix>, ReadError> {
-        Ok(Some(row.values))
+        let mut fix = row.values;
+        if let Some(rinex) = &mut self.rinex {
+            rinex.add(&mut fix, row.time - self.time_offset)?;
+        }
+        Ok(Some(fix))
     }
 
     fn epoch(&self) -> Option<crate::epoch::Epoch> {
-        match &self.0 {
+        match &self.of {
             Of::Poses(placed) => placed.poses.epoch(),
             _ => None,
         }
     }
 
     fn end(&self) -> Result<(), ReadError> {
-        match &self.0 {
+        if let Some(rinex) = &self.rinex {
+            rinex.end()?;
+        }
+        match &self.of {
             Of::Columns(_) | Of::Poses(_) | Of::Records(_) => Ok(()),
             Of::Log(log) => log.end(),
         }
     }
 
     fn nothing(&self, skipped: &Skipped) -> ReadError {
-        if let Of::Poses(placed) = &self.0 {
+        if let Of::Poses(placed) = &self.of {
             return placed.poses.nothing(skipped);
         }
-        let of_columns = matches!(self.0, Of::Columns(_));
+        let of_columns = matches!(self.of, Of::Columns(_));
         let mut entries = skipped.iter();
         let first = entries.find(|(kind, _)| *kind == SkipKind::OutOfRange && of_columns);
         let cause = first.and_then(|(_, entry)| cause(entry));
@@ -280,7 +337,8 @@ fn cause(out: &SkipEntry) -> Option<ReadError> {
 
 /// A fix of which something can be used.
 fn usable(fix: GnssFix) -> Option<(f64, GnssFix)> {
-    (fix.position.is_some() || fix.velocity.is_some()).then_some((fix.time, fix))
+    let something = fix.position.is_some() || fix.velocity.is_some() || fix.mean_velocity.is_some();
+    something.then_some((fix.time, fix))
 }
 
 #[cfg(test)]

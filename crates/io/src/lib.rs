@@ -32,6 +32,7 @@ pub mod truth;
 pub mod utm;
 pub mod write;
 
+mod carrier;
 mod clock;
 mod detect;
 mod entry;
@@ -39,6 +40,7 @@ mod error;
 mod fix;
 mod mcap_records;
 mod opened;
+mod rinex;
 mod rotation;
 mod time;
 mod visible;

@@ -257,7 +257,10 @@ impl<K: Kind> Reader<K> {
                             (self.kind.of_row(row, skipped), line, skipped)
                         }
                         None => match self.kind.late(index, skipped)? {
-                            None => return Ok(None),
+                            None => {
+                                self.kind.end()?;
+                                return Ok(None);
+                            }
                             late => (late, index, skipped),
                         },
                     }

@@ -308,7 +308,7 @@ pub(crate) fn time_of_digits(number: f64) -> Option<f64> {
 }
 
 /// Days from the GPS epoch to a date; `None` for a day that its month does not have.
-fn day_of(year: i64, month: i64, day: i64) -> Option<i64> {
+pub(crate) fn day_of(year: i64, month: i64, day: i64) -> Option<i64> {
     let [month, day] = [u32::try_from(month).ok()?, u32::try_from(day).ok()?];
     let year = i32::try_from(year).ok()?;
     let date = NaiveDate::from_ymd_opt(year, month, day)?;

@@ -7,6 +7,7 @@
 //! |---|---|
 //! | GNSS position, velocity | [`Filter::observe_position`], [`Filter::observe_velocity`] |
 //! | its mean over the time since a fix, by the carrier phase | [`Filter::observe_mean_velocity`] |
+//! | the same along a direction, by few satellites | [`Filter::observe_mean_velocity_along`] |
 //! | wheel speed; no side slip, no lift | [`Filter::observe_odometer`], [`Filter::observe_non_holonomic`] |
 //! | course of a vehicle that drives where it points | [`Filter::observe_course`] |
 //! | heading by two antennas | [`Filter::observe_heading`] |

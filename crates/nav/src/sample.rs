@@ -193,9 +193,31 @@ pub struct MeanVelocity {
     pub over: f64,
     /// Mean velocity over ground, north, east, down [m/s].
     pub v_n: Vector3,
-    /// Its covariance [(m/s)²].
+    /// Its covariance [(m/s)²]: some 1e4 along a direction that few satellites do not show.
     pub covariance: Matrix3,
+    /// Place of the antenna for which it was found.
+    pub place: Geodetic,
+    /// By how much it changes with that place, north, east, down of both [1/s]: satellites turn as seen from the Earth.
+    pub by_place: Matrix3,
 }
+
+impl MeanVelocity {
+    /// Directions that it shows, north, east, down, whose errors are independent, with their variances [(m/s)²].
+    pub fn directions(&self) -> impl Iterator<Item = (Vector3, f64)> {
+        let split = self.covariance.symmetric_eigen();
+        (0..3)
+            .map(move |k| {
+                (
+                    split.eigenvectors.column(k).into_owned(),
+                    split.eigenvalues[k],
+                )
+            })
+            .filter(|(_, variance)| *variance < SHOWN * SHOWN)
+    }
+}
+
+/// Standard deviation up to which a direction counts as shown by satellites [m/s].
+const SHOWN: f64 = 10.0;
 
 /// Kind of GNSS solution, from the coarsest to the finest.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

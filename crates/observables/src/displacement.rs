@@ -11,10 +11,14 @@
 //!
 //! A slip is what the receiver says (time of lock, half cycles), and what the residuals say: a sum of squares that chance exceeds once in
 //! a thousand epochs. Then the satellite without which the sum is least goes, while two satellites too many are left. The range's
-//! change of a satellite that slipped is that of its Doppler shift, with a standard deviation to match.
+//! change of a satellite that slipped is that of its Doppler shift, with a standard deviation to match. What is left of the sum scales the
+//! covariance.
+//!
+//! Of two to four satellites nothing can be checked, and of two or three a part of the way is open: the differences of the equations, which do
+//! without the receiver's clock, give one or two directions. The others get the way that was expected, to 100 m/s.
 
 use crate::{Ephemerides, Epoch, L1_WAVELENGTH, Observation, SPEED_OF_LIGHT, ephemeris::Ephemeris};
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{Matrix4, Matrix4x3, Vector4};
 use undrift_nav::{
     Matrix3, Vector3,
     earth::{EARTH_RATE, Geodetic},
@@ -22,14 +26,20 @@ use undrift_nav::{
 
 /// Elevation mask \[rad\].
 const LOWEST: f64 = 10.0 / 180.0 * std::f64::consts::PI;
-/// Multipath of a phase at the zenith \[m\]; lower it grows by 1/sin of the elevation.
-const MULTIPATH: f64 = 0.0015;
+/// Multipath of a phase at the zenith \[m\], of an antenna that is carried under trees; lower it grows by 1/sin of the elevation.
+const MULTIPATH: f64 = 0.003;
 /// Factor on the standard deviation of what is found: multipath that satellites share, and slips that chance explains.
-const SHARED: f64 = 2.0;
+const SHARED: f64 = 1.4;
+/// The same of what nothing checks.
+const UNCHECKED: f64 = 2.0;
+/// Residuals by which the stated noise counts against those that are there.
+const PRIOR: f64 = 4.0;
+/// Standard deviation of a direction that no satellite shows [m/s].
+const OPEN: f64 = 100.0;
 /// What is left of the change of troposphere and ionosphere at the zenith, in the same way [m/s].
 const ATMOSPHERE: f64 = 0.001;
-/// Standard deviation of a change of range by the Doppler shifts at both ends [m/s].
-const DOPPLER: f64 = 0.15;
+/// Standard deviation of a change of range by the Doppler shifts at both ends [m/s]: 0.15 from one to the next, but a receiver's loop lags, so that errors last.
+const DOPPLER: f64 = 0.5;
 /// Epochs further apart than this are not differenced \[s\].
 const LONGEST: f64 = 2.0;
 /// Epochs closer than this are one \[s\].
@@ -54,7 +64,19 @@ pub struct Displacement {
     pub satellites: usize,
     /// Satellites by their Doppler shift, since the phase slipped.
     pub by_doppler: usize,
+    /// By how much the way changes with the place that it was found for, north, east, down of both \[m/m\]: some 1e-4 a second.
+    pub by_place: Matrix3,
 }
+
+impl Displacement {
+    /// Whether there were satellites enough to check one by the others: five.
+    pub fn is_checked(&self) -> bool {
+        self.satellites + self.by_doppler > UNKNOWNS
+    }
+}
+
+/// The way and the clock.
+const UNKNOWNS: usize = 4;
 
 /// One satellite's equation.
 #[derive(Clone, Copy)]
@@ -71,8 +93,7 @@ struct Row {
 /// Way of the antenna from epoch `before` to `after`, by satellites of which `ephemerides` knows the orbit. `place` is the antenna's at
 /// `after` to some metres, `v_n` its velocity to some [m/s], north, east, down.
 ///
-/// `None` where it cannot be had, or not be checked: epochs further apart than 2 s, fewer than five satellites, residuals that
-/// contradict each other.
+/// `None` where it cannot be had: epochs further apart than 2 s, fewer than two satellites, residuals that contradict each other.
 pub fn displacement(
     ephemerides: &Ephemerides,
     before: &Epoch,
@@ -100,11 +121,17 @@ pub fn displacement(
         )
     };
     let mut rows: Vec<Row> = after.observations.iter().filter_map(row).collect();
+    let open = OPEN * over;
     for _ in 0..=MOST_SLIPS {
-        let found = solve(&rows, &here, &about)?;
-        if found.squares <= exceeded_by_chance(rows.len().checked_sub(4)?) {
+        let found = solve(&rows, &here, &about, open)?;
+        let freedom = rows.len().saturating_sub(UNKNOWNS);
+        if freedom == 0 || found.squares <= exceeded_by_chance(freedom) {
             let by_doppler = rows.iter().filter(|row| row.by_doppler).count();
-            let covariance = found.covariance.fixed_view::<3, 3>(0, 0) * (SHARED * SHARED);
+            let scale = match freedom {
+                0 => UNCHECKED * UNCHECKED,
+                _ => SHARED * SHARED * (PRIOR + found.squares) / (PRIOR + freedom as f64),
+            };
+            let covariance = found.covariance.fixed_view::<3, 3>(0, 0) * scale;
             return Some(Displacement {
                 over,
                 ned: ned_from_ecef * found.way,
@@ -112,9 +139,10 @@ pub fn displacement(
                 clock: found.clock,
                 satellites: rows.len() - by_doppler,
                 by_doppler,
+                by_place: ned_from_ecef * found.by_place * ned_from_ecef.transpose(),
             });
         }
-        let worst = without_worst(&rows, &here, &about)?;
+        let worst = without_worst(&rows, &here, &about, open)?;
         rows.remove(worst);
     }
     None
@@ -187,19 +215,24 @@ struct Solved {
     way: Vector3,
     clock: f64,
     covariance: Matrix4<f64>,
+    /// How the way changes with the place \[m/m\].
+    by_place: Matrix3,
     /// Sum of the squared residuals in standard deviations.
     squares: f64,
 }
 
-/// Least squares of at least five rows.
-fn solve(rows: &[Row], here: &Vector3, about: &Vector3) -> Option<Solved> {
-    if rows.len() < 5 {
+/// Least squares of at least two rows, with the way `about`, known to `open` \[m\].
+fn solve(rows: &[Row], here: &Vector3, about: &Vector3, open: f64) -> Option<Solved> {
+    if rows.len() < 2 {
         return None;
     }
+    let known = Vector4::new(1.0, 1.0, 1.0, 0.0) / (open * open);
     let (mut way, mut clock) = (*about, 0.0);
     // Linear but for the curvature of the ranges: the second step changes it by less than a micrometre.
     for _ in 0..3 {
-        let (mut normal, mut right) = (Matrix4::zeros(), Vector4::zeros());
+        let mut normal = Matrix4::from_diagonal(&known);
+        let mut right = known.component_mul(&(about - way).push(0.0));
+        let mut turned = Matrix4x3::zeros();
         let mut squares = 0.0;
         for row in rows {
             let line = row.places[0] - here + way;
@@ -209,6 +242,8 @@ fn solve(rows: &[Row], here: &Vector3, about: &Vector3) -> Option<Solved> {
             let h = Vector4::new(toward.x, toward.y, toward.z, 1.0) / row.std;
             normal += h * h.transpose();
             right += h * residual;
+            let later = row.places[1] - here;
+            turned += h * (later / later.norm() + toward).transpose() / row.std;
             squares += residual * residual;
         }
         let covariance = normal.cholesky()?.inverse();
@@ -222,6 +257,7 @@ fn solve(rows: &[Row], here: &Vector3, about: &Vector3) -> Option<Solved> {
                 way,
                 clock,
                 covariance,
+                by_place: (covariance * turned).fixed_view::<3, 3>(0, 0).into_owned(),
                 squares,
             });
         }
@@ -230,14 +266,14 @@ fn solve(rows: &[Row], here: &Vector3, about: &Vector3) -> Option<Solved> {
 }
 
 /// The row without which the sum of squares is least, where two too many leave that to be known.
-fn without_worst(rows: &[Row], here: &Vector3, about: &Vector3) -> Option<usize> {
-    if rows.len() < 6 {
+fn without_worst(rows: &[Row], here: &Vector3, about: &Vector3, open: f64) -> Option<usize> {
+    if rows.len() < UNKNOWNS + 2 {
         return None;
     }
     let squares = |at: usize| {
         let mut others = rows.to_vec();
         others.remove(at);
-        solve(&others, here, about).map_or(f64::INFINITY, |found| found.squares)
+        solve(&others, here, about, open).map_or(f64::INFINITY, |found| found.squares)
     };
     let all: Vec<f64> = (0..rows.len()).map(squares).collect();
     (0..rows.len()).min_by(|a, b| all[*a].total_cmp(&all[*b]))

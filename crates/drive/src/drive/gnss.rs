@@ -58,6 +58,7 @@ pub(crate) fn read_gnss(
         "std_factors",
     ]
     .map(|key| section.get(key));
+    let observations = logs.beside(section, "observations")?;
     let fixes = || -> Result<FixOptions, ConfigError> {
         Ok(FixOptions {
             time_offset,
@@ -66,6 +67,7 @@ pub(crate) fn read_gnss(
             position_std_factor,
             velocity_std_factor,
             span,
+            observations: observations.clone(),
         })
     };
     let source = match format {

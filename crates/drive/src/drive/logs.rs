@@ -12,6 +12,7 @@ use undrift_config::Section;
 use undrift_io::{
     Memory, Opened, ReadError,
     format::{FORMATS, Format},
+    gnss::RinexFile,
     reader::{Kind, Reader},
     source::BytesRead,
 };
@@ -50,12 +51,33 @@ impl Logs {
 
     /// The log that a table names by `file`; what cannot be opened again is held in memory.
     pub(super) fn named(&mut self, section: &Section) -> Result<PathBuf, DriveError> {
-        let path = match keys::file_name(section, "file")? {
+        let name = keys::file_name(section, "file")?;
+        self.held(name)
+            .map_err(|error| cannot(section, "file", error))
+    }
+
+    /// The files that a list of names has, in the same way.
+    pub(super) fn beside<'a>(
+        &mut self,
+        section: &Section<'a>,
+        key: &'a str,
+    ) -> Result<Vec<RinexFile>, DriveError> {
+        let one = |name| {
+            let path = self.held(name);
+            let path = path.map_err(|error| cannot(section, key, error))?;
+            let held = self.memory.get(&path).cloned();
+            Ok((path, held))
+        };
+        section.texts(key)?.into_iter().map(one).collect()
+    }
+
+    fn held(&mut self, name: &str) -> Result<PathBuf, ReadError> {
+        let path = match name {
             "-" => PathBuf::from("-"),
             name => self.folder.join(name),
         };
         if !self.memory.contains_key(&path)
-            && let Some(held) = Opened::hold(&path).map_err(|error| cannot(section, error))?
+            && let Some(held) = Opened::hold(&path)?
         {
             self.memory.insert(path.clone(), held);
         }
@@ -77,15 +99,15 @@ impl Logs {
             Some(format) if format != Format::KfGins => Ok((format, 0)),
             known => {
                 let opened = self.open(path, &BytesRead::default());
-                let opened = opened.map_err(|error| cannot(section, error))?;
+                let opened = opened.map_err(|error| cannot(section, "file", error))?;
                 Ok((known.unwrap_or_else(|| opened.format()), opened.width()))
             }
         }
     }
 }
 
-fn cannot(section: &Section, error: ReadError) -> DriveError {
-    let at: ConfigError = section.error("file", "");
+fn cannot(section: &Section, key: &str, error: ReadError) -> DriveError {
+    let at: ConfigError = section.error(key, "");
     DriveError::Log {
         at,
         error: error.into(),

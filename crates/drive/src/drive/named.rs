@@ -24,6 +24,23 @@ pub fn files_named(text: &str) -> Vec<(&'static str, String)> {
     named
 }
 
+/// The files that a drive file's text names beside its log of fixes, those of `observations`.
+///
+/// ```
+/// # use undrift_drive as undrift;
+/// let text = "[gnss]\nfile = \"rover.pos\"\nobservations = [\"rover.obs\", \"rover.nav\"]\n";
+/// assert_eq!(undrift::drive::files_beside(text), ["rover.obs", "rover.nav"]);
+/// ```
+pub fn files_beside(text: &str) -> Vec<String> {
+    let Ok(table) = parse(text, "") else {
+        return Vec::new();
+    };
+    let gnss = Section::top(table.get_ref(), text, "").section("gnss");
+    let names = gnss.and_then(|gnss| gnss.texts("observations"));
+    let names = names.unwrap_or_default().into_iter();
+    names.map(str::to_owned).collect()
+}
+
 /// Names of the tables of a drive file that name a log.
 pub fn log_tables() -> impl Iterator<Item = &'static str> {
     let scalars = ScalarLog::ALL.map(ScalarLog::name);

@@ -236,6 +236,10 @@ impl Run {
         observer: &mut dyn Observer,
     ) -> Result<(), FilterError> {
         let withheld = self.settings.outages.iter().any(|o| o.contains(fix.time));
+        if fix.position.is_none() && fix.velocity.is_none() {
+            self.few_satellites(fix, withheld, observer);
+            return Ok(());
+        }
         let begins = begins(fix, part);
         let fix = self.settings.quality.apply(fix);
         let fix = &self.vertical.judge(fix, begins, &mut self.summary);

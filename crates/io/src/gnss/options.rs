@@ -1,7 +1,8 @@
+use crate::rinex::RinexFile;
 use crate::{Key, ReadError};
 
 /// How certain the fixes of a file are, and which of them are given out.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct FixOptions {
     /// Added to the file's times \[s\].
     pub time_offset: f64,
@@ -16,6 +17,9 @@ pub struct FixOptions {
     pub velocity_std_factor: f64,
     /// First and last time \[s\] to give out, after the offset.
     pub span: Option<(f64, f64)>,
+    /// RINEX files of the same receiver, observations and navigation messages: each fix at the time of an epoch gets the mean velocity by the
+    /// carrier phase since the fix before. The times of the fixes are GPS seconds of a week, without the offset.
+    pub observations: Vec<RinexFile>,
 }
 
 impl Default for FixOptions {
@@ -27,6 +31,7 @@ impl Default for FixOptions {
             position_std_factor: 1.0,
             velocity_std_factor: 1.0,
             span: None,
+            observations: Vec::new(),
         }
     }
 }

@@ -12,10 +12,12 @@ mod epoch;
 mod frames;
 mod imu;
 
+use undrift_nav::sample::FixQuality;
+
 use super::frames::any;
 use super::receiver::{Ready, by_messages, check, check_name};
 use crate::ReadError;
-use crate::entry::{Entries, Heading, ImuReading, Stream, StreamKind, Wanted, What};
+use crate::entry::{Entries, Fix, Heading, ImuReading, Stream, StreamKind, Wanted, What};
 use crate::skipped::SkipKind;
 use crate::source::Source;
 use carrier::Carrier;
@@ -256,7 +258,24 @@ impl Reader {
                 None => {}
             },
             (Purpose::Headings, None) => {}
-            (Purpose::Fixes(..), None) => epoch.skip(ready),
+            (Purpose::Fixes(_, carrier), None) => {
+                epoch.skip(ready);
+                if let Some(carrier) = carrier
+                    && epoch.lacks_fix()
+                {
+                    let mut fix = Fix {
+                        time: self.weeks.seconds(&epoch),
+                        position: None,
+                        velocity: None,
+                        mean_velocity: None,
+                        quality: FixQuality::Unknown,
+                    };
+                    fix.mean_velocity = carrier.mean_velocity(&fix);
+                    if fix.mean_velocity.is_some() {
+                        ready.fix(epoch.at, fix);
+                    }
+                }
+            }
             (Purpose::Imu(_), None) => {}
         }
         Ok(())

@@ -7,5 +7,6 @@ mod properties;
 #[path = "../../../../tools/public_data.rs"]
 mod public;
 mod public_data;
+mod rinex;
 mod round_trip;
 mod written;

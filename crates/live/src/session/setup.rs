@@ -153,6 +153,7 @@ impl Collected {
                 "the interval of the samples is measured".into(),
             ));
         }
+        drive.gnss.1.clear_beside();
         match drive.open_gnss().map_err(waiting)?.next() {
             Some(Ok(_)) => {}
             _ if drive.poses.is_some() => return Err(Look::Waiting("no pose has come yet".into())),

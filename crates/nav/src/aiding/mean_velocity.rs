@@ -3,7 +3,7 @@
 use super::Observation;
 use crate::{
     Matrix3, Quaternion, Vector3, attitude::skew, earth::LocalEarth, filter::Filter,
-    mechanisation::NavState, parameters::Parameter,
+    mechanisation::NavState, parameters::Parameter, sample::MeanVelocity,
 };
 use nalgebra::SMatrix;
 
@@ -130,6 +130,30 @@ impl<const N: usize> Filter<N> {
             innovation: self.nav().v_n - lag + lever_way - v_n,
             h,
             extra,
+        }
+    }
+
+    /// Observation of a mean velocity along one `direction`, north, east, down, of those that few satellites show
+    /// ([`MeanVelocity::directions`]): the same, with what the solution's place changes in it, `B (p − p₀)`. Row
+    /// `direction · [−B, I, …]`.
+    pub fn observe_mean_velocity_along(
+        &self,
+        direction: &Vector3,
+        mean: &MeanVelocity,
+        lever_b: &Vector3,
+        stretch: &Stretch,
+    ) -> Observation<1, N> {
+        let off = mean.place.offset_to(&self.antenna_position(lever_b));
+        let v_n = mean.v_n + mean.by_place * off;
+        let mut all = self.observe_mean_velocity(&v_n, lever_b, stretch);
+        all.h
+            .fixed_view_mut::<3, 3>(0, 0)
+            .copy_from(&-mean.by_place);
+        let along = direction.transpose();
+        Observation {
+            innovation: along * all.innovation,
+            h: along * all.h,
+            extra: along * all.extra * direction,
         }
     }
 }

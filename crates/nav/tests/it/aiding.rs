@@ -12,7 +12,7 @@ use undrift_nav::{
     filter::{Filter, Gate, InitialStd},
     mechanisation::NavState,
     parameters::{Parameter, Parameters, Prior},
-    sample::{ImuSample, Position},
+    sample::{ImuSample, MeanVelocity, Position},
     shaping::ShapingFilter,
 };
 
@@ -466,8 +466,8 @@ mod mean_velocity {
 
     const DT: f64 = 0.01;
 
-    /// A filter and what it goes through: 0.4 s of turns and forces that change.
-    fn path(filter: &mut Filter<15>, lever: &Vector3, measured: &Vector3) -> Observation<3, 15> {
+    /// What a filter goes through: 0.4 s of turns and forces that change.
+    fn stretch(filter: &mut Filter<15>) -> Stretch {
         let mut stretch = Stretch::new(filter.nav());
         for k in 1..=40 {
             let t = DT * f64::from(k);
@@ -479,6 +479,11 @@ mod mean_velocity {
                 .unwrap();
             stretch.add(&before, filter.nav());
         }
+        stretch
+    }
+
+    fn path(filter: &mut Filter<15>, lever: &Vector3, measured: &Vector3) -> Observation<3, 15> {
+        let stretch = stretch(filter);
         filter.observe_mean_velocity(measured, lever, &stretch)
     }
 
@@ -517,6 +522,71 @@ mod mean_velocity {
         // White noise N of each accelerometer over T: N² T / 3.
         let white = observed.extra.trace() / 3.0;
         assert!((white / (4e-6 * 0.4 / 3.0) - 1.0).abs() < 1e-9, "{white}");
+    }
+
+    /// Along a direction: the row's part of the three, and what a mean velocity changes with the place.
+    #[test]
+    fn along_a_direction_the_place_counts() {
+        let lever = Vector3::new(0.4, -0.2, -1.3);
+        let direction = Vector3::new(0.6, -0.64, 0.48);
+        let mean = MeanVelocity {
+            over: 0.4,
+            v_n: Vector3::new(7.0, -2.0, 0.0),
+            covariance: Matrix3::identity(),
+            place: start()
+                .nav()
+                .position
+                .displaced(&Vector3::new(300.0, -200.0, 40.0)),
+            by_place: Matrix3::new(1.1, 0.3, -0.8, 0.2, -0.7, 0.5, 0.9, 0.4, -1.3) * 1e-4,
+        };
+        let with = |error: SVector<f64, 15>| {
+            let mut filter = start();
+            filter.apply_correction(&error);
+            let stretch = stretch(&mut filter);
+            let along = filter.observe_mean_velocity_along(&direction, &mean, &lever, &stretch);
+            let all = filter.observe_mean_velocity(&mean.v_n, &lever, &stretch);
+            (filter, along, all)
+        };
+        let (filter, along, all) = with(SVector::zeros());
+        let off = mean.place.offset_to(&filter.antenna_position(&lever));
+        let expected = direction.dot(&(all.innovation - mean.by_place * off));
+        assert!(off.norm() > 300.0 && (along.innovation[0] - expected).abs() < 1e-12);
+        let rest = (direction.transpose() * all.h - along.h)
+            .columns(3, 12)
+            .amax();
+        assert!(rest < 1e-12);
+        assert!((along.extra[0] - direction.dot(&(all.extra * direction))).abs() < 1e-18);
+        for axis in 0..3 {
+            let ((plus, high, _), (minus, low, _)) = (
+                with(SVector::ith(axis, 5.0)),
+                with(SVector::ith(axis, -5.0)),
+            );
+            let moved = minus.nav().position.offset_to(&plus.nav().position);
+            let said = along.h.fixed_columns::<3>(0) * moved;
+            let made = high.innovation - low.innovation;
+            assert!((made - said).amax() < 1e-5, "{axis}: {made} {said}");
+            assert!(made.amax() > 1e-4);
+        }
+    }
+
+    /// Rank two: two directions, with their variances.
+    #[test]
+    fn directions_are_those_that_satellites_show() {
+        let open = Vector3::new(0.6, 0.0, 0.8);
+        let covariance = Matrix3::identity() * 4e-4 + open * open.transpose() * 1e4;
+        let mean = MeanVelocity {
+            over: 1.0,
+            v_n: Vector3::zeros(),
+            covariance,
+            place: start().nav().position,
+            by_place: Matrix3::zeros(),
+        };
+        let shown: Vec<_> = mean.directions().collect();
+        assert_eq!(shown.len(), 2);
+        for (direction, variance) in shown {
+            assert!(direction.dot(&open).abs() < 1e-9 && (direction.norm() - 1.0).abs() < 1e-12);
+            assert!((variance / 4e-4 - 1.0).abs() < 1e-6);
+        }
     }
 
     /// An error at the start goes through the mechanisation; the row, on what has come of it, gives the same innovation.

@@ -115,11 +115,11 @@ fn a_reported_slip_leaves_the_doppler_shift() {
     let off = (way.ned / 0.2 - v_n).norm();
     assert!(way.satellites == 0 && off > 0.01 && off < 0.3, "{off}");
     let std = way.covariance.trace().sqrt() / 0.2;
-    assert!(std > 0.1 && std < 0.6, "{std}");
+    assert!(std > 0.3 && std < 1.5, "{std}");
 }
 
 #[test]
-fn nothing_is_said_without_a_check() {
+fn nothing_is_said_where_it_cannot_be_had() {
     let v_n = Vector3::zeros();
     let mut sky = Sky::new(START, 6);
     let ([before, mut after], [_, to]) = pair(&mut sky, START, 0.2, &v_n);
@@ -140,7 +140,63 @@ fn nothing_is_said_without_a_check() {
         seen.phase = seen.phase.map(|phase| phase + (k * k % 7) as f64);
     }
     assert!(none(&before, &torn));
-    // Four satellites.
-    after.observations.truncate(4);
+    // One satellite.
+    after.observations.truncate(1);
     assert!(none(&before, &after));
+}
+
+/// Two and three satellites: the differences of their ranges are those of the way, what is across is open; the covariance says which.
+#[test]
+fn few_satellites_give_the_directions_that_they_show() {
+    let v_n = Vector3::new(12.0, 5.0, -1.0);
+    for few in [2, 3, 4] {
+        let (mut within, mut runs) = (0.0, 0);
+        for k in 0..100 {
+            let mut sky = Sky::new(START, 100 + k);
+            let ([before, mut after], [_, to]) = pair(&mut sky, START + 20.0 * k as f64, 1.0, &v_n);
+            after.observations.rotate_left(k as usize % 6);
+            after.observations.truncate(few);
+            let Some(way) = displacement(&sky.ephemerides, &before, &after, &to, &Vector3::zeros())
+            else {
+                continue;
+            };
+            assert!(!way.is_checked());
+            let split = way.covariance.symmetric_eigen();
+            let known = split.eigenvalues.iter().filter(|one| **one < 1.0);
+            if known.count() != few - 1 {
+                continue; // Low satellites are left out.
+            }
+            let off = split.eigenvectors.tr_mul(&(way.ned - v_n));
+            for (off, variance) in off.iter().zip(&split.eigenvalues) {
+                if *variance < 1.0 {
+                    within += off * off / variance;
+                    runs += 1;
+                }
+            }
+        }
+        // Noise of 3 mm, stated as 4.4 mm twice.
+        let nees = within / f64::from(runs);
+        println!("{few}: NEES {nees} of {runs}");
+        assert!(
+            runs > 60 && (0.02..0.2).contains(&nees),
+            "{few}: {nees} {runs}"
+        );
+    }
+}
+
+/// A place that is wrong changes the way as stated: where no satellite is taken for one that slipped.
+#[test]
+fn the_way_changes_with_the_place_as_stated() {
+    let mut sky = Sky::new(START, 8);
+    sky.noise = 0.0;
+    let v_n = Vector3::new(12.0, 5.0, -1.0);
+    let (epochs, [_, to]) = pair(&mut sky, START + 500.0, 1.0, &v_n);
+    let way = by(&sky, &epochs, &to, &v_n);
+    let off = Vector3::new(30.0, -25.0, 4.0);
+    let moved = by(&sky, &epochs, &to.displaced(&off), &v_n);
+    let (made, said) = (moved.ned - way.ned, way.by_place * off);
+    assert!(
+        said.norm() > 5e-3 && (made - said).norm() < 3e-4,
+        "{made} {said}"
+    );
 }

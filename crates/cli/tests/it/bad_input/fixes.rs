@@ -409,3 +409,32 @@ fn fixes_twenty_times_a_second() {
     assert_eq!(outcome.stderr, "");
     is_sound(&outcome);
 }
+
+/// RINEX files beside the fixes: absent, no list, without one of the two kinds, of another time.
+#[test]
+fn observations_beside_the_fixes() {
+    let golden = concat!(env!("CARGO_MANIFEST_DIR"), "/../../testdata/golden/rinex/");
+    let refused = |name: &str, list: &str| {
+        let mut log = good();
+        let table = format!("[gnss]\nobservations = {list}\n");
+        log.drive = log.drive.replacen("[gnss]\n", &table, 1);
+        let case = log.write(name);
+        for file in ["three.obs", "three.nav"] {
+            case.put(file, &std::fs::read(format!("{golden}{file}")).unwrap());
+        }
+        case.refusal()
+    };
+    let gone = refused("rinex_gone", "[\"gone.obs\", \"three.nav\"]");
+    says(&gone, &["gone.obs"]);
+    let text = refused("rinex_text", "\"three.obs\"");
+    says(&text, &["observations", "must be a list of strings"]);
+    let alone = refused("rinex_alone", "[\"three.obs\"]");
+    says(
+        &alone,
+        &["no navigation file", "[\"rover.obs\", \"rover.nav\"]"],
+    );
+    let log = refused("rinex_log", "[\"gnss.csv\", \"three.nav\"]");
+    says(&log, &["gnss.csv: is no RINEX file"]);
+    let other = refused("rinex_other", "[\"three.obs\", \"three.nav\"]");
+    says(&other, &["no observations at the times of the fixes"]);
+}

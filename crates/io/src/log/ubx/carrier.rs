@@ -5,11 +5,11 @@
 
 use std::collections::VecDeque;
 
-use undrift_nav::Vector3;
-use undrift_nav::sample::{MeanVelocity, Position};
-use undrift_observables::{Ephemerides, Epoch, Observation, Satellite, System, displacement};
+use undrift_nav::sample::MeanVelocity;
+use undrift_observables::{Ephemerides, Epoch, Observation, Satellite, System};
 
 use super::bytes::{r4, r8, u1, u2, u4};
+use crate::carrier::{CLOCK, Way, since};
 use crate::entry::Fix;
 use crate::time::WEEK;
 
@@ -21,8 +21,6 @@ pub(super) const NAME: &str = "RXM-RAWX";
 /// Numbers of the systems.
 const GPS: u8 = 0;
 const GALILEO: u8 = 2;
-/// Clocks of receivers are off by less than this \[s\].
-const CLOCK: f64 = 0.02;
 /// Raw epochs that wait for their fix.
 const KEPT: usize = 4;
 /// Code of a phase of unknown standard deviation.
@@ -34,8 +32,7 @@ pub(super) struct Carrier {
     /// GPS week from whose beginning the times count.
     week: Option<u16>,
     epochs: VecDeque<Epoch>,
-    /// Raw measurements of the last fix.
-    before: Option<Epoch>,
+    way: Way,
 }
 
 impl Carrier {
@@ -114,24 +111,12 @@ impl Carrier {
 
     /// Mean velocity since the last fix that was asked for, up to this one, where the raw measurements of both are there and give it.
     pub(super) fn mean_velocity(&mut self, fix: &Fix) -> Option<MeanVelocity> {
-        let same = |epoch: &Epoch| {
-            let off = epoch.time - fix.time;
-            (off - WEEK * (off / WEEK).round()).abs() < CLOCK
-        };
+        let same = |epoch: &Epoch| since(epoch.time, fix.time).abs() < CLOCK;
         let now = self.epochs.iter().position(same);
         let now = now.and_then(|at| self.epochs.drain(..=at).next_back());
-        let before = std::mem::replace(&mut self.before, now);
-        let (before, now) = (before?, self.before.as_ref()?);
-        let Some((Position::Geodetic(place), _)) = fix.position else {
-            return None;
-        };
-        let v_n = fix.velocity.map_or_else(Vector3::zeros, |(v_n, _)| v_n);
-        let way = displacement(&self.ephemerides, &before, now, &place, &v_n)?;
-        Some(MeanVelocity {
-            over: way.over,
-            v_n: way.ned / way.over,
-            covariance: way.covariance / (way.over * way.over),
-        })
+        let place = fix.position.map(|(position, _)| position);
+        let v_n = fix.velocity.map(|(v_n, _)| v_n);
+        (self.way).mean_velocity(&self.ephemerides, now, place.as_ref(), v_n)
     }
 }
 
@@ -139,7 +124,7 @@ impl Carrier {
 mod tests {
     use super::*;
     use undrift_nav::earth::Geodetic;
-    use undrift_nav::sample::FixQuality;
+    use undrift_nav::sample::{FixQuality, Position};
 
     /// RXM-RAWX with a row a signal: system, satellite, signal, status, code of the phase's standard deviation.
     fn rawx(time_of_week: f64, week: u16, rows: &[[u8; 5]]) -> Vec<u8> {
@@ -215,9 +200,12 @@ mod tests {
         assert_eq!(carrier.epochs.len(), KEPT);
         // The clock of the receiver is 5 ms slow; no ephemeris, so no velocity.
         assert!(carrier.mean_velocity(&fix(101.005)).is_none());
-        assert_eq!(carrier.before.as_ref().map(|epoch| epoch.time), Some(101.0));
+        assert_eq!(
+            carrier.way.before.as_ref().map(|epoch| epoch.time),
+            Some(101.0)
+        );
         assert_eq!(carrier.epochs.len(), 2);
         assert!(carrier.mean_velocity(&fix(101.1)).is_none());
-        assert!(carrier.before.is_none());
+        assert!(carrier.way.before.is_none());
     }
 }

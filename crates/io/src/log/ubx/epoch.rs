@@ -211,7 +211,7 @@ impl Epoch {
     pub(super) fn has_fix(&self) -> bool {
         let something = self.positions.iter().any(Option::is_some)
             || self.velocities.iter().any(Option::is_some);
-        something && !matches!(self.fix, Some((false, _)))
+        something && !self.lacks_fix()
     }
 
     /// Time of week \[s\], as exact as the messages are.
@@ -251,9 +251,14 @@ impl Epoch {
         })
     }
 
+    /// Whether the receiver says that it has no fix.
+    pub(super) fn lacks_fix(&self) -> bool {
+        matches!(self.fix, Some((false, _)))
+    }
+
     /// Counts the epoch where it has no fix.
     pub(super) fn skip(&self, ready: &mut Ready) {
-        if matches!(self.fix, Some((false, _))) {
+        if self.lacks_fix() {
             let detail = format!("time of week {} ms", self.time_of_week);
             ready.skip(self.at, SkipKind::NoFix, detail);
         }
