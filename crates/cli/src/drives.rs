@@ -10,7 +10,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use undrift::{
     drive::Drive,
-    inspect::{Inspection, drive_file},
+    inspect::{Inspection, drive_file, with_model},
 };
 use undrift_report::inspect as report;
 
@@ -42,18 +42,18 @@ pub struct Source {
 }
 
 impl Source {
-    /// The drive of a drive file, or of logs; `has_model`: the command line has the model.
+    /// The drive of a drive file, or of logs; `model`: the one that the command line gives.
     pub fn open(
         files: &[PathBuf],
         data: Option<&Path>,
         kept: &Kept,
-        has_model: bool,
+        model: Option<&str>,
     ) -> Result<Self> {
         let [file] = files else {
-            return Self::of_logs(files, inspect::read, data, kept, has_model);
+            return Self::of_logs(files, inspect::read, data, kept, model);
         };
         match log(file) {
-            Some(found) => Self::of_logs(files, |_| Ok(vec![found]), data, kept, has_model),
+            Some(found) => Self::of_logs(files, |_| Ok(vec![found]), data, kept, model),
             None if kept.save_drive.is_some() => {
                 let mistake = "--save-drive needs logs in place of a drive file";
                 bail!(Invalid(mistake.into()));
@@ -67,15 +67,15 @@ impl Source {
         files: &[PathBuf],
         data: &[PathBuf],
         kept: &Kept,
-        has_model: bool,
+        model: Option<&str>,
     ) -> Result<Vec<Self>> {
         let folder = |k: usize| data.get(k).or(data.first()).map(PathBuf::as_path);
         if files.len() == 1 || !files.iter().any(|file| is_toml(file)) {
-            return Ok(vec![Self::open(files, folder(0), kept, has_model)?]);
+            return Ok(vec![Self::open(files, folder(0), kept, model)?]);
         }
         let drives = files.iter().enumerate();
         drives
-            .map(|(k, file)| Self::open(std::slice::from_ref(file), folder(k), kept, has_model))
+            .map(|(k, file)| Self::open(std::slice::from_ref(file), folder(k), kept, model))
             .collect()
     }
 
@@ -111,7 +111,7 @@ impl Source {
         read: impl FnOnce(&[PathBuf]) -> Result<Vec<Inspection>>,
         data: Option<&Path>,
         kept: &Kept,
-        has_model: bool,
+        model: Option<&str>,
     ) -> Result<Self> {
         if let Some(drive) = files.iter().find(|file| is_toml(file)) {
             let drive = drive.display();
@@ -130,8 +130,8 @@ impl Source {
         inspect::complete(&inspections, None)?;
         let file = kept.file().unwrap_or(Path::new(UNSAVED));
         let folder = file.parent().unwrap_or(Path::new(""));
-        let model = undrift::inspect::model(&inspections);
-        let text = drive_file(&model, &inspections, folder, None, motion, &report::comment);
+        let guess = undrift::inspect::model(&inspections);
+        let text = drive_file(&guess, &inspections, folder, None, motion, &report::comment);
         let logs = undrift::inspect::logs(&inspections, folder);
         let mut drive = Drive::with_logs(&text, &file.display().to_string(), folder, logs)?;
         drive.guessed_rate = undrift::inspect::guessed_rate(&inspections);
@@ -142,14 +142,17 @@ impl Source {
         };
         let names: Vec<_> = files.iter().map(|file| shown(file)).collect();
         note(format!("drive of {}; {keep}", names.join(" and ")));
-        let guesses = report::guesses(&model, motion, &inspections);
+        let guesses = report::guesses(&guess, motion, &inspections);
         let guesses = guesses.iter();
         // A model that the command line gives is no guess.
-        guesses.skip(usize::from(has_model)).for_each(note);
+        guesses.skip(usize::from(model.is_some())).for_each(note);
         Ok(Self {
             file: file.to_path_buf(),
             drive,
-            made: Some(text),
+            made: Some(match model {
+                Some(name) => with_model(&text, name, folder),
+                None => text,
+            }),
         })
     }
 }

@@ -92,7 +92,7 @@ pub fn load<'a>(
         sources,
         common.data.as_deref(),
         &common.kept,
-        !models.is_empty(),
+        models.first().map(String::as_str),
     )?;
     let read = models
         .iter()

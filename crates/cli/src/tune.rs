@@ -73,7 +73,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         &arguments.drives,
         &arguments.data,
         &arguments.kept,
-        arguments.model.is_some(),
+        arguments.model.as_deref(),
     )?;
     sources.iter().for_each(details::drive);
     let model = arguments.model.as_deref();

@@ -14,7 +14,7 @@ mod sensor;
 mod topics;
 mod units;
 
-pub use file::drive_file;
+pub use file::{drive_file, with_model};
 pub use motion::motion;
 pub use sensor::model;
 pub use undrift_results::inspect::{

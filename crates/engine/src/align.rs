@@ -35,6 +35,7 @@
 mod antennas;
 mod basis;
 mod clocks;
+mod coarse;
 mod field;
 mod motion;
 mod rest;
@@ -257,7 +258,7 @@ impl Aligner {
         Ok(found.map(|found| {
             let source = AttitudeSource::Motion {
                 duration: found.duration,
-                bias_at_rest: at_rest.is_some(),
+                bias_at_rest: found.bias_at_rest,
             };
             aligned(found.filter, source, None)
         }))

@@ -168,6 +168,28 @@ fn logs_stand_for_a_drive_file() {
     ));
     let [made, kept] = ["drive.toml", "kept.toml"].map(|file| fs::read(dir.join(file)).unwrap());
     assert_eq!(made, kept);
+    // The model that is given is kept, too, as a preset or as a file seen from the drive file.
+    fs::create_dir_all(dir.join("sub")).unwrap();
+    let preset = undrift(
+        &["model", "adis16465", "--to", "undrift", "-o", "mine.toml"],
+        &dir,
+    );
+    assert!(preset.status.success());
+    for (model, line) in [
+        ("adis16465", "\nmodel = \"adis16465\"\n"),
+        ("mine.toml", "mine.toml\"\n"),
+    ] {
+        text(&run(
+            "navigate",
+            &["--model", model, "--save-drive", "sub/given.toml"],
+        ));
+        let given = fs::read_to_string(dir.join("sub/given.toml")).unwrap();
+        assert!(
+            given.contains(line) && !given.contains("guessed: nothing"),
+            "{given}"
+        );
+        text(&undrift(&["navigate", "sub/given.toml"], &dir));
+    }
     let cut = text(&run("outages", &["--length", "2"]));
     assert!(cut.contains("outages of 2 s"), "{cut}");
     for (arguments, code, says) in [

@@ -52,7 +52,11 @@ fn units_of_time() {
 #[test]
 fn names_of_many_programs() {
     use Meaning::*;
-    let rows: [(&str, Option<Meaning>, Option<&str>); 45] = [
+    let rows: [(&str, Option<Meaning>, Option<&str>); 49] = [
+        ("ms", Some(Time), Some("ms")),
+        ("acel_x", Some(Accel(0)), None),
+        ("velocidade angular z (rad/s)", Some(Gyro(2)), Some("rad/s")),
+        ("locationTimestamp_since1970(s)", Some(Time), Some("s")),
         ("gx_dps", Some(Gyro(0)), Some("deg/s")),
         ("AZ_g", Some(Accel(2)), Some("g")),
         ("gyro_y", Some(Gyro(1)), None),

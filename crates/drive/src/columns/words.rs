@@ -67,7 +67,7 @@ pub(super) const SUFFIXES: [(&str, &str); 63] = [
     ("_hz", "Hz"),
 ];
 
-pub(super) const TIMES: [&str; 44] = [
+pub(super) const TIMES: [&str; 45] = [
     "datenum",
     RECEIVED,
     "t",
@@ -108,6 +108,7 @@ pub(super) const TIMES: [&str; 44] = [
     "asctime",
     "localtime",
     "loggingtime",
+    "locationtimestampsince1970",
     "sod",
     "secofday",
     "secondofday",
@@ -116,7 +117,10 @@ pub(super) const TIMES: [&str; 44] = [
 /// The time at which a line came, which a serial monitor writes before it.
 pub const RECEIVED: &str = "received";
 /// Words that are a time and its unit, and endings of words for a time that are its unit.
-pub(super) const TIME_UNITS: [(&str, &str); 6] = [
+pub(super) const TIME_UNITS: [(&str, &str); 9] = [
+    ("ms", "ms"),
+    ("us", "us"),
+    ("ns", "ns"),
     ("millis", "ms"),
     ("milliseconds", "ms"),
     ("micros", "us"),
@@ -132,7 +136,7 @@ pub(super) const TIME_ENDINGS: [(&str, &str); 6] = [
     ("us", "us"),
     ("ns", "ns"),
 ];
-pub(super) const GYROS: [&str; 32] = [
+pub(super) const GYROS: [&str; 35] = [
     "g",
     "gyro",
     "gyr",
@@ -150,6 +154,9 @@ pub(super) const GYROS: [&str; 32] = [
     "winkelgeschwindigkeit",
     "vitesseangulaire",
     "velocidadangular",
+    "velocidadeangular",
+    "velocitaangolare",
+    "velangular",
     "giroscopio",
     "giro",
     "rotationrate",
@@ -182,7 +189,7 @@ pub(super) const FIELDS: [&str; 13] = [
     "compass",
     "magnetisch",
 ];
-pub(super) const ACCELS: [&str; 32] = [
+pub(super) const ACCELS: [&str; 34] = [
     "totalacceleration",
     "a",
     "acc",
@@ -201,6 +208,8 @@ pub(super) const ACCELS: [&str; 32] = [
     "gf",
     "gforce",
     "beschleunigung",
+    "acel",
+    "aceleracao",
     "aceleracion",
     "accelerazione",
     "acelerometro",

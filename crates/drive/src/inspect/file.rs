@@ -79,6 +79,19 @@ pub fn drive_file(
     text
 }
 
+/// The text of a drive file with this noise model, a preset or a file, in place of its own; `home` as for [`drive_file`].
+pub fn with_model(text: &str, name: &str, home: &Path) -> String {
+    let value = match undrift_noise::ImuModel::preset(name) {
+        Some(_) => Value::from(name),
+        None => Value::from(relative(Path::new(name), home)),
+    };
+    let line = |line: &str| match line.starts_with("model = ") {
+        true => format!("model = {value}\n"),
+        false => format!("{line}\n"),
+    };
+    text.lines().map(line).collect()
+}
+
 fn write_part(text: &mut String, inspection: &Inspection, part: &Part, home: &Path, say: Say) {
     let file = Value::from(relative(&inspection.file, home));
     *text += &format!(
