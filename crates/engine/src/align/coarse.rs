@@ -14,9 +14,9 @@ use super::{
     wahba::{Guess, Minimum, Problem, minima},
 };
 use alloc::vec::Vec;
-#[allow(unused_imports, reason = "the standard library has its methods itself")]
-use nalgebra::ComplexField;
 use nalgebra::{Complex, SMatrix, SVector};
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::{ComplexField, RealField};
 use undrift_nav::{
     Matrix3, Quaternion, Vector3,
     attitude::{from_rotation_vector, skew},
@@ -256,7 +256,7 @@ impl Path {
                 dt: motion.dt,
                 dvel: over_ground(&(q * (motion.dvel + motion.dvel_by_a * about.accel))),
                 dpos: over_ground(&(q * (motion.dpos + motion.dpos_by_a * about.accel))),
-                axis: axis / axis.norm().max(1e-9),
+                axis: axis / axis.norm_sqr().sqrt().max(1e-9),
                 place: over_ground(&s.fix.place),
                 weight: 2.0 / s.fix.variance.xy().sum(),
             });
@@ -289,7 +289,8 @@ impl Path {
         let mut grown = C::default();
         for step in &self.steps {
             let dt = step.dt;
-            let turn = C::from_polar(1.0, rate * (t + 0.5 * dt));
+            let angle = rate * (t + 0.5 * dt);
+            let turn = C::new(angle.cos(), angle.sin());
             let axis = step.axis * turn;
             let forces = [axis, grown + axis * (0.5 * dt)];
             let pushes = [
@@ -322,8 +323,9 @@ impl Path {
         unit[FACTOR] = real(1.0);
         let variance = factors.solve(&unit)[FACTOR].re;
         let factor = found[FACTOR];
-        let stretched = (factor.norm() - 1.0).powi(2) / variance;
+        let stretched = (factor.norm_sqr().sqrt() - 1.0).powi(2) / variance;
         let cost = power - gradient.dotc(&found).re + stretched;
-        cost.is_finite().then_some((cost, factor.arg()))
+        cost.is_finite()
+            .then_some((cost, factor.im.atan2(factor.re)))
     }
 }

@@ -74,6 +74,8 @@ const CLOSE: f64 = 2.0;
 const SAME_TIME: f64 = 0.01;
 /// Searches about a time by which positions are late, at most.
 const MOST_ROUNDS: usize = 6;
+/// In a long window that time is no longer than this, in standard deviations of its prior.
+const MOST_LATE: f64 = 4.0;
 /// Accelerometer biases are no larger than this, in standard deviations of their prior: else motion and fixes do not belong
 /// together.
 const MOST_BIAS: f64 = 5.0;
@@ -120,6 +122,8 @@ pub(super) struct MotionAligner {
     /// Searches of the whole window that found nothing.
     failed: usize,
     failure: MotionFailure,
+    /// Whether nothing fitted the last part of the window: a longer one would fit by chance alone.
+    misfits: bool,
     /// Largest spread of velocities in a window [m/s].
     spread: f64,
 }
@@ -237,12 +241,14 @@ impl MotionAligner {
                             self.pause = (self.pause * GROWTH).min(LONGEST_PAUSE);
                         }
                     }
+                    self.misfits = matches!(failure, MotionFailure::Misfit(_));
                     self.note(failure);
                 }
             }
         }
         let long = window >= LEAST_COARSE.max(LONGER * self.longest);
-        if alone && self.solved.is_none() && long && due(self.scanned, PAUSE * window) {
+        let open = self.solved.is_none() && !self.misfits;
+        if alone && open && long && due(self.scanned, PAUSE * window) {
             self.scanned = Some(fix.time);
             // Positions that do not show motion may have called a steady turn a rest.
             match self.search_loosely(settings, None, alone, true) {
@@ -278,11 +284,14 @@ impl MotionAligner {
     ) -> Result<AlignedInMotion, MotionFailure> {
         let least = if coarse { LOOSER[1] } else { LOOSER[0] };
         let from = self.solved.map_or(least, |solved| solved.looser);
-        let mut looser = LOOSER.into_iter().filter(|looser| *looser >= from);
+        let most = if coarse { LOOSER[1] } else { LOOSER[2] };
+        let mut looser = LOOSER
+            .into_iter()
+            .filter(|looser| (from..=most).contains(looser));
         let found = looser.find_map(|looser| {
             let found = self.search(settings, rest, alone, coarse, looser);
             let misfit = matches!(found, Err(MotionFailure::Misfit(_)));
-            let last = looser == LOOSER[2] || !alone;
+            let last = looser == most || !alone;
             (last || !misfit).then_some(found)
         });
         found.unwrap_or(Err(MotionFailure::TooFew))
@@ -327,7 +336,7 @@ impl MotionAligner {
             Some((mean, variance)) => (mean, Vector3::repeat(variance)),
             None => (Vector3::zeros(), bias_variances(gyro, GYRO_FLOOR)),
         };
-        let segments = self.segments(&seen, &gyro_prior.0);
+        let segments = self.segments(first.time, &seen, &gyro_prior.0);
         if segments.len() < FEWEST {
             return Err(MotionFailure::TooFew);
         }
@@ -365,7 +374,11 @@ impl MotionAligner {
             None => {
                 let solutions = match coarse {
                     false => problem.solve(),
-                    true => coarse::solve(|gyro| self.segments(&seen, gyro), &problem, RIVAL),
+                    true => coarse::solve(
+                        |gyro| self.segments(first.time, &seen, gyro),
+                        &problem,
+                        RIVAL,
+                    ),
                 };
                 let best = solutions.first().ok_or(MotionFailure::Ambiguous)?;
                 let rival = solutions.get(1).map_or(f64::INFINITY, |rival| rival.cost);
@@ -379,7 +392,7 @@ impl MotionAligner {
         // which their positions are not.
         let mut rounds = MOST_ROUNDS;
         let (end, fit) = loop {
-            let again = self.segments(&seen, &guess.gyro);
+            let again = self.segments(first.time, &seen, &guess.gyro);
             if again.len() < FEWEST {
                 return Err(MotionFailure::TooFew);
             }
@@ -408,7 +421,9 @@ impl MotionAligner {
         } else {
             FIT
         };
-        if fit > most || alone && bias.amax() > MOST_BIAS {
+        let delayed =
+            lateness.is_some_and(|variance| late * late > MOST_LATE * MOST_LATE * variance);
+        if fit > most || alone && bias.amax() > MOST_BIAS || coarse && delayed {
             return Err(MotionFailure::Misfit(fit));
         }
         let c_nb = end.q_nb.to_rotation_matrix().into_inner();
@@ -460,8 +475,10 @@ impl MotionAligner {
     }
 
     /// Motion of the window between the fixes of a search, linear about the gyro bias `gyro` [rad/s].
-    fn segments(&self, seen: &[Sighting], gyro: &Vector3) -> Vec<Segment> {
-        segments(self.samples.iter(), seen.iter(), SPACING, gyro)
+    /// Samples before `from` \[s\], the first fix of the search, do not count.
+    fn segments(&self, from: f64, seen: &[Sighting], gyro: &Vector3) -> Vec<Segment> {
+        let samples = self.samples.iter().skip_while(|sample| sample.time < from);
+        segments(samples, seen.iter(), SPACING, gyro)
     }
 
     /// Why there is no alignment.
