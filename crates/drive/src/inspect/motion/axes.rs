@@ -36,7 +36,7 @@ const FITTING: (f64, f64) = (2.0, 1.3);
 /// Share of rejected fixes up to which they do.
 const REJECTED: f64 = 0.02;
 /// Standard deviation of the heading at the start up to which other axes than those named are believed \[rad\].
-const CERTAIN: f64 = 0.06;
+const CERTAIN: f64 = 0.1;
 
 /// A drive without the samples behind so many seconds; `None` without samples.
 pub(super) fn beginning(mut drive: Drive, length: f64) -> Option<Drive> {
@@ -49,7 +49,10 @@ pub(super) fn beginning(mut drive: Drive, length: f64) -> Option<Drive> {
 /// The mounting of a drive where that was found, and the NIS per degree of freedom of the solution with it in the first
 /// [`LONGEST_PASS`] of the log; `None` where no mounting was found, or its units, axes, signs or times are
 /// implausible, or its heading at the start had a larger standard deviation than `worst` \[rad\].
-fn fit((drive, mounting): (Drive, Option<Mounting>), worst: f64) -> Option<(Mounting, f64)> {
+pub(super) fn fit(
+    (drive, mounting): (Drive, Option<Mounting>),
+    worst: f64,
+) -> Option<(Mounting, f64)> {
     let drive = beginning(drive, LONGEST_PASS)?;
     let summary = navigate(&drive, BiasModel::Arma, Wanted::default())
         .ok()?
