@@ -284,11 +284,14 @@ impl MotionAligner {
     ) -> Result<AlignedInMotion, MotionFailure> {
         let least = if coarse { LOOSER[1] } else { LOOSER[0] };
         let from = self.solved.map_or(least, |solved| solved.looser);
-        let mut looser = LOOSER.into_iter().filter(|looser| *looser >= from);
+        let most = if coarse { LOOSER[1] } else { LOOSER[2] };
+        let mut looser = LOOSER
+            .into_iter()
+            .filter(|looser| (from..=most).contains(looser));
         let found = looser.find_map(|looser| {
             let found = self.search(settings, rest, alone, coarse, looser);
             let misfit = matches!(found, Err(MotionFailure::Misfit(_)));
-            let last = looser == LOOSER[2] || !alone;
+            let last = looser == most || !alone;
             (last || !misfit).then_some(found)
         });
         found.unwrap_or(Err(MotionFailure::TooFew))
