@@ -77,6 +77,9 @@ pub struct Settings {
     pub outages: Vec<Outage>,
     /// Constants that are estimated beside the sensors' errors, each with its prior; none by default.
     pub parameters: Parameters,
+    /// Scale factor errors of the accelerometers that are no states and that the covariance has to cover, one standard deviation [–]: velocity
+    /// is as uncertain as 5 s of the acceleration between fixes times that make it. 0 by default.
+    pub accel_scale_error: f64,
     /// What the vehicle cannot do ([`Profile::constraints`](crate::vehicle::Profile::constraints)); nothing by default.
     pub constraints: Constraints,
     /// What is known of the magnetometer, where there is one.
@@ -123,21 +126,7 @@ pub struct Settings {
 /// A lever arm that is known to so small a part of the fixes' standard deviation is not worth estimating.
 const LITTLE: f64 = 0.1;
 
-/// Scale factor errors of accelerometers that are not estimated, one standard deviation [–]: of sensors of this class they are of the order
-/// of a per cent (Groves 2013, section 4.4.2), and they count as white over five seconds.
-const SCALE_ERROR: f64 = 0.007;
-
 impl Settings {
-    /// Scale factor error of the accelerometers that the covariance has to cover, one standard deviation [–]: that of its states where there
-    /// are any, and none beside poses, whose motion shows nothing else.
-    pub(crate) fn accel_scale_error(&self) -> f64 {
-        let is_estimated = self.parameters.prior(Parameter::AccelScale).is_some();
-        match is_estimated || self.marker.is_some() {
-            true => 0.0,
-            false => SCALE_ERROR,
-        }
-    }
-
     /// The parameters that a filter estimates from fixes of this covariance \[m²\] on: without the lever arm where it is known to a
     /// tenth of their standard deviation.
     pub(crate) fn worthwhile(&self, position: &Matrix3) -> Parameters {
@@ -164,6 +153,7 @@ impl Settings {
             align: AlignSettings::default(),
             outages: Vec::new(),
             parameters: Parameters::none(),
+            accel_scale_error: 0.0,
             constraints: Constraints::default(),
             magnetometer: Magnetometer::default(),
             gating: true,

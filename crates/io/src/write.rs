@@ -5,6 +5,7 @@ mod csv;
 mod ellipses;
 mod file;
 mod fixed;
+mod frame;
 mod geojson;
 mod gpx;
 mod json_lines;
@@ -29,7 +30,7 @@ mod tum;
 
 pub use file::{SolutionFile, SolutionFormat, SolutionOptions, UnknownSolutionFormat};
 pub use fixed::write_fixed;
+pub use frame::PoseFrame;
 pub use pending::{PendingFile, remove_unfinished, write_whole};
 pub use text_writer::TextWriter;
 pub use thinning::Thinning;
-pub use tum::PoseFrame;

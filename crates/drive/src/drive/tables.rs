@@ -361,7 +361,21 @@ fn lever_arm_std(given: bool) -> f64 {
 
 /// The parameters with a lever arm that is given.
 pub(super) fn with_given_lever_arm(parameters: Parameters) -> Parameters {
-    parameters.with(Parameter::LeverArm, Prior::constant(lever_arm_std(true)))
+    parameters.with(Parameter::LeverArm, lever_arm_prior(lever_arm_std(true)))
+}
+
+/// A lever arm that is known to `std` \[m\].
+fn lever_arm_prior(std: f64) -> Prior {
+    Prior {
+        walk: LEVER_ARM_WALK * std,
+        ..Prior::constant(std)
+    }
+}
+
+/// Whether the lever arm is estimated from nothing.
+pub(crate) fn has_unmeasured_lever_arm(parameters: &Parameters) -> bool {
+    let prior = parameters.prior(Parameter::LeverArm);
+    prior.is_some_and(|prior| prior.std >= LEVER_ARM_STD && prior.walk > 0.0)
 }
 
 /// The parameters that are estimated where nothing else is said.
@@ -411,11 +425,6 @@ fn estimated(
         (Parameter::AccelScale, accel_scale, 0.0),
         (Parameter::GyroMisalignment, misalignment, 0.0),
         (Parameter::AccelMisalignment, misalignment, 0.0),
-        (
-            Parameter::LeverArm,
-            lever_arm,
-            LEVER_ARM_WALK * lever_arm.unwrap_or(0.0),
-        ),
         (Parameter::TimeOffset, offset, TIME_OFFSET_WALK),
         (Parameter::VelocityTimeOffset, offset, TIME_OFFSET_WALK),
         (Parameter::AccelDelay, delay, 0.0),
@@ -429,5 +438,8 @@ fn estimated(
             parameters = parameters.with(kind, prior);
         }
     }
-    parameters
+    match lever_arm {
+        Some(std) => parameters.with(Parameter::LeverArm, lever_arm_prior(std)),
+        None => parameters,
+    }
 }

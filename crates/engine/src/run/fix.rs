@@ -279,7 +279,7 @@ impl Run {
         if !withheld {
             solution.grow_to(due);
             if settings.gating {
-                solution.grow_by_products(due, settings.accel_scale_error());
+                solution.grow_by_products(due, settings.accel_scale_error);
             }
         }
         if begins {

@@ -94,6 +94,7 @@ fn scale_factors_of_accelerometers_that_are_not_estimated_are_covered() {
         let parameters = scenario.settings.parameters;
         let arm = Prior::constant(0.5);
         scenario.settings.parameters = parameters.with(Parameter::LeverArm, arm);
+        scenario.settings.accel_scale_error = 0.007;
         for sample in &mut scenario.log.imu {
             sample.dvel *= 1.02;
         }

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use super::frame::PoseFrame;
 use super::mavlink::MavlinkWriter;
 use super::mcap::McapWriter;
 #[cfg(feature = "parquet")]
@@ -12,7 +13,7 @@ use super::parquet_table::ParquetTableWriter;
 use super::solution::SolutionRow;
 use super::text_writer::TextWriter;
 use super::thinning::Thinning;
-use super::tum::{self, PoseFrame};
+use super::tum;
 use super::{PendingFile, csv, geojson, gpx, json_lines, kf_gins, kml, nmea, sbet};
 use crate::epoch::Epoch;
 

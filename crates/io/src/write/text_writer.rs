@@ -3,10 +3,10 @@
 use std::io::{self, Write};
 
 use super::ellipses::Ellipses;
+use super::frame::PoseFrame;
 use super::solution::SolutionRow;
 use super::spans::{Piece, Spans};
 use super::thinning::Thinning;
-use super::tum::PoseFrame;
 use crate::epoch::Epoch;
 
 /// Text is collected up to this size before it is written \[bytes\].

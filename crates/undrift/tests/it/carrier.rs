@@ -274,6 +274,7 @@ fn drift_with_few_satellites() {
                 "{length} s, {few} satellites: {:.2} m ± {:.2}, NEES {:.2}, inside {} of {}",
                 found.rms, found.error, found.nees, found.inside, found.ends
             );
+            assert!(found.nees < 2.0 && found.inside + 2 >= found.ends);
         }
     }
 }
