@@ -46,8 +46,10 @@ fn write_row(buf: &mut Vec<u8>, row: &SolutionRow, beside: &Beside) -> io::Resul
 mod tests {
     use std::f64::consts::FRAC_PI_2;
 
+    use undrift_nav::{Vector3, attitude::from_rpy, earth::Geodetic};
+
     use super::*;
-    use crate::write::{SolutionFile, SolutionFormat, SolutionOptions};
+    use crate::write::{PoseFrame, SolutionFile, SolutionFormat, SolutionOptions};
 
     /// A body 2 m north, 1 m east and 3 m above the origin that faces east, its marker 0.5 m ahead and turned to the right; the frame's x
     /// is east, y north, z up: the marker lies at (1.5, 2, 3) and looks south, −y. Clock 10 s early.
