@@ -49,8 +49,8 @@ pub use logs::Logs;
 pub use named::{files_beside, files_named, log_tables};
 pub use poses::Poses;
 pub use scalars::{ScalarLog, Scalars};
+pub(crate) use tables::AXLE_STD;
 pub use tables::read_initial;
-pub(crate) use tables::{AXLE_STD, has_unmeasured_lever_arm};
 pub use text::{parse, read_text};
 pub use undrift_config::{Section, Table, Value};
 

@@ -17,7 +17,7 @@ pub use start::{Started, start};
 use crate::{
     align::{AlignSettings, Heading},
     consistency::Consistency,
-    drive::{Drive, DriveError, SensorRead, has_unmeasured_lever_arm},
+    drive::{Drive, DriveError, SensorRead},
     engine::derived::with_velocities,
     findings::{Finding, Log},
     fixes::{self, FixStudy},
@@ -39,11 +39,7 @@ use undrift_io::{
     skipped::Skipped,
     write::solution::SolutionRow,
 };
-use undrift_nav::{
-    Matrix3, Quaternion, Vector3,
-    parameters::{Parameter, Parameters},
-    sample::GnssFix,
-};
+use undrift_nav::{Matrix3, Quaternion, Vector3, parameters::Parameters, sample::GnssFix};
 use undrift_noise::{BiasModel, ImuModel};
 use undrift_results::findings::PosesApart;
 
@@ -174,7 +170,6 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
         gnss_use: drive.gnss_use,
         align: drive.align.clone(),
         parameters: fix_errors.with_states(drive.parameters),
-        accel_scale_error: accel_scale_error(&drive.parameters),
         constraints: drive.constraints.clone(),
         magnetometer: drive.magnetometer_known(),
         gating: drive.gating,
@@ -183,20 +178,6 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
         vibration: drive.vibration,
         ..Settings::new(model.shaping(kind, drive.sample_interval()?)?)
     })
-}
-
-/// Scale factor errors of accelerometers that nobody calibrated, one standard deviation [–]: of the order of a per cent (Groves 2013, section
-/// 4.4.2), and they count as white over five seconds.
-const SCALE_ERROR: f64 = 0.007;
-
-/// The scale factor errors of the accelerometers that are no states: of a drive whose antenna nobody measured either, since its lever arm and
-/// delays would be learned from them.
-fn accel_scale_error(parameters: &Parameters) -> f64 {
-    let is_unmeasured = has_unmeasured_lever_arm(parameters);
-    match is_unmeasured && parameters.prior(Parameter::AccelScale).is_none() {
-        true => SCALE_ERROR,
-        false => 0.0,
-    }
 }
 
 /// The errors of fixes or poses as the drive file states them.

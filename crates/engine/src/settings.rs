@@ -77,9 +77,6 @@ pub struct Settings {
     pub outages: Vec<Outage>,
     /// Constants that are estimated beside the sensors' errors, each with its prior; none by default.
     pub parameters: Parameters,
-    /// Scale factor errors of the accelerometers that are no states and that the covariance has to cover, one standard deviation [–]: velocity
-    /// is as uncertain as 5 s of the acceleration between fixes times that make it. 0 by default.
-    pub accel_scale_error: f64,
     /// What the vehicle cannot do ([`Profile::constraints`](crate::vehicle::Profile::constraints)); nothing by default.
     pub constraints: Constraints,
     /// What is known of the magnetometer, where there is one.
@@ -153,7 +150,6 @@ impl Settings {
             align: AlignSettings::default(),
             outages: Vec::new(),
             parameters: Parameters::none(),
-            accel_scale_error: 0.0,
             constraints: Constraints::default(),
             magnetometer: Magnetometer::default(),
             gating: true,

@@ -203,10 +203,6 @@ const MOUNTING_STD: f64 = 0.05;
 const AXLE_STD_GIVEN: f64 = 0.3;
 pub(crate) const AXLE_STD: f64 = 2.0;
 
-/// Random walk of the lever arm in units of its prior standard deviation [1/√s]: what turns show of it is not white (tyres, suspension, a receiver
-/// that smooths), so that no number of them shows it to the millimetre.
-const LEVER_ARM_WALK: f64 = 6e-3;
-
 /// How far fixes are from their stamps, as a rule \[s\], and how much that changes [s/√s]: clocks drift, hosts stamp late.
 const TIME_OFFSET_STD: f64 = 0.1;
 const TIME_OFFSET_WALK: f64 = 6e-3;
@@ -361,21 +357,7 @@ fn lever_arm_std(given: bool) -> f64 {
 
 /// The parameters with a lever arm that is given.
 pub(super) fn with_given_lever_arm(parameters: Parameters) -> Parameters {
-    parameters.with(Parameter::LeverArm, lever_arm_prior(lever_arm_std(true)))
-}
-
-/// A lever arm that is known to `std` \[m\].
-fn lever_arm_prior(std: f64) -> Prior {
-    Prior {
-        walk: LEVER_ARM_WALK * std,
-        ..Prior::constant(std)
-    }
-}
-
-/// Whether the lever arm is estimated from nothing.
-pub(crate) fn has_unmeasured_lever_arm(parameters: &Parameters) -> bool {
-    let prior = parameters.prior(Parameter::LeverArm);
-    prior.is_some_and(|prior| prior.std >= LEVER_ARM_STD && prior.walk > 0.0)
+    parameters.with(Parameter::LeverArm, Prior::constant(lever_arm_std(true)))
 }
 
 /// The parameters that are estimated where nothing else is said.
@@ -425,6 +407,7 @@ fn estimated(
         (Parameter::AccelScale, accel_scale, 0.0),
         (Parameter::GyroMisalignment, misalignment, 0.0),
         (Parameter::AccelMisalignment, misalignment, 0.0),
+        (Parameter::LeverArm, lever_arm, 0.0),
         (Parameter::TimeOffset, offset, TIME_OFFSET_WALK),
         (Parameter::VelocityTimeOffset, offset, TIME_OFFSET_WALK),
         (Parameter::AccelDelay, delay, 0.0),
@@ -438,8 +421,5 @@ fn estimated(
             parameters = parameters.with(kind, prior);
         }
     }
-    match lever_arm {
-        Some(std) => parameters.with(Parameter::LeverArm, lever_arm_prior(std)),
-        None => parameters,
-    }
+    parameters
 }

@@ -19,7 +19,7 @@ use super::{
 use crate::{derived::antenna, estimator::Estimator, settings::Settings};
 use alloc::collections::VecDeque;
 use alloc::{boxed::Box, vec::Vec};
-use certainty::{CERTAIN, certainty};
+use certainty::certainty;
 use handover::filter;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
@@ -74,6 +74,8 @@ const CLOSE: f64 = 2.0;
 const SAME_TIME: f64 = 0.01;
 /// Searches about a time by which positions are late, at most.
 const MOST_ROUNDS: usize = 6;
+/// A start from a coarse one is better than this about each axis \[rad\]: what is found about sensors whose axes are mixed up comes to 7 deg.
+const SURE: f64 = 0.1;
 /// In a long window that time is no longer than this, in standard deviations of its prior.
 const MOST_LATE: f64 = 4.0;
 /// Accelerometer biases are no larger than this, in standard deviations of their prior: else motion and fixes do not belong
@@ -432,7 +434,7 @@ impl MotionAligner {
         let waited = last.time - self.began.unwrap_or(last.time);
         let grows = !coarse && last.time - first.time < LONGEST;
         let (enough, certain) = match coarse {
-            true => (CERTAIN, CERTAIN),
+            true => (SURE, SURE),
             false => certainty(waited, alone, grows),
         };
         // A number that is not one is not certain either.

@@ -279,7 +279,7 @@ impl Run {
         if !withheld {
             solution.grow_to(due);
             if settings.gating {
-                solution.grow_by_products(due, settings.accel_scale_error);
+                solution.grow_by_products(due);
             }
         }
         if begins {
@@ -341,7 +341,9 @@ impl Run {
             }
         }
         if let Some(solution) = &mut self.solution {
-            solution.updated(begins);
+            if begins {
+                solution.begin_stretch();
+            }
             solution.node(self.settings.nodes, observer);
         }
         Ok(())

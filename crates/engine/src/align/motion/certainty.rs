@@ -10,7 +10,7 @@ const LENIENT: f64 = 0.0009;
 /// … up to 3 deg after a minute, and from four minutes on further \[s\]: windows that say little have wrong minima, too …
 const PLATEAU: [f64; 2] = [60.0, 240.0];
 /// … and never larger than this \[rad\].
-pub(super) const CERTAIN: f64 = 0.2;
+const CERTAIN: f64 = 0.2;
 
 /// Standard deviation of the attitude \[rad\] that is enough for a start, and beyond which a solution is dropped, after so
 /// long \[s\] without a start; of a window of positions `alone` or of velocities, which still `grows` or not.
