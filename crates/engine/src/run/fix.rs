@@ -236,7 +236,7 @@ impl Run {
         observer: &mut dyn Observer,
     ) -> Result<(), FilterError> {
         let withheld = self.settings.outages.iter().any(|o| o.contains(fix.time));
-        if fix.position.is_none() && fix.velocity.is_none() {
+        if fix.mean_velocity.is_some() && fix.position.is_none() && fix.velocity.is_none() {
             self.few_satellites(fix, withheld, observer);
             return Ok(());
         }
