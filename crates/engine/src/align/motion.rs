@@ -50,9 +50,8 @@ const PATIENCE: usize = 5;
 const GROWTH: f64 = 1.5;
 /// Largest share of the window between two searches.
 const LONGEST_PAUSE: f64 = 5.0;
-/// A window of positions alone is searched from coarse starts where it is longer than what is searched otherwise by this factor.
-const LONGER: f64 = 1.3;
-/// It is at least this long \[s\], and at most.
+/// A window of positions alone is searched from coarse starts where gyros turn the shortest one by more than a search can undo: it is at least
+/// this long \[s\], and at most.
 const LEAST_COARSE: f64 = 45.0;
 const COARSE: f64 = 120.0;
 /// Velocities needed for a search to be worth it.
@@ -248,7 +247,7 @@ impl MotionAligner {
                 }
             }
         }
-        let long = window >= LEAST_COARSE.max(LONGER * self.longest);
+        let long = self.longest <= SHORTEST && window >= LEAST_COARSE;
         let open = self.solved.is_none() && !self.misfits;
         if alone && open && long && due(self.scanned, PAUSE * window) {
             self.scanned = Some(fix.time);
