@@ -35,7 +35,6 @@
 mod antennas;
 mod basis;
 mod clocks;
-mod coarse;
 mod field;
 mod motion;
 mod rest;
@@ -258,7 +257,7 @@ impl Aligner {
         Ok(found.map(|found| {
             let source = AttitudeSource::Motion {
                 duration: found.duration,
-                bias_at_rest: found.bias_at_rest,
+                bias_at_rest: at_rest.is_some(),
             };
             aligned(found.filter, source, None)
         }))

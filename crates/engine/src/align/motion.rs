@@ -5,26 +5,26 @@
 //! with their covariance, which the filter takes over. An uncertain or ambiguous result waits for
 //! more motion. Only the window is kept.
 
-mod certainty;
-mod handover;
-
 use super::{
     basis::{bias_variances, noise_of_mean},
-    coarse,
     result::MotionFailure,
     segments::{Segment, moving, segments},
     sightings::{Sighting, held_late, least_spread, sightings, spread},
-    wahba::{Guess, Problem},
+    wahba::{EndCovariance, Guess, Problem},
 };
-use crate::{derived::antenna, estimator::Estimator, settings::Settings};
+use crate::{
+    derived::antenna,
+    estimator::{self, Estimator},
+    settings::Settings,
+};
 use alloc::collections::VecDeque;
-use alloc::{boxed::Box, vec::Vec};
-use certainty::certainty;
-use handover::filter;
+use alloc::{boxed::Box, vec, vec::Vec};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{
-    Vector3,
+    Matrix3, Vector3,
+    covariance::AXES,
+    filter::InitialStd,
     mechanisation::NavState,
     parameters::Parameter,
     sample::{GnssFix, ImuSample},
@@ -50,14 +50,21 @@ const PATIENCE: usize = 5;
 const GROWTH: f64 = 1.5;
 /// Largest share of the window between two searches.
 const LONGEST_PAUSE: f64 = 5.0;
-/// A window of positions alone is searched from coarse starts where gyros turn the shortest one by more than a search can undo: it is at least
-/// this long \[s\], and at most.
-const LEAST_COARSE: f64 = 45.0;
-const COARSE: f64 = 120.0;
 /// Velocities needed for a search to be worth it.
 const FEWEST: usize = 6;
 /// A second minimum is out of the question when the best one's squared residuals are less by this much.
 const RIVAL: f64 = 25.0;
+/// Largest standard deviation of the attitude about any axis for a start at once \[rad\]: the filter, unlike the window,
+/// cannot undo what it took from an attitude that was some degrees off.
+const GOOD: f64 = 0.017;
+/// After so long without a start \[s\] it may be larger …
+const PATIENT: f64 = 20.0;
+/// … by so much for each second more \[rad/s\] …
+const LENIENT: f64 = 0.0009;
+/// … up to 3 deg after a minute, and from four minutes on further \[s\]: windows that say little have wrong minima, too …
+const PLATEAU: [f64; 2] = [60.0, 240.0];
+/// … and never larger than this \[rad\].
+const CERTAIN: f64 = 0.2;
 /// Variances of positions in the search, times what their scatter shows: what fits nothing may fit positions whose errors
 /// last for a second, or sensors that shake.
 const LOOSER: [f64; 3] = [1.0, 10.0, 100.0];
@@ -73,10 +80,6 @@ const CLOSE: f64 = 2.0;
 const SAME_TIME: f64 = 0.01;
 /// Searches about a time by which positions are late, at most.
 const MOST_ROUNDS: usize = 6;
-/// A start from a coarse one is better than this about each axis \[rad\]: what is found about sensors whose axes are mixed up comes to 7 deg.
-const SURE: f64 = 0.1;
-/// In a long window that time is no longer than this, in standard deviations of its prior.
-const MOST_LATE: f64 = 4.0;
 /// Accelerometer biases are no larger than this, in standard deviations of their prior: else motion and fixes do not belong
 /// together.
 const MOST_BIAS: f64 = 5.0;
@@ -114,8 +117,6 @@ pub(super) struct MotionAligner {
     /// The solution so far, at the window's start; the window then grows from there to [`LONGEST`].
     solved: Option<Solved>,
     searched: Option<f64>,
-    /// Time of the last search from coarse starts \[s\].
-    scanned: Option<f64>,
     /// Time of the first fix of all \[s\].
     began: Option<f64>,
     /// Least time between two searches, as a share of the window, while none has succeeded; it grows where they keep failing.
@@ -123,8 +124,6 @@ pub(super) struct MotionAligner {
     /// Searches of the whole window that found nothing.
     failed: usize,
     failure: MotionFailure,
-    /// Whether nothing fitted the last part of the window: a longer one would fit by chance alone.
-    misfits: bool,
     /// Largest spread of velocities in a window [m/s].
     spread: f64,
 }
@@ -145,8 +144,6 @@ pub(super) struct AlignedInMotion {
     pub(super) filter: Box<dyn Estimator>,
     /// Length of the window \[s\].
     pub(super) duration: f64,
-    /// Whether what is known of the gyro bias from rest went into it.
-    pub(super) bias_at_rest: bool,
 }
 
 impl MotionAligner {
@@ -171,7 +168,6 @@ impl MotionAligner {
         let longest = match self.solved {
             // Its start must stay; it ends at the first fix beyond that.
             Some(_) => 2.0 * LONGEST,
-            None if self.alone() => COARSE,
             None => self.longest,
         };
         let start = sample.time - longest;
@@ -220,111 +216,59 @@ impl MotionAligner {
             .fixes
             .front()
             .map_or(0.0, |first| fix.time - first.time);
-        let part = match self.solved {
-            Some(_) => window,
-            None => window.min(self.longest),
-        };
         let pause = match self.solved {
             Some(_) => EVERY,
-            None => EVERY.max(self.pause * part),
+            None => EVERY.max(self.pause * window),
         };
-        let due = |at: Option<f64>, pause: f64| at.is_none_or(|at| fix.time >= at + pause);
-        if due(self.searched, pause) {
-            self.searched = Some(fix.time);
-            match self.search_loosely(settings, rest, alone, false) {
-                Ok(found) => return Some(found),
-                Err(failure) => {
-                    let nothing =
-                        matches!(failure, MotionFailure::Ambiguous | MotionFailure::Misfit(_));
-                    if nothing && part + self.pause * part > self.longest {
-                        self.failed += 1;
-                        if self.failed > PATIENCE {
-                            self.pause = (self.pause * GROWTH).min(LONGEST_PAUSE);
-                        }
-                    }
-                    self.misfits = matches!(failure, MotionFailure::Misfit(_));
-                    self.note(failure);
-                }
-            }
+        if self.searched.is_some_and(|at| fix.time < at + pause) {
+            return None;
         }
-        let long = self.longest <= SHORTEST && window >= LEAST_COARSE;
-        let open = self.solved.is_none() && !self.misfits;
-        if alone && open && long && due(self.scanned, PAUSE * window) {
-            self.scanned = Some(fix.time);
-            // Positions that do not show motion may have called a steady turn a rest.
-            match self.search_loosely(settings, None, alone, true) {
-                Ok(found) => return Some(found),
-                Err(failure) => self.note(failure),
-            }
-        }
-        None
-    }
-
-    /// The furthest that it ever came says most.
-    fn note(&mut self, failure: MotionFailure) {
-        if failure.stage() >= self.failure.stage() {
-            self.failure = failure;
-        }
-    }
-
-    /// Whether the fixes of the window are positions alone.
-    fn alone(&self) -> bool {
-        self.fixes
-            .front()
-            .is_some_and(|first| first.velocity.is_none())
-    }
-
-    /// Searches the window with positions `alone` as uncertain as they scatter or, where nothing fits or errors that last for some
-    /// seconds count as much in a long window, more.
-    fn search_loosely(
-        &mut self,
-        settings: &Settings,
-        rest: Option<GyroBias>,
-        alone: bool,
-        coarse: bool,
-    ) -> Result<AlignedInMotion, MotionFailure> {
-        let least = if coarse { LOOSER[1] } else { LOOSER[0] };
-        let from = self.solved.map_or(least, |solved| solved.looser);
-        let most = if coarse { LOOSER[1] } else { LOOSER[2] };
-        let mut looser = LOOSER
-            .into_iter()
-            .filter(|looser| (from..=most).contains(looser));
+        self.searched = Some(fix.time);
+        let from = self.solved.map_or(0.0, |solved| solved.looser);
+        let mut looser = LOOSER.into_iter().filter(|looser| *looser >= from);
         let found = looser.find_map(|looser| {
-            let found = self.search(settings, rest, alone, coarse, looser);
+            let found = self.search(settings, rest, alone, looser);
             let misfit = matches!(found, Err(MotionFailure::Misfit(_)));
-            let last = looser == most || !alone;
+            let last = looser == LOOSER[2] || !alone;
             (last || !misfit).then_some(found)
         });
-        found.unwrap_or(Err(MotionFailure::TooFew))
+        match found.unwrap_or(Err(MotionFailure::TooFew)) {
+            Ok(found) => Some(found),
+            Err(failure) => {
+                let nothing =
+                    matches!(failure, MotionFailure::Ambiguous | MotionFailure::Misfit(_));
+                if nothing && window + self.pause * window > self.longest {
+                    self.failed += 1;
+                    if self.failed > PATIENCE {
+                        self.pause = (self.pause * GROWTH).min(LONGEST_PAUSE);
+                    }
+                }
+                // The furthest that it ever came says most.
+                if failure.stage() >= self.failure.stage() {
+                    self.failure = failure;
+                }
+                None
+            }
+        }
     }
 
-    /// Searches the window, whose fixes are positions `alone` or have velocities: all of it from `coarse` starts, or its last part.
+    /// Searches the window, whose fixes are positions `alone` or have velocities.
     fn search(
         &mut self,
         settings: &Settings,
         rest: Option<GyroBias>,
         alone: bool,
-        coarse: bool,
         looser: f64,
     ) -> Result<AlignedInMotion, MotionFailure> {
-        let last = *self.fixes.back().ok_or(MotionFailure::TooFew)?;
-        let whole = coarse || self.solved.is_some() || !alone;
-        let from = if whole {
-            f64::NEG_INFINITY
-        } else {
-            last.time - self.longest
-        };
-        let fixes: Vec<GnssFix> = self
-            .fixes
-            .iter()
-            .filter(|fix| fix.time >= from)
-            .copied()
-            .collect();
-        let first = *fixes.first().ok_or(MotionFailure::TooFew)?;
+        let [first, last] = [self.fixes.front(), self.fixes.back()];
+        let (first, last) = (
+            *first.ok_or(MotionFailure::TooFew)?,
+            *last.ok_or(MotionFailure::TooFew)?,
+        );
         let place = antenna(&first).ok_or(MotionFailure::TooFew)?;
         let solved = self.solved;
         let mut late = solved.map_or(0.0, |solved| solved.late);
-        let stamped = sightings(&fixes, alone, looser);
+        let stamped = sightings(&self.fixes, alone, looser);
         let held = |late: f64| match alone {
             true => held_late(&stamped, late, last.time),
             false => stamped.clone(),
@@ -337,7 +281,7 @@ impl MotionAligner {
             Some((mean, variance)) => (mean, Vector3::repeat(variance)),
             None => (Vector3::zeros(), bias_variances(gyro, GYRO_FLOOR)),
         };
-        let segments = self.segments(first.time, &seen, &gyro_prior.0);
+        let segments = self.segments(&seen, &gyro_prior.0);
         if segments.len() < FEWEST {
             return Err(MotionFailure::TooFew);
         }
@@ -373,14 +317,7 @@ impl MotionAligner {
         let mut guess = match solved {
             Some(solved) => solved.guess,
             None => {
-                let solutions = match coarse {
-                    false => problem.solve(),
-                    true => coarse::solve(
-                        |gyro| self.segments(first.time, &seen, gyro),
-                        &problem,
-                        RIVAL,
-                    ),
-                };
+                let solutions = problem.solve();
                 let best = solutions.first().ok_or(MotionFailure::Ambiguous)?;
                 let rival = solutions.get(1).map_or(f64::INFINITY, |rival| rival.cost);
                 if rival - best.cost < RIVAL * fit(best.cost) {
@@ -393,7 +330,7 @@ impl MotionAligner {
         // which their positions are not.
         let mut rounds = MOST_ROUNDS;
         let (end, fit) = loop {
-            let again = self.segments(first.time, &seen, &guess.gyro);
+            let again = self.segments(&seen, &guess.gyro);
             if again.len() < FEWEST {
                 return Err(MotionFailure::TooFew);
             }
@@ -422,20 +359,15 @@ impl MotionAligner {
         } else {
             FIT
         };
-        let delayed =
-            lateness.is_some_and(|variance| late * late > MOST_LATE * MOST_LATE * variance);
-        if fit > most || alone && bias.amax() > MOST_BIAS || coarse && delayed {
+        if fit > most || alone && bias.amax() > MOST_BIAS {
             return Err(MotionFailure::Misfit(fit));
         }
         let c_nb = end.q_nb.to_rotation_matrix().into_inner();
         let attitude = end.covariance.fixed_view::<3, 3>(3, 3) * fit;
         let worst = (c_nb * attitude * c_nb.transpose()).diagonal().max().sqrt();
         let waited = last.time - self.began.unwrap_or(last.time);
-        let grows = !coarse && last.time - first.time < LONGEST;
-        let (enough, certain) = match coarse {
-            true => (SURE, SURE),
-            false => certainty(waited, alone, grows),
-        };
+        let grows = last.time - first.time < LONGEST;
+        let (enough, certain) = certainty(waited, alone, grows);
         // A number that is not one is not certain either.
         if worst.is_nan() || worst > certain {
             return Err(MotionFailure::Uncertain(worst));
@@ -447,7 +379,6 @@ impl MotionAligner {
                     late,
                     looser,
                 });
-                self.fixes.retain(|fix| fix.time >= first.time);
             }
             return Err(MotionFailure::Settling(worst));
         }
@@ -471,15 +402,12 @@ impl MotionAligner {
         Ok(AlignedInMotion {
             filter,
             duration: last.time - first.time,
-            bias_at_rest: rest.is_some(),
         })
     }
 
     /// Motion of the window between the fixes of a search, linear about the gyro bias `gyro` [rad/s].
-    /// Samples before `from` \[s\], the first fix of the search, do not count.
-    fn segments(&self, from: f64, seen: &[Sighting], gyro: &Vector3) -> Vec<Segment> {
-        let samples = self.samples.iter().skip_while(|sample| sample.time < from);
-        segments(samples, seen.iter(), SPACING, gyro)
+    fn segments(&self, seen: &[Sighting], gyro: &Vector3) -> Vec<Segment> {
+        segments(self.samples.iter(), seen.iter(), SPACING, gyro)
     }
 
     /// Why there is no alignment.
@@ -492,6 +420,71 @@ impl MotionAligner {
             other => other,
         }
     }
+}
+
+/// Standard deviation of the attitude \[rad\] that is enough for a start, and beyond which a solution is dropped, after so
+/// long \[s\] without a start; of a window of positions `alone` or of velocities, which still `grows` or not.
+fn certainty(waited: f64, alone: bool, grows: bool) -> (f64, f64) {
+    let lenient = |waited: f64| (GOOD + LENIENT * (waited - PATIENT).max(0.0)).min(CERTAIN);
+    let [from, to] = PLATEAU;
+    let by_now = lenient(waited.min(from) + (waited - to).max(0.0));
+    // Velocities become certain soon: their window is waited for.
+    let settled = by_now.max(lenient(from));
+    match (alone, grows) {
+        (true, _) => (by_now, CERTAIN),
+        (false, true) => (GOOD, settled),
+        (false, false) => (settled, settled),
+    }
+}
+
+/// The filter with what the window says: covariance of velocity, attitude and biases, truth less estimate, and by how much
+/// fixes are late with its standard deviation \[s\].
+fn filter(
+    end: &NavState,
+    late: Option<(f64, f64)>,
+    fix: &GnssFix,
+    guess: &Guess,
+    covariance: &EndCovariance,
+    settings: &Settings,
+) -> Option<Box<dyn Estimator>> {
+    let (_, position) = fix.position?;
+    let std = InitialStd {
+        position: Vector3::repeat(1.0),
+        velocity: Vector3::repeat(WIDE),
+        attitude: Vector3::repeat(WIDE),
+    };
+    let parameters = settings.worthwhile(&position);
+    let mut filter = estimator::build(*end, &std, &settings.sensors, parameters).ok()?;
+    if let (Some((late, std)), Some(at)) = (late, parameters.start(Parameter::TimeOffset)) {
+        filter.renew(Parameter::TimeOffset, std);
+        let mut error = vec![0.0; filter.states()];
+        error[filter.sensors().states() + at] = late;
+        filter.apply_correction(&error);
+    }
+    let velocity = Matrix3::identity() * (WIDE * WIDE);
+    let correlated = [settings.fix_errors.split(&position).1, Vector3::zeros()];
+    filter.set_position_velocity_covariance(&position, &velocity, &correlated);
+    let (g, a) = (guess.gyro, guess.accel);
+    filter.set_sensor_error(&[g.x, g.y, g.z, a.x, a.y, a.z]);
+
+    // The window's information less the prior of the biases, which the filter has itself, as rows of a
+    // measurement without innovation: the estimate is there already.
+    let mut information = covariance.try_inverse()?;
+    let prior = filter.sensor_error_std();
+    for axis in 0..AXES {
+        if prior[axis] > 0.0 {
+            information[(6 + axis, 6 + axis)] -= 1.0 / (prior[axis] * prior[axis]);
+        }
+    }
+    let eigen = ((information + information.transpose()) * 0.5).symmetric_eigen();
+    let mut rows = eigen.eigenvectors.transpose();
+    for i in 0..12 {
+        let root = eigen.eigenvalues[i].max(0.0).sqrt();
+        rows.row_mut(i).scale_mut(root);
+    }
+    filter.update_window(&rows).ok()?;
+    filter.check().ok()?;
+    Some(filter)
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use crate::{
     derived::{antenna, white_variance},
     estimator::STAMP_ROUNDING,
 };
-use alloc::vec::Vec;
+use alloc::{collections::VecDeque, vec::Vec};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{Vector3, sample::GnssFix};
@@ -52,7 +52,7 @@ pub(super) struct Sighting {
 /// `looser` is 1, 10 or 100 ([`super::motion`]). Velocities about a position are read from the
 /// fixes up to 1.1 s on either side; they serve for the spread, the Coriolis terms and a first
 /// guess, not as measurements.
-pub(super) fn sightings(fixes: &[GnssFix], alone: bool, looser: f64) -> Vec<Sighting> {
+pub(super) fn sightings(fixes: &VecDeque<GnssFix>, alone: bool, looser: f64) -> Vec<Sighting> {
     if !alone {
         let velocity = |fix: &GnssFix| {
             fix.velocity.map(|(v_n, covariance)| Sighting {
@@ -65,7 +65,7 @@ pub(super) fn sightings(fixes: &[GnssFix], alone: bool, looser: f64) -> Vec<Sigh
         };
         return fixes.iter().filter_map(velocity).collect();
     }
-    let Some(first) = fixes.first().and_then(antenna) else {
+    let Some(first) = fixes.front().and_then(antenna) else {
         return Vec::new();
     };
     let position = |fix: &GnssFix| {
@@ -165,7 +165,7 @@ mod tests {
             ..fix(time, Vector3::zeros(), 1.0)
         };
         let (a, b) = (Vector3::new(1.0, 2.0, 3.0), Vector3::new(4.0, -2.0, 9.0));
-        let fixes = Vec::from([with(1.0, a), fix(2.0, a, 1.0), with(3.0, b)]);
+        let fixes = VecDeque::from([with(1.0, a), fix(2.0, a, 1.0), with(3.0, b)]);
         let seen = sightings(&fixes, false, 4.0);
         assert_eq!(seen.len(), 2);
         assert_eq!(
@@ -184,7 +184,7 @@ mod tests {
         // North with the square of the time, every half second.
         let place = |t: f64| Vector3::new(t * t, 2.0 * t, 0.0);
         let times: Vec<f64> = (0..9).map(|k| 0.5 * f64::from(k)).collect();
-        let fixes: Vec<GnssFix> = times
+        let fixes: VecDeque<GnssFix> = times
             .iter()
             .map(|t| fix(10.0 + t, place(*t), 2.0))
             .collect();
@@ -202,17 +202,17 @@ mod tests {
             assert_eq!(of.variance, Vector3::repeat(4.0));
         }
         // Further apart they say nothing of a velocity.
-        let far: Vec<GnssFix> = [0.0, 2.0, 4.0].map(|t| fix(t, place(t), 2.0)).into();
+        let far: VecDeque<GnssFix> = [0.0, 2.0, 4.0].map(|t| fix(t, place(t), 2.0)).into();
         let seen = sightings(&far, true, 1.0);
         assert!(seen.len() == 3 && seen.iter().all(|of| of.v_n == Vector3::zeros()));
-        assert!(sightings(&[], true, 1.0).is_empty());
+        assert!(sightings(&VecDeque::new(), true, 1.0).is_empty());
     }
 
     #[test]
     fn positions_count_by_their_scatter_at_most_by_what_they_state() {
         // 0.1 m up and down in turn: third differences of 0.8 m, half of Σ of whose coefficients' squares, 20.
         let sign = |k: i32| if k % 2 == 0 { 0.1 } else { -0.1 };
-        let fixes: Vec<GnssFix> = (0..60)
+        let fixes: VecDeque<GnssFix> = (0..60)
             .map(|k| fix(f64::from(k), Vector3::new(0.0, 0.0, sign(k)), 5.0))
             .collect();
         let track: Vec<(f64, Vector3)> = (0..60)
@@ -239,7 +239,7 @@ mod tests {
     /// Two positions of 0.3 m, 2 s apart, make velocities of 0.21 m/s; of centimetres they tell a robot of 0.2 m/s.
     #[test]
     fn slow_craft_with_good_positions_move_enough() {
-        let path = |std: f64| -> Vec<GnssFix> {
+        let path = |std: f64| -> VecDeque<GnssFix> {
             let ned = |k: i32| Vector3::new(0.2 * f64::from(k), 0.0, 0.0);
             (0..5).map(|k| fix(f64::from(k), ned(k), std)).collect()
         };

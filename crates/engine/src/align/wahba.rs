@@ -427,28 +427,24 @@ impl Problem<'_> {
                 .map(|(solution, mean)| (solution.guess, mean));
             starts = guesses.collect();
         }
-        minima(starts.iter().map(|(guess, _)| self.refine(guess)))
-    }
-}
-
-/// The different ones of solutions of a window, best first.
-pub(super) fn minima(solutions: impl IntoIterator<Item = Minimum>) -> Vec<Minimum> {
-    let mut found: Vec<Minimum> = Vec::new();
-    for solution in solutions
-        .into_iter()
-        .filter(|solution| solution.cost.is_finite())
-    {
-        match found
-            .iter_mut()
-            .find(|other| other.is_near(&solution, SAME))
-        {
-            Some(same) if same.cost <= solution.cost => {}
-            Some(same) => *same = solution,
-            None => found.push(solution),
+        let mut found: Vec<Minimum> = Vec::new();
+        for (guess, _) in &starts {
+            let solution = self.refine(guess);
+            if !solution.cost.is_finite() {
+                continue;
+            }
+            match found
+                .iter_mut()
+                .find(|other| other.is_near(&solution, SAME))
+            {
+                Some(same) if same.cost <= solution.cost => {}
+                Some(same) => *same = solution,
+                None => found.push(solution),
+            }
         }
+        found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        found
     }
-    found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-    found
 }
 
 impl Minimum {

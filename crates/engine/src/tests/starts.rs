@@ -122,75 +122,11 @@ fn an_accelerometer_that_is_far_off_aligns_nothing() {
     assert!(scenario.try_navigate().is_none());
 }
 
-/// A walk of 1.4 m/s with a corner of 90 deg every eight seconds, to the left or to the right.
-fn corners(seconds: f64) -> Trajectory {
-    let mut motion = Trajectory::straight(1.4, 2.0, seconds);
-    let ways = [1.0, 1.0, -1.0, 1.0, -1.0, -1.0, -1.0];
-    for (start, way) in (0..)
-        .map(|k| 4.0 + 8.0 * f64::from(k))
-        .zip(ways.into_iter().cycle())
-    {
-        if start > seconds - 8.0 {
-            break;
-        }
-        let straight = motion.turn_rate.step_to(start, 1.0, way * 45.0 * DEG) + 1.0;
-        motion.turn_rate.step_to(straight, 1.0, 0.0);
-    }
-    motion
-}
-
-/// A walker or a boat: gyros just switched on, 20 deg/s, and positions of a metre once a second. Windows in which such gyros turn no further
-/// than a search can undo say nothing; those of one or two minutes do.
-#[test]
-fn positions_of_a_metre_start_a_slow_craft_in_the_end() {
-    let noise = GnssNoise {
-        position_std: [1.0, 1.0, 1.5],
-        rate_hz: 1.0,
-        ..receiver()
-    };
-    let sensors = imu([5e-3 * DEG, 20.0 * DEG], [4e-3, 0.5]);
-    let (mut squares, seeds) = (0.0, 12);
-    for seed in 1..=seeds {
-        let mut scenario = Scenario::of(sensors, &corners(180.0), &noise, seed);
-        scenario.settings.align.attitude = None;
-        scenario.settings.align.heading = Heading::Auto;
-        for fix in &mut scenario.log.gnss {
-            fix.velocity = None;
-        }
-        let seen = scenario.navigate();
-        let first = &seen.epochs[0];
-        assert!(
-            (45.0..150.0).contains(&first.time),
-            "seed {seed}: {}",
-            first.time
-        );
-        let (heading, std) = first.heading();
-        assert!(std < 0.2, "seed {seed}: {std}");
-        assert!(heading < 3.5 * std, "seed {seed}: {heading} ± {std}");
-        squares += (heading / std).powi(2);
-        let (heading, std) = seen.last().heading();
-        assert!(
-            heading < 4.0 * std,
-            "seed {seed}: {heading} ± {std} at the end"
-        );
-    }
-    let mean = squares / f64::from(seeds as u32);
-    assert!((0.2..2.5).contains(&mean), "{mean}");
-}
-
 /// Without turns and changes of speed there is no heading to find, and none is made up.
 #[test]
 fn steady_motion_by_positions_alone_does_not_start() {
-    for std in [0.05, 1.0] {
-        let straight = Trajectory::straight(1.2, 2.0, 150.0);
-        let mut scenario = along(&straight, 1, 0.0);
-        for fix in &mut scenario.log.gnss {
-            fix.position = fix
-                .position
-                .map(|(at, covariance)| (at, covariance * (std / 0.05).powi(2)));
-        }
-        assert!(scenario.try_navigate().is_none(), "{std} m");
-    }
+    let scenario = along(&Trajectory::straight(1.2, 2.0, 90.0), 1, 0.0);
+    assert!(scenario.try_navigate().is_none());
 }
 
 /// Accelerometers that nobody calibrated, 0.1 g, so a level known to 6 deg, and fixes of centimetres: the first turns show tilt and
@@ -302,25 +238,5 @@ fn noise_of_positions_is_no_course() {
                 "{std} m, seed {seed}: {heading} ± {std}"
             );
         }
-    }
-}
-
-/// Accelerometer x of the other sign, positions alone: a window that is long enough would fit by a wrong attitude.
-#[test]
-fn a_mirrored_axis_starts_nothing() {
-    for (seed, turn_on) in [(1, 3.0), (2, 3.0), (1, 20.0), (2, 20.0)] {
-        let sensors = imu([4e-3 * DEG, turn_on * DEG], [3e-3, 0.5]);
-        let mut scenario = Scenario::of(sensors, &Trajectory::car(200.0, seed), &receiver(), seed);
-        scenario.settings.align.attitude = None;
-        scenario.settings.align.heading = Heading::Auto;
-        for fix in &mut scenario.log.gnss {
-            fix.velocity = None;
-        }
-        // In motion from the first sample on.
-        scenario.log.imu.retain(|sample| sample.time > 80.0);
-        for sample in &mut scenario.log.imu {
-            sample.dvel.x *= -1.0;
-        }
-        assert!(scenario.try_navigate().is_none(), "{seed}, {turn_on} deg/s");
     }
 }

@@ -35,8 +35,6 @@ const REVERSED: [[[f64; 3]; 2]; 8] = {
 const FITTING: (f64, f64) = (2.0, 1.3);
 /// Share of rejected fixes up to which they do.
 const REJECTED: f64 = 0.02;
-/// Standard deviation of the heading at the start up to which other axes than those named are believed \[rad\].
-const CERTAIN: f64 = 0.1;
 
 /// A drive without the samples behind so many seconds; `None` without samples.
 pub(super) fn beginning(mut drive: Drive, length: f64) -> Option<Drive> {
@@ -47,29 +45,22 @@ pub(super) fn beginning(mut drive: Drive, length: f64) -> Option<Drive> {
 }
 
 /// The mounting of a drive where that was found, and the NIS per degree of freedom of the solution with it in the first
-/// [`LONGEST_PASS`] of the log; `None` where no mounting was found, or its units, axes, signs or times are
-/// implausible, or its heading at the start had a larger standard deviation than `worst` \[rad\].
-pub(super) fn fit(
-    (drive, mounting): (Drive, Option<Mounting>),
-    worst: f64,
-) -> Option<(Mounting, f64)> {
+/// [`LONGEST_PASS`] of the log; `None` where no mounting was found, or its units, axes, signs or times are implausible.
+pub(super) fn fit((drive, mounting): (Drive, Option<Mounting>)) -> Option<(Mounting, f64)> {
     let drive = beginning(drive, LONGEST_PASS)?;
     let summary = navigate(&drive, BiasModel::Arma, Wanted::default())
         .ok()?
         .summary;
-    let started = summary.alignment?;
     let aids = [Aid::Velocity, Aid::Position].map(|aid| &summary.innovations[aid]);
     let sums = aids.into_iter().find(|sums| sums.updates > 0)?;
     let all = sums.updates + sums.rejected;
-    let fits = summary.implausible.is_empty()
-        && started.heading_std <= worst
-        && sums.rejected as f64 <= REJECTED * all as f64;
+    let fits = summary.implausible.is_empty() && sums.rejected as f64 <= REJECTED * all as f64;
     Some((mounting?, sums.per_dof().filter(|_| fits)?))
 }
 
 /// Whether samples and fixes fit together with the mounting that was found.
 pub(super) fn is_fitting(resolved: (Drive, Option<Mounting>)) -> bool {
-    fit(resolved, f64::INFINITY).is_some_and(|(_, nis)| nis < FITTING.0)
+    fit(resolved).is_some_and(|(_, nis)| nis < FITTING.0)
 }
 
 /// Reverses axes of a log that does not fit together as it is where it does so with them reversed, and with no others.
@@ -80,7 +71,7 @@ pub(super) fn reversed_axes(imu: &mut Part, drive: &Drive) -> Option<Mounting> {
         let (gyro, accel) = (Vector3::from(*gyro), Vector3::from(*accel));
         format.gyro_scale.component_mul_assign(&gyro);
         format.accel_scale.component_mul_assign(&accel);
-        fit(resolve_mounting(&drive).ok()?, CERTAIN)
+        fit(resolve_mounting(&drive).ok()?)
     };
     let fits = REVERSED
         .iter()
@@ -132,7 +123,7 @@ pub(super) fn exchanged_axes(imu: &mut Part, drive: &Drive) -> Option<Mounting> 
         };
         *columns = order.map(|axis| columns[axis].clone());
         *scale = Vector3::from(order.map(|axis| scale[axis]));
-        fit(resolve_mounting(&drive).ok()?, CERTAIN)
+        fit(resolve_mounting(&drive).ok()?)
     };
     let fits = ORDERS
         .iter()

@@ -132,7 +132,7 @@ fn a_drive_fits_whose_velocities_differ_by_no_more_than_is_stated() {
         let drive = drive_of(&parts, logs(&files, Path::new("")), Some("auto")).unwrap();
         let resolved = resolve_mounting(&drive).unwrap();
         // Neither implausible nor with fixes that are rejected.
-        assert!(fit(resolved.clone(), f64::INFINITY).is_some(), "{off}");
+        assert!(fit(resolved.clone()).is_some(), "{off}");
         is_fitting(resolved)
     };
     // Half of σ, and one and a half.
