@@ -315,9 +315,23 @@ impl<'a> Section<'a> {
             Value::Text(text) => Ok(text),
             _ => Err(wrong()),
         };
+        Ok(self.list(key, one, wrong)?.unwrap_or_default())
+    }
+
+    /// A list of one or more values, each as `one` makes it; the error of another value is `wrong`.
+    fn list<T>(
+        &self,
+        key: &str,
+        one: impl Fn(Value<'a>) -> Result<T, ConfigError>,
+        wrong: impl Fn() -> ConfigError,
+    ) -> Result<Option<Vec<T>>, ConfigError> {
         match self.get(key) {
-            None => Ok(Vec::new()),
-            Some(Value::List(items)) if !items.is_empty() => items.into_iter().map(one).collect(),
+            None => Ok(None),
+            Some(Value::List(items)) if !items.is_empty() => items
+                .into_iter()
+                .map(one)
+                .collect::<Result<_, _>>()
+                .map(Some),
             Some(_) => Err(wrong()),
         }
     }
@@ -337,17 +351,11 @@ impl<'a> Section<'a> {
             let message = format!("must be a list of words such as [\"{first}\"]");
             self.error(key, message)
         };
-        let one = |item: &Value| match item {
+        let one = |item: Value<'a>| match item {
             Value::Text(text) => self.one_of(key, text, words),
             _ => Err(wrong()),
         };
-        match self.get(key) {
-            None => Ok(None),
-            Some(Value::List(items)) if !items.is_empty() => {
-                items.iter().map(one).collect::<Result<_, _>>().map(Some)
-            }
-            Some(_) => Err(wrong()),
-        }
+        self.list(key, one, wrong)
     }
 
     /// A switch, as `gate = true`.

@@ -5,16 +5,8 @@ use undrift_nav::earth::Geodetic;
 use undrift_nav::sample::{MeanVelocity, Position};
 use undrift_observables::{Ephemerides, Epoch, displacement};
 
-use crate::time::WEEK;
-
 /// Clocks of receivers are off by less than this \[s\].
 pub(crate) const CLOCK: f64 = 0.02;
-
-/// From one second of the week to another \[s\], the shorter way around the week.
-pub(crate) fn since(time: f64, reference: f64) -> f64 {
-    let span = time - reference;
-    span - WEEK * (span / WEEK).round()
-}
 
 /// The way from fix to fix.
 #[derive(Default)]

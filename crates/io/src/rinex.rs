@@ -1,8 +1,8 @@
 //! RINEX: observations and navigation messages beside a log of fixes, for mean velocities by the carrier phase.
 //!
 //! Observation files of versions 2, 3 and 4, GPS on L1 and Galileo on E1; navigation files of the same versions, GPS LNAV and Galileo
-//! I/NAV (RINEX 2.11, 3.05 and 4.00). Times are GPS time. Phases are as a receiver's: a loss-of-lock indicator of 1 begins anew, one of 2 (half
-//! cycles open) leaves the phase out. What cannot be read is passed over; a satellite without an ephemeris gives nothing.
+//! I/NAV (RINEX 2.11, 3.05 and 4.00). Times are GPS time. Phases are as a receiver's: a loss-of-lock indicator of 1 begins a new arc, of one of 2
+//! (half-cycle ambiguity) the phase is not used. What cannot be read is passed over; a satellite without an ephemeris gives nothing.
 
 mod navigation;
 mod observations;
@@ -13,9 +13,9 @@ use std::path::{Path, PathBuf};
 
 use undrift_nav::sample::{GnssFix, MeanVelocity};
 use undrift_nav::{Matrix3, Vector3};
-use undrift_observables::{Ephemerides, Epoch, System};
+use undrift_observables::{Ephemerides, Epoch, System, since};
 
-use crate::carrier::{CLOCK, Way, since};
+use crate::carrier::{CLOCK, Way};
 use crate::opened::Memory;
 use crate::source::{self, BytesRead};
 use crate::table::lines::Lines;
@@ -159,6 +159,12 @@ impl Rinex {
             )),
         }
     }
+}
+
+/// What ended a file before its end.
+fn failure(lines: &Lines) -> Option<ReadError> {
+    let why = lines.failure()?;
+    Some(ReadError::nameless(format!("breaks off: {why}")))
 }
 
 fn refused(problem: impl Into<String>) -> ReadError {

@@ -82,7 +82,7 @@ pub struct Ephemeris {
 }
 
 /// Time from one second of the week to another \[s\], the shorter way around the week.
-pub(crate) fn since(time: f64, reference: f64) -> f64 {
+pub fn since(time: f64, reference: f64) -> f64 {
     let span = time - reference;
     span - WEEK * (span / WEEK).round()
 }

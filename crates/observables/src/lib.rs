@@ -27,7 +27,7 @@ mod gps;
 
 pub use displacement::{Displacement, displacement};
 pub use ephemerides::Ephemerides;
-pub use ephemeris::{Ephemeris, SPEED_OF_LIGHT, System};
+pub use ephemeris::{Ephemeris, SPEED_OF_LIGHT, System, since};
 
 /// Frequency of GPS L1 and Galileo E1 \[Hz\].
 pub const L1_FREQUENCY: f64 = 1_575.42e6;

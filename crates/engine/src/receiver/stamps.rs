@@ -42,8 +42,8 @@ impl Stamps {
     /// Takes in a stamp \[s\]; by how much the delay has changed since the one before, one standard deviation \[s\].
     pub(super) fn next(&mut self, time: f64) -> f64 {
         let interval = self.interval();
-        let since = self.count.checked_sub(1);
-        let since = since.map_or(0.0, |last| time - self.at(last));
+        let newest = self.count.checked_sub(1);
+        let since = newest.map_or(0.0, |newest| time - self.at(newest));
         if since <= 0.0 || interval.is_some_and(|usual| since > GAP * usual) {
             self.count = 0;
         }

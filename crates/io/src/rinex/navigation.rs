@@ -2,7 +2,7 @@
 
 use undrift_observables::{Ephemerides, Ephemeris, System};
 
-use super::{Header, day_and_second, part, system};
+use super::{Header, day_and_second, failure, part, system};
 use crate::ReadError;
 use crate::number;
 use crate::table::lines::Lines;
@@ -46,11 +46,7 @@ pub(super) fn read(
         if line.starts_with(b">") {
             // Version 4: the kind of the next record.
             finish(record.take());
-            wanted = [&b"EPH"[..], b"LNAV", b"INAV"]
-                .iter()
-                .filter(|word| line.windows(word.len()).any(|part| part == **word))
-                .count()
-                == 2;
+            wanted = line.starts_with(b"> EPH") && matches!(part(line, 10, 4), b"LNAV" | b"INAV");
             continue;
         }
         let begins = match old {
@@ -66,10 +62,7 @@ pub(super) fn read(
         }
     }
     finish(record);
-    match lines.failure() {
-        Some(error) => Err(ReadError::nameless(format!("breaks off: {error}"))),
-        None => Ok(count),
-    }
+    failure(&lines).map_or(Ok(count), Err)
 }
 
 /// The first line of a record; `None` of other systems.
@@ -93,21 +86,23 @@ fn begin(line: &[u8], header: &Header, old: bool) -> Option<Record> {
     })
 }
 
-/// Numbers of nineteen columns each; NaN where there is none, 0 where it is blank.
+/// Numbers of nineteen columns each; NaN of a text that is no number, 0 of blanks.
 fn numbers(line: &[u8], first: usize, count: usize) -> impl Iterator<Item = f64> {
     (0..count).map(move |k| {
-        let text = part(line, first + 19 * k, 19).to_ascii_uppercase();
-        match text.as_slice() {
-            [] => 0.0,
-            // Fortran's exponent.
-            _ => {
-                let text: Vec<u8> = text
-                    .iter()
-                    .map(|byte| if *byte == b'D' { b'E' } else { *byte })
-                    .collect();
-                number::parse_finite(&text).unwrap_or(f64::NAN)
-            }
+        let text = part(line, first + 19 * k, 19);
+        if text.is_empty() {
+            return 0.0;
         }
+        // Fortran's exponent.
+        let byte = |byte: &u8| {
+            if matches!(byte, b'D' | b'd') {
+                b'E'
+            } else {
+                *byte
+            }
+        };
+        let text: Vec<u8> = text.iter().map(byte).collect();
+        number::parse_finite(&text).unwrap_or(f64::NAN)
     })
 }
 

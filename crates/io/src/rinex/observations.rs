@@ -2,7 +2,7 @@
 
 use undrift_observables::{Epoch, Observation, Satellite, System};
 
-use super::{day_and_second, part, refused, system};
+use super::{day_and_second, failure, part, refused, system};
 use crate::ReadError;
 use crate::number;
 use crate::table::lines::Lines;
@@ -71,15 +71,11 @@ impl Observations {
                         Some(letter) => of = system(*letter),
                     }
                     if let Some(system) = of {
-                        let listed = (0..13).map(|k| part(line, 7 + 4 * k, 3).to_vec());
-                        let listed = listed.filter(|one| !one.is_empty());
-                        types[index(system)].extend(listed);
+                        types[index(system)].extend(listed(line, 7, [13, 4, 3]));
                     }
                 }
                 b"# / TYPES OF OBSERV" => {
-                    let listed = (0..9).map(|k| part(line, 10 + 6 * k, 2).to_vec());
-                    let listed = listed.filter(|one| !one.is_empty());
-                    types[0].extend(listed);
+                    types[0].extend(listed(line, 10, [9, 6, 2]));
                 }
                 b"TIME OF FIRST OBS" => match part(line, 48, 3) {
                     b"GPS" | b"GAL" | b"QZS" | b"" => {}
@@ -118,10 +114,7 @@ impl Observations {
     pub(super) fn next_epoch(&mut self) -> Result<Option<Epoch>, ReadError> {
         loop {
             let Some(line) = self.lines.next_line() else {
-                return match self.lines.failure() {
-                    Some(error) => Err(ReadError::nameless(format!("breaks off: {error}"))),
-                    None => Ok(None),
-                };
+                return failure(&self.lines).map_or(Ok(None), Err);
             };
             let line = line.to_vec();
             let Some((day, second, flag, count)) = begin(&line, self.old) else {
@@ -258,6 +251,16 @@ impl Observations {
 /// Standard deviation of a phase \[cycles\] by thermal noise in a loop, of a carrier to noise density [dB-Hz].
 fn phase_std(strength: f64) -> f64 {
     (LOOP / 10f64.powf(0.1 * strength)).sqrt() / std::f64::consts::TAU
+}
+
+/// Types of observations in a line of the header: at most `most`, one every `step` columns, of `width` columns.
+fn listed(
+    line: &[u8],
+    first: usize,
+    [most, step, width]: [usize; 3],
+) -> impl Iterator<Item = Vec<u8>> {
+    let types = (0..most).map(move |k| part(line, first + step * k, width).to_vec());
+    types.filter(|one| !one.is_empty())
 }
 
 fn index(system: System) -> usize {

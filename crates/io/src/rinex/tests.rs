@@ -62,7 +62,7 @@ fn observations_are_those_that_georinex_reads() {
         let epoch = all.find(|epoch| (epoch.time - time).abs() < 1e-6).unwrap();
         let one = seen(epoch, fields[1]);
         assert_eq!((one.pseudorange, one.doppler), (code, doppler), "{line}");
-        // A phase whose half cycle is open is left out.
+        // A phase with half-cycle ambiguity is not used.
         let open = fields[1] == "G18" && time > 408_641.0;
         let expected = Some(phase).filter(|phase| phase.is_finite() && !open);
         assert_eq!(one.phase, expected, "{line}");

@@ -1,12 +1,11 @@
 //! What a filter refuses leaves it as it was.
 
+use super::doubts::at_rest;
 use undrift_nav::{
     Matrix3, Vector3,
-    attitude::from_rpy,
     covariance::AXES,
     earth::Geodetic,
     filter::{Filter, FilterError, Gate, InitialStd, StepError},
-    mechanisation::NavState,
     parameters::Parameters,
     sample::{ImuSample, Position},
     shaping::ShapingFilter,
@@ -15,16 +14,10 @@ use undrift_nav::{
 const T: f64 = 0.01;
 
 fn filter() -> Filter<15> {
-    let nav = NavState {
-        time: 0.0,
-        position: Geodetic::from_degrees(45.0, 7.0, 300.0),
-        v_n: Vector3::zeros(),
-        q_nb: from_rpy(&Vector3::zeros()),
-    };
+    let (nav, std) = at_rest();
     let std = InitialStd {
-        position: Vector3::repeat(1.0),
         velocity: Vector3::repeat(0.1),
-        attitude: Vector3::repeat(0.1),
+        ..std
     };
     let sensor = ShapingFilter::constant(1e-3, T).unwrap();
     Filter::new(nav, &std, [sensor; AXES], Parameters::none()).unwrap()

@@ -164,7 +164,7 @@ fn few_satellites_give_the_directions_that_they_show() {
             let split = way.covariance.symmetric_eigen();
             let known = split.eigenvalues.iter().filter(|one| **one < 1.0);
             if known.count() != few - 1 {
-                continue; // Low satellites are left out.
+                continue; // Satellites below the elevation mask.
             }
             let off = split.eigenvectors.tr_mul(&(way.ned - v_n));
             for (off, variance) in off.iter().zip(&split.eigenvalues) {

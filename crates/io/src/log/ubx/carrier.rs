@@ -6,10 +6,10 @@
 use std::collections::VecDeque;
 
 use undrift_nav::sample::MeanVelocity;
-use undrift_observables::{Ephemerides, Epoch, Observation, Satellite, System};
+use undrift_observables::{Ephemerides, Epoch, Observation, Satellite, System, since};
 
 use super::bytes::{r4, r8, u1, u2, u4};
-use crate::carrier::{CLOCK, Way, since};
+use crate::carrier::{CLOCK, Way};
 use crate::entry::Fix;
 use crate::time::WEEK;
 
