@@ -255,12 +255,27 @@ def jitter(std):
     return alter
 
 
+def between(wanted, t, values, slopes):
+    """`values` with these `slopes` at t, at the times wanted: a cubic in each interval, since a line cuts the turns."""
+    wanted = np.clip(wanted, t[0], t[-1])
+    k = np.clip(np.searchsorted(t, wanted, side="right") - 1, 0, len(t) - 2)
+    step = np.maximum(t[k + 1] - t[k], 1e-9)
+    u = (wanted - t[k]) / step
+    bent = (1 + 2 * u) * values[k] + u * step * slopes[k]
+    other = (3 - 2 * u) * values[k + 1] - (1 - u) * step * slopes[k + 1]
+    return (1 - u) ** 2 * bent + u**2 * other
+
+
 def late(position, velocity):
     def alter(imu, gnss, rng):
         t = gnss.t
-        for names, by in (((gnss.lat, gnss.lon, gnss.height), position), (gnss.velocity, velocity)):
-            for name in names:
-                gnss[name] = np.interp(t + by, t, gnss[name])
+        north, east = (gnss[name] for name in gnss.velocity[:2])
+        level = np.cos(np.radians(gnss[gnss.lat]))
+        slopes = [np.degrees(north / EARTH), np.degrees(east / (EARTH * level)), np.gradient(gnss[gnss.height], t)]
+        for name, slope in zip((gnss.lat, gnss.lon, gnss.height), slopes):
+            gnss[name] = between(t + position, t, gnss[name], slope)
+        for name in gnss.velocity:
+            gnss[name] = between(t + velocity, t, gnss[name], np.gradient(gnss[name], t))
 
     return alter
 

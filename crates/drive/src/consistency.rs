@@ -15,7 +15,7 @@ mod innovations;
 pub use innovations::{InnovationStatistics, LAGS, average_bounds};
 pub use undrift_results::error_state::{COMPONENT_NAMES, COMPONENTS, GROUP, GROUPS};
 
-use crate::estimator::Estimator;
+use crate::estimator::{Estimator, mounting_covariance};
 use nalgebra::{Const, Dyn, OMatrix};
 use serde::Serialize;
 use undrift_nav::{
@@ -126,6 +126,12 @@ impl ErrorState {
             let mut sum = covariance.column_mut(to);
             sum += rows.column(from) * factor;
         }
+        let unknown = mounting_covariance(
+            &q_nv.to_rotation_matrix().into_inner(),
+            &filter.mounting_std(),
+        );
+        let mut attitude = covariance.fixed_view_mut::<3, 3>(6, 6);
+        attitude += unknown;
         Self::from_parts(error, covariance, known)
     }
 

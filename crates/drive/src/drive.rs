@@ -108,6 +108,11 @@ pub struct Drive {
     /// Whether the IMU's mounting is to be estimated from the log ([`crate::mounting`]): until then
     /// body axes are the sensor's own.
     pub estimate_mounting: bool,
+    /// How well it is known how the IMU sits, one standard deviation about the vehicle's axes, roll, pitch, yaw \[rad\]: the solution's attitude is
+    /// so much less certain.
+    pub mounting_std: Vector3,
+    /// Scale factor errors of the accelerometers, one standard deviation [–], that the covariance covers where they are not estimated.
+    pub accel_scale_error: f64,
     /// Where the sensors' white noise follows their vibration: the factors on its standard deviation beyond the model's [–], gyro and
     /// accelerometer x, y, z. `None`: the model's noise throughout.
     pub vibration: Option<[f64; AXES]>,
@@ -295,6 +300,8 @@ impl Drive {
             imu,
             imu_read: BytesRead::default(),
             estimate_mounting: options.estimate_mounting,
+            mounting_std: options.mounting_std,
+            accel_scale_error: options.accel_scale_error,
             // By a hand or a copter as at rest: what shakes above the band of motion is a vehicle's engine.
             vibration: options.vibration.filter(|_| !posed || vibration_is_stated),
             adapt: gnss.switch("adapt")?.unwrap_or(false),

@@ -159,7 +159,7 @@ fn join_halves(files: &mut [Inspection]) {
 }
 
 /// Keys that say how the IMU sits.
-const SITS: [&str; 2] = ["axes", "mounting"];
+const SITS: [&str; 3] = ["axes", "mounting", "mounting_std"];
 
 /// The table that corrects the solution: "gnss", or "poses" where the files have poses and no fixes.
 pub fn fixes_table(inspections: &[Inspection]) -> &'static str {

@@ -39,7 +39,11 @@ use undrift_io::{
     skipped::Skipped,
     write::solution::SolutionRow,
 };
-use undrift_nav::{Matrix3, Quaternion, Vector3, parameters::Parameters, sample::GnssFix};
+use undrift_nav::{
+    Matrix3, Quaternion, Vector3,
+    parameters::{Parameter, Parameters},
+    sample::GnssFix,
+};
 use undrift_noise::{BiasModel, ImuModel};
 use undrift_results::findings::PosesApart;
 
@@ -166,10 +170,15 @@ pub fn settings(drive: &Drive, kind: BiasModel) -> Result<Settings, NavigateErro
         earth_rate: drive.poses.is_none_or(|poses| poses.earth_rate),
         rotation: drive.imu.1.rotation,
         find_mounting: drive.estimate_mounting,
+        mounting_std: drive.mounting_std,
         lever_arm: drive.lever_arm,
         gnss_use: drive.gnss_use,
         align: drive.align.clone(),
         parameters: fix_errors.with_states(drive.parameters),
+        accel_scale_error: match drive.parameters.prior(Parameter::AccelScale) {
+            Some(_) => 0.0,
+            None => drive.accel_scale_error,
+        },
         constraints: drive.constraints.clone(),
         magnetometer: drive.magnetometer_known(),
         gating: drive.gating,
@@ -304,6 +313,7 @@ pub fn resolve_mounting(drive: &Drive) -> Result<(Drive, Option<Mounting>), Navi
     resolved.estimate_mounting = false;
     if let Some(mounting) = &found {
         resolved.imu.1.rotation = mounting.matrix();
+        resolved.mounting_std = mounting.std;
     }
     Ok((resolved, found))
 }

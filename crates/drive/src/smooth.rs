@@ -154,6 +154,7 @@ pub struct History {
     states: usize,
     nodes: usize,
     sensors: Option<(Sensors, Parameters)>,
+    mounting_std: Vector3,
     record: Vec<u8>,
 }
 
@@ -168,6 +169,7 @@ impl History {
             states: 0,
             nodes: 0,
             sensors: None,
+            mounting_std: Vector3::zeros(),
             record: Vec::new(),
         })
     }
@@ -190,6 +192,7 @@ impl History {
     pub fn push(&mut self, filter: &dyn Estimator, since: Option<&Adjoint>) -> io::Result<()> {
         self.states = filter.states();
         self.sensors = Some((*filter.sensors(), *filter.parameters()));
+        self.mounting_std = filter.mounting_std();
         let n = self.states;
         let record = &mut self.record;
         record.clear();
@@ -273,7 +276,7 @@ impl History {
 
                 let error = &p * &lambda;
                 let covariance = &p - &p * &information * &p;
-                let models = (&sensors, &parameters);
+                let models = (&sensors, &parameters, &self.mounting_std);
                 nodes.push(node(&head, &estimates, &error, &covariance, models));
                 start = error;
                 if head[0] > 0.0 {
@@ -318,7 +321,7 @@ fn node(
     estimates: &[f64],
     error: &DVector<f64>,
     covariance: &DMatrix<f64>,
-    (sensors, parameters): (&Sensors, &Parameters),
+    (sensors, parameters, mounting_std): (&Sensors, &Parameters, &Vector3),
 ) -> Node {
     let nav = NavState {
         time: head[1],
@@ -376,7 +379,8 @@ fn node(
         position_std: position_std_on_receiver_clock(of, &nav.v_n, |i, j| covariance[(i, j)]),
         interval: sensors.axis(0).interval,
     };
-    let (q_nv, vehicle_std) = vehicle_attitude(&nav.q_nb, mounted, |i, j| covariance[(i, j)]);
+    let (q_nv, vehicle_std) =
+        vehicle_attitude(&nav.q_nb, mounted, mounting_std, |i, j| covariance[(i, j)]);
     Node {
         q_bv: nav.q_nb.inverse() * q_nv,
         vehicle_std,

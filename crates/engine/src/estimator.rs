@@ -115,35 +115,47 @@ pub struct Adjoint {
 /// Attitude of the vehicle's axes and its standard deviations about north, east, down \[rad\], from `q_nb`, the place of the mounting in
 /// the error state with its estimate (pitch, yaw) where there is one, and the covariance `p(row, column)`. The mounting
 /// is the vehicle's attitude against the body's as the non-holonomic constraint sees it
-/// ([`undrift_nav::filter::Filter::c_bv`]), ψ + C_v^n δ its error. For whoever has a covariance without its filter, as a
+/// ([`undrift_nav::filter::Filter::c_bv`]), ψ + C_v^n δ its error. What no state estimates of it is known to `mounting_std` about the
+/// vehicle's axes \[rad\] ([`Estimator::mounting_std`]). For whoever has a covariance without its filter, as a
 /// smoother; else [`Estimator::vehicle_attitude`].
 ///
 /// ```
 /// use undrift_engine::estimator::vehicle_attitude;
-/// use undrift_nav::{Quaternion, attitude::to_rpy};
-/// // The vehicle points 2° to the right of the IMU, by a mounting whose states (pitch, yaw) are 9 and 10.
+/// use undrift_nav::{Quaternion, Vector3, attitude::to_rpy};
+/// // The vehicle points 2° to the right of the IMU, by a mounting whose states (pitch, yaw) are 9 and 10; of its roll 0.5° is unknown.
 /// let p = |i: usize, j: usize| if i == j { 1e-4 } else { 0.0 };
-/// let (q_nv, std) = vehicle_attitude(&Quaternion::identity(), Some((9, [0.0, 2f64.to_radians()])), p);
+/// let mounted = Some((9, [0.0, 2f64.to_radians()]));
+/// let unknown = Vector3::new(0.5f64.to_radians(), 0.0, 0.0);
+/// let (q_nv, std) = vehicle_attitude(&Quaternion::identity(), mounted, &unknown, p);
 /// assert!((to_rpy(&q_nv).z.to_degrees() - 2.0).abs() < 1e-9);
-/// assert!((std[2] - 2e-4_f64.sqrt()).abs() < 1e-9); // Of the IMU's heading and of the mounting [rad].
+/// assert!((std[2] - 2e-4_f64.sqrt()).abs() < 1e-6); // Of the IMU's heading and of the mounting [rad].
+/// assert!((std[0] - f64::hypot(0.01, unknown.x)).abs() < 1e-4); // Of the IMU's level and of the mounting's roll.
 /// ```
 pub fn vehicle_attitude(
     q_nb: &Quaternion,
     mounted: Option<(usize, [f64; 2])>,
+    mounting_std: &Vector3,
     p: impl Fn(usize, usize) -> f64,
 ) -> (Quaternion, [f64; 3]) {
-    let std = |variance: f64| variance.max(0.0).sqrt();
-    let Some((at, [pitch, yaw])) = mounted else {
-        return (*q_nb, [6, 7, 8].map(|i| std(p(i, i))));
-    };
+    let [pitch, yaw] = mounted.map_or([0.0; 2], |(_, turn)| turn);
     let q_nv = q_nb * attitude::from_rotation_vector(&Vector3::new(0.0, pitch, yaw));
-    let c_vn = q_nv.to_rotation_matrix();
+    let c_vn = q_nv.to_rotation_matrix().into_inner();
+    let unknown = mounting_covariance(&c_vn, mounting_std);
     let variance = |i: usize| {
-        let [a, b] = [c_vn[(i, 1)], c_vn[(i, 2)]];
-        let own = a * a * p(at, at) + 2.0 * a * b * p(at, at + 1) + b * b * p(at + 1, at + 1);
-        p(6 + i, 6 + i) + 2.0 * (a * p(6 + i, at) + b * p(6 + i, at + 1)) + own
+        let mut sum = p(6 + i, 6 + i) + unknown[(i, i)];
+        if let Some((at, _)) = mounted {
+            let [a, b] = [c_vn[(i, 1)], c_vn[(i, 2)]];
+            sum += a * a * p(at, at) + 2.0 * a * b * p(at, at + 1) + b * b * p(at + 1, at + 1);
+            sum += 2.0 * (a * p(6 + i, at) + b * p(6 + i, at + 1));
+        }
+        sum.max(0.0).sqrt()
     };
-    (q_nv, [0, 1, 2].map(|i| std(variance(i))))
+    (q_nv, [0, 1, 2].map(variance))
+}
+
+/// Covariance about north, east and down \[rad²\] of what is known of a mounting to `std` about the vehicle's axes \[rad\].
+pub fn mounting_covariance(c_vn: &Matrix3, std: &Vector3) -> Matrix3 {
+    c_vn * Matrix3::from_diagonal(&std.component_mul(std)) * c_vn.transpose()
 }
 
 /// Below this rate \[Hz\] samples that seem early may be so: the motion between two is taken to be as the second one says.
@@ -251,13 +263,18 @@ pub trait Estimator: Send + Sync {
         let start = self.parameters().start(kind)?;
         Some(self.sensors().states() + start)
     }
+    /// What is not known of how the IMU sits, one standard deviation about the vehicle's axes, roll, pitch, yaw \[rad\]: pitch and yaw are 0
+    /// where they are states. Zero unless [`Estimator::set_mounting_std`] was called.
+    fn mounting_std(&self) -> Vector3;
+    /// Sets [`Estimator::mounting_std`]; of pitch and yaw that are states nothing is taken.
+    fn set_mounting_std(&mut self, std: &Vector3);
     /// Attitude of the vehicle's axes `q_nv`, and its standard deviations about north, east and down \[rad\]: the body's where
-    /// the mounting is not estimated.
+    /// the mounting is not estimated, as uncertain as that was found to be.
     fn vehicle_attitude(&self) -> (Quaternion, [f64; 3]) {
         let (q_nb, p) = (&self.nav().q_nb, self.covariance());
         let at = self.parameter_start(Parameter::Mounting);
         let mounted = at.map(|at| (at, [self.estimates()[at], self.estimates()[at + 1]]));
-        vehicle_attitude(q_nb, mounted, |i, j| p[(i, j)])
+        vehicle_attitude(q_nb, mounted, &self.mounting_std(), |i, j| p[(i, j)])
     }
     /// The receiver's clock against the samples'; `None` where no time offset is estimated.
     fn receiver_clock(&self) -> Option<ReceiverClock> {

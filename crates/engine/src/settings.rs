@@ -79,6 +79,12 @@ pub struct Settings {
     pub parameters: Parameters,
     /// What the vehicle cannot do ([`Profile::constraints`](crate::vehicle::Profile::constraints)); nothing by default.
     pub constraints: Constraints,
+    /// How well it is known how the IMU sits, one standard deviation about the vehicle's axes, roll, pitch, yaw \[rad\]: attitudes of the
+    /// vehicle are so much less certain. Zero by default; replaced where the mounting is found on the way.
+    pub mounting_std: Vector3,
+    /// Scale factor errors of the accelerometers that are no states and that the covariance has to cover, one standard deviation [–]: velocity
+    /// is as uncertain as 5 s of the acceleration between fixes times that make it. 0 by default.
+    pub accel_scale_error: f64,
     /// What is known of the magnetometer, where there is one.
     pub magnetometer: Magnetometer,
     /// Whether fixes pass a gate, a diverged solution is re-initialised, and the covariance has the products of errors, which a linear
@@ -150,6 +156,8 @@ impl Settings {
             align: AlignSettings::default(),
             outages: Vec::new(),
             parameters: Parameters::none(),
+            mounting_std: Vector3::zeros(),
+            accel_scale_error: 0.0,
             constraints: Constraints::default(),
             magnetometer: Magnetometer::default(),
             gating: true,

@@ -59,8 +59,9 @@ pub(super) struct Solution {
     bridge: Option<Bridge>,
     /// Time of the last node of a smoother \[s\].
     last_node: f64,
-    /// Up to when products of errors are in the covariance \[s\].
+    /// Up to when products of errors are in the covariance \[s\], and the velocity after the last fix [m/s].
     products_until: f64,
+    velocity: Vector3,
 }
 
 /// A copy that records nothing for a smoother.
@@ -88,6 +89,7 @@ impl Solution {
         Self {
             began: filter.nav().time,
             products_until: filter.nav().time,
+            velocity: filter.nav().v_n,
             filter,
             stretch: None,
             bridge: None,
@@ -159,9 +161,12 @@ impl Solution {
         advance(&mut *self.filter, &mut self.stretch, Some(time));
     }
 
-    /// Begins a stretch at a fix, which is here.
-    pub(super) fn begin_stretch(&mut self) {
-        self.stretch = Some(Stretch::new(self.filter.nav()));
+    /// Takes in that a fix, which is here, has updated the filter; where it begins, a stretch begins.
+    pub(super) fn updated(&mut self, begins: bool) {
+        self.velocity = self.filter.nav().v_n;
+        if begins {
+            self.stretch = Some(Stretch::new(self.filter.nav()));
+        }
     }
 
     /// The motion over the `span` \[s\] before `due` \[s\], where a fix began it and the filter is not past its end.
@@ -187,18 +192,25 @@ impl Solution {
 
     /// Grows the covariance up to `time` \[s\] by what it leaves out: the specific force is wrong by the product of the errors of attitude
     /// and accelerometers, and by gravity times half the square of the tilt's. Of a sensor whose constants are hardly known (0.1 g, so
-    /// 6 deg of tilt) that is 0.1 m/s² and more, and what a turn shows of tilt and constants would otherwise be taken to be exact.
+    /// 6 deg of tilt) that is 0.1 m/s² and more, and what a turn shows of tilt and constants would otherwise be taken to be exact. So is the
+    /// product of the acceleration since the last fix and `scale`, one standard deviation of the accelerometers' scale factors [–]: lever arm
+    /// and delays would be learned from it.
     ///
     /// The rest of a second-order filter's terms is neglected. Velocity grows by product · √(span ·
     /// 5 s) [m/s], one standard deviation of each axis.
-    pub(super) fn grow_by_products(&mut self, time: f64) {
-        let span = (time - self.products_until).max(0.0);
+    pub(super) fn grow_by_products(&mut self, time: f64, scale: f64) {
+        let span = time - self.products_until;
+        if span <= STAMP_ROUNDING {
+            return;
+        }
         self.products_until = time;
+        let acceleration = (self.filter.nav().v_n - self.velocity).norm() / span;
         let (std, error) = (self.filter.nav_std(), self.filter.sensor_error_std());
         let tilt = std[6].hypot(std[7]);
         let attitude = tilt.hypot(std[8].min(MOST_ANGLE));
         let accel = error[3].max(error[4]).max(error[5]);
-        let product = 0.5 * STANDARD_GRAVITY * tilt * tilt + attitude * accel;
+        let product =
+            0.5 * STANDARD_GRAVITY * tilt * tilt + attitude * accel + scale * acceleration;
         if product > LEAST_PRODUCT && tilt < MOST_ANGLE {
             let velocity = product * (span * PRODUCT_LASTS).sqrt();
             self.filter.inflate(&Vector3::zeros(), velocity, 0.0);

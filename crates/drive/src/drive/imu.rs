@@ -53,9 +53,15 @@ pub fn load_imu(path: &Path) -> Result<ImuLog, DriveError> {
     })
 }
 
+/// Accelerometers that read another tenth too much or too little are broken, or in another unit.
+const MOST_SCALE_ERROR: f64 = 0.1;
+
 /// What the table `[imu]` says beside where the samples are.
 pub(crate) struct ImuOptions {
     pub(crate) estimate_mounting: bool,
+    /// Roll, pitch, yaw \[rad\].
+    pub(crate) mounting_std: Vector3,
+    pub(crate) accel_scale_error: f64,
     pub(crate) vibration: Option<[f64; AXES]>,
 }
 
@@ -111,6 +117,21 @@ pub(crate) fn read_imu(
         (None, Some(rpy)) => from_rpy(&rpy).to_rotation_matrix().into_inner(),
         (None, None) => Matrix3::identity(),
     };
+    let mounting_std = section.vector("mounting_std", Quantity::Angle)?;
+    if mounting_std.is_some_and(|std| std.min() < 0.0) {
+        return Err(section
+            .error("mounting_std", "must not be negative")
+            .into());
+    }
+    if estimate_mounting && mounting_std.is_some() {
+        let message = "has no effect beside mounting = \"auto\", which finds it, too";
+        return Err(section.error("mounting_std", message).into());
+    }
+    let accel_scale_error = section.factor("accel_scale_error")?.unwrap_or(0.0);
+    if !(0.0..=MOST_SCALE_ERROR).contains(&accel_scale_error) {
+        let message = format!("must be between 0 and {MOST_SCALE_ERROR}, as 0.007 for 0.7 %");
+        return Err(section.error("accel_scale_error", message).into());
+    }
     format.gyro_offset = section
         .vector("gyro_offset", Quantity::AngularRate)?
         .unwrap_or_else(Vector3::zeros);
@@ -122,6 +143,8 @@ pub(crate) fn read_imu(
     section.only_known()?;
     let options = ImuOptions {
         estimate_mounting,
+        mounting_std: mounting_std.unwrap_or_else(Vector3::zeros),
+        accel_scale_error,
         vibration,
     };
     Ok(((path, format), options))

@@ -42,6 +42,8 @@ impl Drive {
             imu: (imu_path, ImuFormat::samples()),
             imu_read: BytesRead::default(),
             estimate_mounting: false,
+            mounting_std: Vector3::zeros(),
+            accel_scale_error: 0.0,
             vibration: Some([1.0; AXES]),
             gnss: (
                 gnss_path,

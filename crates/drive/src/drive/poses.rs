@@ -284,14 +284,18 @@ pub(super) fn read_states(section: &Section, given: bool) -> Result<Parameters, 
     Ok(parameters)
 }
 
-/// `parameters` as they are beside poses: nothing of a velocity, and clocks that differ by an offset and a rate, without a walk, since
-/// poses show the offset in every movement.
+/// `parameters` as they are beside poses: nothing of a velocity, clocks that differ by an offset and a rate, and a lever arm, all without a
+/// walk, since poses show them in every movement.
 pub(super) fn beside_poses(parameters: Parameters) -> Parameters {
-    let parameters = parameters.without(Parameter::VelocityTimeOffset);
-    match parameters.prior(Parameter::TimeOffset) {
-        Some(prior) => parameters.with(Parameter::TimeOffset, Prior::constant(prior.std)),
+    let constant = |parameters: Parameters, kind| match parameters.prior(kind) {
+        Some(prior) => parameters.with(kind, Prior::constant(prior.std)),
         None => parameters,
-    }
+    };
+    let parameters = parameters.without(Parameter::VelocityTimeOffset);
+    constant(
+        constant(parameters, Parameter::TimeOffset),
+        Parameter::LeverArm,
+    )
 }
 
 #[cfg(test)]

@@ -203,6 +203,10 @@ const MOUNTING_STD: f64 = 0.05;
 const AXLE_STD_GIVEN: f64 = 0.3;
 pub(crate) const AXLE_STD: f64 = 2.0;
 
+/// Random walk of the lever arm in units of its prior standard deviation [1/√s]: what turns show of it is not white (tyres, suspension, a receiver
+/// that smooths), so that no number of them shows it to the millimetre.
+const LEVER_ARM_WALK: f64 = 6e-3;
+
 /// How far fixes are from their stamps, as a rule \[s\], and how much that changes [s/√s]: clocks drift, hosts stamp late.
 const TIME_OFFSET_STD: f64 = 0.1;
 const TIME_OFFSET_WALK: f64 = 6e-3;
@@ -357,7 +361,8 @@ fn lever_arm_std(given: bool) -> f64 {
 
 /// The parameters with a lever arm that is given.
 pub(super) fn with_given_lever_arm(parameters: Parameters) -> Parameters {
-    parameters.with(Parameter::LeverArm, Prior::constant(lever_arm_std(true)))
+    let arm = [None, Some(lever_arm_std(true))];
+    estimated(parameters, [None; 2], arm, [None; 3])
 }
 
 /// The parameters that are estimated where nothing else is said.
@@ -402,12 +407,13 @@ fn estimated(
     [misalignment, lever_arm]: [Option<f64>; 2],
     [offset, rate, delay]: [Option<f64>; 3],
 ) -> Parameters {
+    let arm_walk = lever_arm.map_or(0.0, |std| LEVER_ARM_WALK * std);
     for (kind, std, walk) in [
         (Parameter::GyroScale, gyro_scale, SCALE_FACTOR_WALK),
         (Parameter::AccelScale, accel_scale, 0.0),
         (Parameter::GyroMisalignment, misalignment, 0.0),
         (Parameter::AccelMisalignment, misalignment, 0.0),
-        (Parameter::LeverArm, lever_arm, 0.0),
+        (Parameter::LeverArm, lever_arm, arm_walk),
         (Parameter::TimeOffset, offset, TIME_OFFSET_WALK),
         (Parameter::VelocityTimeOffset, offset, TIME_OFFSET_WALK),
         (Parameter::AccelDelay, delay, 0.0),

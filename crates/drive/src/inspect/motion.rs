@@ -58,8 +58,15 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
     if removed_gravity(&inspections[imu.0].parts[imu.1]).is_none() {
         found.flight = flight::found(inspections, [imu, gnss], logs, found);
     }
+    let lines = &mut inspections[imu.0].parts[imu.1].lines;
+    let scale = Line::new("accel_scale_error", SCALE_ERROR, Known::Uncalibrated);
+    lines.push(scale);
     found
 }
+
+/// Scale factor errors of accelerometers that nobody calibrated, one standard deviation [–]: of the order of a per cent (Groves 2013, section
+/// 4.4.2), and they count as white over five seconds.
+const SCALE_ERROR: f64 = 0.007;
 
 /// A part by its file and its place there.
 type At = (usize, usize);
@@ -165,7 +172,7 @@ fn in_vehicle(
             };
             // A hundredth of a degree is far below what is known of it.
             let value = angles(&mounting.rpy(), 2);
-            sits(&mut file.parts[imu.1], &value, known);
+            sits(&mut file.parts[imu.1], &value, &mounting.std, known);
             (mounting.matrix(), heading)
         }
         Err(NavigateError::Mounting(EstimateError::Mounting(MountingError::Wanders {
@@ -187,7 +194,14 @@ fn in_vehicle(
             let (rpy, std) = refined(drive, &rpy, std).unwrap_or((rpy, std));
             let value = angles(&rpy, 1);
             let std_deg = std.to_degrees();
-            sits(&mut file.parts[imu.1], &value, Known::Forces { std_deg });
+            // The level is that of the mean force: no better than the rest.
+            let std = Vector3::repeat(std);
+            sits(
+                &mut file.parts[imu.1],
+                &value,
+                &std,
+                Known::Forces { std_deg },
+            );
             (from_rpy(&rpy).to_rotation_matrix().into_inner(), false)
         }
     };
@@ -272,10 +286,12 @@ fn angles(rpy: &Vector3, digits: usize) -> String {
 
 const MOUNTING: &str = "mounting";
 
-/// Writes how the IMU sits into its part.
-fn sits(imu: &mut Part, mounting: &str, known: Known) {
+/// Writes how the IMU sits, and how well that is known \[rad\], into its part.
+fn sits(imu: &mut Part, mounting: &str, std: &Vector3, known: Known) {
     imu.lines.retain(|line| !SITS.contains(&line.key));
     imu.lines.push(Line::new(MOUNTING, mounting, known));
+    let std = Line::new("mounting_std", angles(std, 1), Known::LessCertain);
+    imu.lines.push(std);
 }
 
 /// The drive of an IMU and fixes, and of what else is given; with a `mounting` in place of how the IMU is said to sit.

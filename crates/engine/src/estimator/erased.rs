@@ -92,6 +92,7 @@ fn build_sized<const N: usize>(start: Initial) -> Result<Box<dyn Estimator>, Fil
     }?;
     Ok(Box::new(Erased {
         filter,
+        mounting_std: Vector3::zeros(),
         tape: None,
         log: None,
     }))
@@ -103,6 +104,8 @@ fn build_sized<const N: usize>(start: Initial) -> Result<Box<dyn Estimator>, Fil
 /// product of N × N matrices a step, which is why it runs only for smoothers and tuning.
 struct Erased<const N: usize> {
     filter: Filter<N>,
+    /// As [`Estimator::mounting_std`].
+    mounting_std: Vector3,
     /// Since the last call of `record`, or since the last update that was logged.
     tape: Option<Box<Tape<N>>>,
     /// Receiver of the updates; with it the tape is begun again at each update.
@@ -212,6 +215,18 @@ impl<const N: usize> Estimator for Erased<N> {
 
     fn time_offset(&self, kind: Parameter) -> Option<(f64, f64)> {
         self.filter.time_offset(kind)
+    }
+
+    fn mounting_std(&self) -> Vector3 {
+        self.mounting_std
+    }
+
+    fn set_mounting_std(&mut self, std: &Vector3) {
+        let is_state = self.parameters().prior(Parameter::Mounting).is_some();
+        self.mounting_std = match is_state {
+            true => Vector3::new(std.x, 0.0, 0.0),
+            false => *std,
+        };
     }
 
     fn since_start(&self) -> f64 {
@@ -421,12 +436,14 @@ impl<const N: usize> Estimator for Erased<N> {
 
     fn numbers(&mut self, each: &mut Each) {
         self.filter.numbers(each);
+        self.mounting_std.iter_mut().for_each(each);
     }
 
     /// Neither tape nor log is copied: a copy is for looking ahead, or for a snapshot.
     fn boxed(&self) -> Box<dyn Estimator> {
         Box::new(Self {
             filter: self.filter.clone(),
+            mounting_std: self.mounting_std,
             tape: None,
             log: None,
         })
@@ -453,6 +470,8 @@ impl<const N: usize> Estimator for Erased<N> {
         let carried = self.filter.carried();
         let states = self.sensors().states() + carried.parameters(lasting).states();
         let start = Initial::Lasting(carried, self.estimates(), self.covariance(), lasting);
-        sized(states, start)
+        let mut filter = sized(states, start)?;
+        filter.set_mounting_std(&self.mounting_std);
+        Ok(filter)
     }
 }

@@ -119,9 +119,9 @@ impl Search {
         self.constraints.non_holonomic.is_some() || self.constraints.course.is_some()
     }
 
-    /// Whether body axes are the vehicle's.
-    pub(crate) fn has_found(&self) -> bool {
-        self.found.is_some()
+    /// The mounting that was taken last; until there is one, body axes are the sensor's.
+    pub(crate) fn found(&self) -> Option<&Mounting> {
+        self.found.as_ref()
     }
 
     /// Why the axes are the sensor's still.

@@ -24,7 +24,13 @@ impl Run {
     /// True where the settings give the mounting; false until it is found where they ask to find
     /// it.
     pub(super) fn has_vehicle_axes(&self) -> bool {
-        self.search.as_ref().is_none_or(|search| search.has_found())
+        self.search.as_ref().is_none_or(|search| search.found().is_some())
+    }
+
+    /// How well it is known how the IMU sits, about the vehicle's axes \[rad\]: as it was found on the way, else as the settings say.
+    pub(super) fn mounting_std(&self) -> Vector3 {
+        let found = self.search.as_ref().and_then(|search| search.found());
+        found.map_or(self.settings.mounting_std, |mounting| mounting.std)
     }
 
     /// Looks for the mounting at the end of a sample; where it is found, all that is in body axes turns.
@@ -65,6 +71,7 @@ impl Run {
             let filter = &mut *solution.filter;
             let heading = to_rpy(&filter.nav().q_nb).z;
             filter.turn(&turned.turn);
+            filter.set_mounting_std(&turned.mounting.std);
             match turned.first {
                 true => self.course = CourseWatch::new(),
                 false => {

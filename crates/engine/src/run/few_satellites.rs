@@ -34,7 +34,7 @@ impl Run {
         solution.advance_to(due);
         solution.grow_to(due);
         if self.settings.gating {
-            solution.grow_by_products(due);
+            solution.grow_by_products(due, self.settings.accel_scale_error);
         }
         let mean = fix.mean_velocity;
         let stretch = mean.and_then(|mean| solution.stretch(mean.over, due));
@@ -55,7 +55,7 @@ impl Run {
                 }
             }
         }
-        solution.begin_stretch();
+        solution.updated(true);
         solution.node(self.settings.nodes, observer);
     }
 }

@@ -147,7 +147,9 @@ impl Run {
         if by_field {
             self.alignment.aligner.without_field();
         }
-        let solution = self.solution.insert(Solution::new(aligned.filter));
+        let mut filter = aligned.filter;
+        filter.set_mounting_std(&self.mounting_std());
+        let solution = self.solution.insert(Solution::new(filter));
         if let Some(vibration) = &self.vibration {
             solution.filter.set_white_noise(&vibration.variances());
         }
@@ -279,7 +281,7 @@ impl Run {
         if !withheld {
             solution.grow_to(due);
             if settings.gating {
-                solution.grow_by_products(due);
+                solution.grow_by_products(due, settings.accel_scale_error);
             }
         }
         if begins {
@@ -341,9 +343,7 @@ impl Run {
             }
         }
         if let Some(solution) = &mut self.solution {
-            if begins {
-                solution.begin_stretch();
-            }
+            solution.updated(begins);
             solution.node(self.settings.nodes, observer);
         }
         Ok(())

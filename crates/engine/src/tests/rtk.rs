@@ -85,3 +85,20 @@ fn a_delay_that_wanders_with_the_stamps_is_covered() {
         assert!(share > 0.95, "seed {seed}: {share}");
     }
 }
+
+/// Accelerometers that read 2 % too much, as many do: the lever arm and the delays are not learned from that as if it were motion.
+#[test]
+fn scale_factors_of_accelerometers_that_are_not_estimated_are_covered() {
+    for seed in [31, 32, 33, 34] {
+        let mut scenario = drive(seed);
+        let parameters = scenario.settings.parameters;
+        let arm = Prior::constant(0.5);
+        scenario.settings.parameters = parameters.with(Parameter::LeverArm, arm);
+        scenario.settings.accel_scale_error = 0.007;
+        for sample in &mut scenario.log.imu {
+            sample.dvel *= 1.02;
+        }
+        let share = covered(&scenario.navigate());
+        assert!(share > 0.95, "seed {seed}: {share}");
+    }
+}

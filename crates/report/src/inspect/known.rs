@@ -116,19 +116,17 @@ pub(super) fn known(known: &Known) -> String {
         Known::PointsUp => {
             "the z axis points up; assumes x forward and y left (if y is forward: \"y,x,-z\")"
         }
-        Known::Motion {
-            std_deg: [forward, right, down],
-            duration_s,
-            ..
-        } => {
+        Known::Motion { duration_s, .. } => {
             return format!(
-                "estimated from {duration_s:.0} s of this drive, to ±{forward:.1}, ±{right:.1}, ±{down:.1} deg; \"auto\" estimates it in each drive"
+                "estimated from {duration_s:.0} s of this drive; \"auto\" estimates it in each drive"
             );
         }
-        Known::Forces { std_deg } => {
-            return format!(
-                "estimated from forces, speeds and turns of this drive, yaw to ±{std_deg:.1} deg; \"auto\" is more accurate on a longer drive"
-            );
+        Known::LessCertain => "one standard deviation of it: the vehicle's attitude is as uncertain",
+        Known::Uncalibrated => {
+            "what accelerometers read too much or too little, one standard deviation: 0 for calibrated ones"
+        }
+        Known::Forces { .. } => {
+            "estimated from forces, speeds and turns of this drive; \"auto\" is more accurate on a longer drive"
         }
         Known::Field(strength) => return format!("by the strength of the field, {strength:.0} uT"),
         Known::FieldTurns => "so the field turns against the gyros",

@@ -122,6 +122,10 @@ pub enum Known {
         /// Driving that it rests on \[s\].
         duration_s: f64,
     },
+    /// What the estimated mounting is known to, by which attitudes of the vehicle are less certain.
+    LessCertain,
+    /// Of accelerometers that nobody calibrated, by which velocities are less certain.
+    Uncalibrated,
     /// By the sensor's name in the log, or in its file's or folder's.
     SensorName,
     /// By the steps of the values.
