@@ -340,11 +340,15 @@ pub trait Estimator: Send + Sync {
         gate: &Gate,
     ) -> Result<Option<Update>, FilterError>;
     /// Updates with what a window of motion says: `rows` times the errors of velocity, attitude about
-    /// body axes, gyro and accelerometer bias is noise of unit covariance.
+    /// body axes, gyro and accelerometer bias and the `delay`, a time offset, is noise of unit covariance.
     ///
     /// # Errors
     /// As [`Estimator::update`].
-    fn update_window(&mut self, rows: &SMatrix<f64, 12, 12>) -> Result<(), FilterError>;
+    fn update_window(
+        &mut self,
+        rows: &SMatrix<f64, 13, 13>,
+        delay: Option<Parameter>,
+    ) -> Result<(), FilterError>;
     /// Removes an estimated `error`, in the order of the error state; states beyond its length are taken as right.
     fn apply_correction(&mut self, error: &[f64]);
     /// Replaces the navigation state and keeps covariance and sensors' states: the end of an alignment.

@@ -119,9 +119,7 @@ pub(crate) fn read_imu(
     };
     let mounting_std = section.vector("mounting_std", Quantity::Angle)?;
     if mounting_std.is_some_and(|std| std.min() < 0.0) {
-        return Err(section
-            .error("mounting_std", "must not be negative")
-            .into());
+        return Err(section.error("mounting_std", "must not be negative").into());
     }
     if estimate_mounting && mounting_std.is_some() {
         let message = "has no effect beside mounting = \"auto\", which finds it, too";

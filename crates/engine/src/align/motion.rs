@@ -10,7 +10,7 @@ use super::{
     result::MotionFailure,
     segments::{Segment, moving, segments},
     sightings::{Sighting, held_late, least_spread, sightings, spread},
-    wahba::{EndCovariance, Guess, Problem},
+    wahba::{DELAY, EndCovariance, Guess, Problem},
 };
 use crate::{
     derived::antenna,
@@ -299,7 +299,8 @@ impl MotionAligner {
             let prior = settings.parameters.prior(kind);
             prior.map_or(0.0, |prior| prior.std * prior.std)
         };
-        let lateness = alone.then(|| LATENESS * LATENESS * variance_of(Parameter::TimeOffset));
+        let delay = delay(settings, alone);
+        let lateness = delay.map_or(0.0, |(_, std)| std * std);
         let problem = Problem {
             segments: &segments,
             reference: gyro_prior.0,
@@ -309,7 +310,8 @@ impl MotionAligner {
             accel: (Vector3::zeros(), bias_variances(accel, ACCEL_FLOOR)),
             gyro_noise: noise_of_mean(gyro, 1.0),
             accel_noise: noise_of_mean(accel, 1.0),
-            late: lateness.map(|variance| (-late, variance)),
+            by_position: alone,
+            late: (-late, lateness),
             arm: variance_of(Parameter::LeverArm),
         };
         // Noise larger than stated makes residuals and covariance larger, and a difference mean less.
@@ -337,18 +339,18 @@ impl MotionAligner {
             let problem = Problem {
                 segments: &again,
                 reference: guess.gyro,
-                late: lateness.map(|variance| (-late, variance)),
+                late: (-late, lateness),
                 ..problem
             };
             let solution = problem.refine(&guess);
             guess = solution.guess;
             let end = problem.end(&guess).ok_or(MotionFailure::Ambiguous)?;
-            let later = end.by_position.map_or(0.0, |(_, (later, _))| later);
-            late += later;
             rounds -= 1;
-            if rounds == 0 || later.abs() < SAME_TIME {
+            // Where velocities are late they are so by a line: the window stays where it is.
+            if rounds == 0 || !alone || end.late.abs() < SAME_TIME {
                 break (end, fit(solution.cost));
             }
+            late += end.late;
             seen = held(late);
         };
         let (mean, variance) = &problem.accel;
@@ -382,8 +384,8 @@ impl MotionAligner {
             }
             return Err(MotionFailure::Settling(worst));
         }
-        let position = match end.by_position {
-            Some((moved, _)) => place.displaced(&moved),
+        let position = match end.place {
+            Some(moved) => place.displaced(&moved),
             None => antenna(&last)
                 .ok_or(MotionFailure::TooFew)?
                 .displaced(&-(end.q_nb * settings.lever_arm)),
@@ -394,9 +396,7 @@ impl MotionAligner {
             v_n: end.v_n,
             q_nb: end.q_nb,
         };
-        let late = end
-            .by_position
-            .map(|(_, (_, variance))| (late, (variance * fit).sqrt()));
+        let late = delay.map(|(kind, std)| (kind, late + end.late, std));
         let filter = filter(&nav, late, &last, &guess, &(end.covariance * fit), settings)
             .ok_or(MotionFailure::Misfit(fit))?;
         Ok(AlignedInMotion {
@@ -437,11 +437,24 @@ fn certainty(waited: f64, alone: bool, grows: bool) -> (f64, f64) {
     }
 }
 
-/// The filter with what the window says: covariance of velocity, attitude and biases, truth less estimate, and by how much
-/// fixes are late with its standard deviation \[s\].
+/// The delay of the fixes that a window shows, of positions `alone` or of velocities, with what is known of it before \[s\], one standard
+/// deviation; `None` where none is estimated.
+fn delay(settings: &Settings, alone: bool) -> Option<(Parameter, f64)> {
+    let (kinds, factor): (&[Parameter], f64) = match alone {
+        true => (&[Parameter::TimeOffset], LATENESS),
+        false => (&[Parameter::VelocityTimeOffset, Parameter::TimeOffset], 1.0),
+    };
+    kinds.iter().find_map(|kind| {
+        let prior = settings.parameters.prior(*kind)?;
+        Some((*kind, factor * prior.std))
+    })
+}
+
+/// The filter with what the window says: covariance of velocity, attitude, biases and delay, truth less estimate; the delay by which fixes are
+/// `late`, and its standard deviation before \[s\].
 fn filter(
     end: &NavState,
-    late: Option<(f64, f64)>,
+    late: Option<(Parameter, f64, f64)>,
     fix: &GnssFix,
     guess: &Guess,
     covariance: &EndCovariance,
@@ -455,10 +468,12 @@ fn filter(
     };
     let parameters = settings.worthwhile(&position);
     let mut filter = estimator::build(*end, &std, &settings.sensors, parameters).ok()?;
-    if let (Some((late, std)), Some(at)) = (late, parameters.start(Parameter::TimeOffset)) {
-        filter.renew(Parameter::TimeOffset, std);
+    if let Some((kind, late, std)) = late
+        && let Some(at) = filter.parameter_start(kind)
+    {
+        filter.renew(kind, std);
         let mut error = vec![0.0; filter.states()];
-        error[filter.sensors().states() + at] = late;
+        error[at] = late;
         filter.apply_correction(&error);
     }
     let velocity = Matrix3::identity() * (WIDE * WIDE);
@@ -467,9 +482,22 @@ fn filter(
     let (g, a) = (guess.gyro, guess.accel);
     filter.set_sensor_error(&[g.x, g.y, g.z, a.x, a.y, a.z]);
 
-    // The window's information less the prior of the biases, which the filter has itself, as rows of a
+    // The window's information less the priors of biases and delay, which the filter has itself, as rows of a
     // measurement without innovation: the estimate is there already.
-    let mut information = covariance.try_inverse()?;
+    let mut information = match late {
+        Some((.., std)) => {
+            let mut all = covariance.try_inverse()?;
+            all[(DELAY, DELAY)] -= 1.0 / (std * std);
+            all
+        }
+        None => {
+            let known = covariance.fixed_view::<DELAY, DELAY>(0, 0).into_owned();
+            let mut all = EndCovariance::zeros();
+            let mut part = all.fixed_view_mut::<DELAY, DELAY>(0, 0);
+            part.copy_from(&known.try_inverse()?);
+            all
+        }
+    };
     let prior = filter.sensor_error_std();
     for axis in 0..AXES {
         if prior[axis] > 0.0 {
@@ -478,11 +506,13 @@ fn filter(
     }
     let eigen = ((information + information.transpose()) * 0.5).symmetric_eigen();
     let mut rows = eigen.eigenvectors.transpose();
-    for i in 0..12 {
+    for i in 0..=DELAY {
         let root = eigen.eigenvalues[i].max(0.0).sqrt();
         rows.row_mut(i).scale_mut(root);
     }
-    filter.update_window(&rows).ok()?;
+    filter
+        .update_window(&rows, late.map(|(kind, ..)| kind))
+        .ok()?;
     filter.check().ok()?;
     Some(filter)
 }

@@ -38,6 +38,8 @@ pub(super) struct Sighting {
     pub(super) time: f64,
     /// Velocity [m/s]; where positions are what is measured, about.
     pub(super) v_n: Vector3,
+    /// How the velocities change about it [m/s²], where they are what is measured.
+    pub(super) accel: Vector3,
     /// Position in `n` against the first \[m\], where that is measured.
     pub(super) place: Vector3,
     /// Variances of what is measured.
@@ -63,7 +65,15 @@ pub(super) fn sightings(fixes: &VecDeque<GnssFix>, alone: bool, looser: f64) -> 
                 ..Sighting::default()
             })
         };
-        return fixes.iter().filter_map(velocity).collect();
+        let mut seen: Vec<Sighting> = fixes.iter().filter_map(velocity).collect();
+        for k in 0..seen.len() {
+            let (from, to) = (seen[k.saturating_sub(1)], seen[(k + 1).min(seen.len() - 1)]);
+            let span = to.time - from.time;
+            if span > 0.0 && span < 2.0 * NEAR {
+                seen[k].accel = (to.v_n - from.v_n) / span;
+            }
+        }
+        return seen;
     }
     let Some(first) = fixes.front().and_then(antenna) else {
         return Vec::new();
@@ -254,6 +264,7 @@ mod tests {
     #[test]
     fn late_positions_end_at_the_end_of_the_window() {
         let sighting = |time: f64| Sighting {
+            accel: Vector3::zeros(),
             time,
             v_n: Vector3::repeat(time),
             place: Vector3::repeat(2.0 * time),

@@ -94,10 +94,11 @@ pub(super) struct Problem<'a> {
     /// Squared densities of the sensors' white noise [rad²/s], [m²/s³].
     pub(super) gyro_noise: f64,
     pub(super) accel_noise: f64,
-    /// Where the segments have positions in place of velocities: the time by which fixes hold later than the segments
-    /// have it, and its variance \[s, s²\].
-    pub(super) late: Option<(f64, f64)>,
-    /// There, variance of each component of the lever arm \[m²\].
+    /// Whether the segments have positions in place of velocities.
+    pub(super) by_position: bool,
+    /// Time by which fixes hold later than the segments have it, and its variance \[s, s²\].
+    pub(super) late: (f64, f64),
+    /// By positions: variance of each component of the lever arm \[m²\].
     pub(super) arm: f64,
 }
 
@@ -110,16 +111,19 @@ pub(super) struct End {
     pub(super) q_nb: Quaternion,
     /// Velocity of the IMU \[m/s\].
     pub(super) v_n: Vector3,
-    /// Where the segments have positions: that of the IMU against their origin \[m\], and by how much fixes hold later
-    /// than the segments have it, with its variance \[s, s²\].
-    pub(super) by_position: Option<(Vector3, (f64, f64))>,
-    /// In the order velocity, attitude, gyro bias, accelerometer bias.
+    /// Where the segments have positions: that of the IMU against their origin \[m\].
+    pub(super) place: Option<Vector3>,
+    /// By how much fixes hold later than the segments have it \[s\].
+    pub(super) late: f64,
+    /// In the order velocity, attitude, gyro bias, accelerometer bias, delay of the fixes.
     pub(super) covariance: EndCovariance,
 }
 
-/// Truth less estimate of velocity in `n` [m/s], attitude in body axes \[rad\], gyro bias [rad/s] and
-/// accelerometer bias [m/s²] at the end of the window: its covariance.
-pub(super) type EndCovariance = SMatrix<f64, 12, 12>;
+/// Truth less estimate of velocity in `n` [m/s], attitude in body axes \[rad\], gyro bias [rad/s],
+/// accelerometer bias [m/s²] and delay of the fixes \[s\] at the end of the window: its covariance.
+pub(super) type EndCovariance = SMatrix<f64, 13, 13>;
+/// Place of the delay in it.
+pub(super) const DELAY: usize = 12;
 
 impl Problem<'_> {
     /// A guess at the start of the window, with the priors of the biases; `gyro` is the mean of the gyro prior.
@@ -219,23 +223,23 @@ impl Problem<'_> {
         omega_b: &Vector3,
     ) {
         let v_n = s.fix.v_n - at.q_nb * omega_b.cross(&self.lever_arm);
+        if first {
+            at.state[..3].copy_from_slice(v_n.as_slice());
+            (at.state[LATE], at.wander[LATE][LATE]) = self.late;
+            for i in 0..3 {
+                at.wander[i][i] = UNKNOWN_VELOCITY * UNKNOWN_VELOCITY;
+            }
+        }
         if S == BY_VELOCITY {
             for i in 0..3 {
-                if first {
-                    at.state[i] = v_n[i];
-                    at.wander[i][i] = s.fix.variance[i];
-                } else {
-                    at.update([(i, 1.0)], v_n[i], s.fix.variance[i]);
-                }
+                let weighed = [(i, 1.0), (LATE, s.fix.accel[i])];
+                at.update(weighed, v_n[i], s.fix.variance[i]);
             }
             return;
         }
         let place = s.fix.place - at.q_nb * self.lever_arm;
         if first {
-            at.state[..3].copy_from_slice(v_n.as_slice());
-            (at.state[LATE], at.wander[LATE][LATE]) = self.late.unwrap_or_default();
             for i in 0..3 {
-                at.wander[i][i] = UNKNOWN_VELOCITY * UNKNOWN_VELOCITY;
                 at.wander[PLACE + i][PLACE + i] = UNKNOWN_PLACE * UNKNOWN_PLACE;
                 at.wander[ARM + i][ARM + i] = self.arm;
             }
@@ -250,9 +254,9 @@ impl Problem<'_> {
 
     /// The end of the window after [`Problem::refine`]; `None` where something is not determined at all.
     pub(super) fn end(&self, guess: &Guess) -> Option<End> {
-        match self.late {
-            Some(_) => self.end_of::<BY_POSITION>(guess),
-            None => self.end_of::<BY_VELOCITY>(guess),
+        match self.by_position {
+            true => self.end_of::<BY_POSITION>(guess),
+            false => self.end_of::<BY_VELOCITY>(guess),
         }
     }
 
@@ -265,37 +269,40 @@ impl Problem<'_> {
     fn end_of<const S: usize>(&self, guess: &Guess) -> Option<End> {
         let linear = self.linearise::<S>(guess, self.segments.len(), &self.gyro.0);
         let parameters = linear.information.try_inverse()?;
-        let effect = SMatrix::<f64, 12, 9>::from_fn(|i, j| match i {
-            0..6 => linear.effect[j][i],
-            _ if i == 3 + j => 1.0,
-            _ => 0.0,
-        });
-        let mut covariance = effect * parameters * effect.transpose();
-        for i in 0..6 {
-            for j in 0..6 {
-                covariance[(i, j)] += linear.wander[i][j];
+        // Place of a state among those of the end.
+        let place_of = |state: usize| if state == LATE { DELAY } else { state };
+        let mut effect = SMatrix::<f64, 13, 9>::zeros();
+        for j in 0..9 {
+            for state in 0..=LATE {
+                effect[(place_of(state), j)] = linear.effect[j][state];
+            }
+            if j >= 3 {
+                effect[(3 + j, j)] = 1.0;
             }
         }
-        let by_position = (S == BY_POSITION).then(|| {
-            let state = &linear.state;
-            let place = Vector3::new(state[PLACE], state[PLACE + 1], state[PLACE + 2]);
-            let row = Unknowns::from_fn(|j, _| linear.effect[j][LATE]);
-            let variance = linear.wander[LATE][LATE] + row.dot(&(parameters * row));
-            (place, (state[LATE], variance))
-        });
+        let mut covariance = effect * parameters * effect.transpose();
+        for i in 0..=LATE {
+            for j in 0..=LATE {
+                covariance[(place_of(i), place_of(j))] += linear.wander[i][j];
+            }
+        }
+        let state = &linear.state;
+        let place = (S == BY_POSITION)
+            .then(|| Vector3::new(state[PLACE], state[PLACE + 1], state[PLACE + 2]));
         Some(End {
             q_nb: linear.q_nb,
             v_n: linear.v_n(),
-            by_position,
+            place,
+            late: state[LATE],
             covariance,
         })
     }
 
     /// Improves a guess on the first `count` segments.
     fn improve(&self, guess: &Guess, count: usize, gyro: &Vector3) -> Minimum {
-        match self.late {
-            Some(_) => self.improve_by::<BY_POSITION>(guess, count, gyro),
-            None => self.improve_by::<BY_VELOCITY>(guess, count, gyro),
+        match self.by_position {
+            true => self.improve_by::<BY_POSITION>(guess, count, gyro),
+            false => self.improve_by::<BY_VELOCITY>(guess, count, gyro),
         }
     }
 

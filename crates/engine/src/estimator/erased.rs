@@ -358,9 +358,13 @@ impl<const N: usize> Estimator for Erased<N> {
     /// window has truth less estimate), misalignment about north, east, down goes to body axes by
     /// C_n^b, the sensors' states to the errors that they make by H. Measurement noise is the
     /// identity, the gate open.
-    fn update_window(&mut self, rows: &SMatrix<f64, 12, 12>) -> Result<(), FilterError> {
+    fn update_window(
+        &mut self,
+        rows: &SMatrix<f64, 13, 13>,
+        delay: Option<Parameter>,
+    ) -> Result<(), FilterError> {
         // From the filter's errors to those of the window.
-        let mut map = SMatrix::<f64, 12, N>::zeros();
+        let mut map = SMatrix::<f64, 13, N>::zeros();
         let c_bn = self.nav().q_nb.to_rotation_matrix().transpose();
         map.fixed_view_mut::<3, 3>(0, 3)
             .copy_from(&-Matrix3::identity());
@@ -370,6 +374,9 @@ impl<const N: usize> Estimator for Erased<N> {
             for i in 0..sensor.order {
                 map[(6 + axis, at + i)] = sensor.h[i];
             }
+        }
+        if let Some(at) = delay.and_then(|kind| self.parameter_start(kind)) {
+            map[(12, at)] = 1.0;
         }
         let observed = Observation {
             innovation: SVector::zeros(),

@@ -219,8 +219,10 @@ fn same_run<const N: usize>(states: usize) {
     filter.set_nav(start());
     assert_same(&*own, &filter);
     let (mut ours, mut navs) = (Vec::new(), Vec::new());
+    own.set_mounting_std(&LEVER);
     own.numbers(&mut |number| ours.push(*number));
     filter.numbers(&mut |number| navs.push(*number));
+    navs.extend(own.mounting_std().iter());
     assert_eq!(ours, navs);
 }
 
@@ -484,10 +486,10 @@ fn a_window_of_motion_relates_velocity_attitude_and_bias() {
         };
         let mut own = build(nav, &std, &[sensor; AXES], Parameters::none()).unwrap();
         // One component plus the bias of accelerometer y is zero but for noise.
-        let mut rows = SMatrix::<f64, 12, 12>::zeros();
+        let mut rows = SMatrix::<f64, 13, 13>::zeros();
         rows[(0, window)] = 1.0 / f64::sqrt(noise);
         rows[(0, 10)] = 1.0 / f64::sqrt(noise);
-        own.update_window(&rows).unwrap();
+        own.update_window(&rows, None).unwrap();
         assert_eq!(own.nav(), &nav);
         own.covariance().into_owned()
     };
@@ -503,6 +505,34 @@ fn a_window_of_motion_relates_velocity_attitude_and_bias() {
     near(p[(7, 13)], -own_turn * own_bias / s);
     near(p[(7, 7)], own_turn - own_turn * own_turn / s);
     near(p[(6, 6)], own_turn);
+}
+
+/// Of a mounting that is known to some degrees, about the vehicle's axes: here forward is east.
+#[test]
+fn the_vehicle_is_as_uncertain_as_its_mounting() {
+    let sensors = [ShapingFilter::white(1e-3, T).unwrap(); AXES];
+    let east = NavState {
+        q_nb: from_rpy(&Vector3::new(0.0, 0.0, core::f64::consts::FRAC_PI_2)),
+        ..start()
+    };
+    let [roll, pitch, yaw] = [0.3, 0.2, 0.1];
+    let near = |is: [f64; 3], expected: [f64; 3]| {
+        let off = is.iter().zip(expected).map(|(a, b)| (a - b).abs());
+        assert!(off.fold(0.0, f64::max) < 1e-12, "{is:?} {expected:?}");
+    };
+    let mut given = build(east, &std(), &sensors, Parameters::none()).unwrap();
+    given.set_mounting_std(&Vector3::new(roll, pitch, yaw));
+    let north_east_down = [(0.01, pitch), (0.02, roll), (0.05, yaw)].map(|(a, b)| f64::hypot(a, b));
+    near(given.vehicle_attitude().1, north_east_down);
+    near(given.boxed().vehicle_attitude().1, north_east_down);
+    // Pitch and yaw are states: the rest is the roll.
+    let parameters = Parameters::none().with(Parameter::Mounting, Prior::constant(0.03));
+    let mut estimated = build(east, &std(), &sensors, parameters).unwrap();
+    estimated.set_mounting_std(&Vector3::new(roll, pitch, yaw));
+    let expected = [(0.01, 0.03), (0.02, roll), (0.05, 0.03)].map(|(a, b)| f64::hypot(a, b));
+    near(estimated.vehicle_attitude().1, expected);
+    let kept = estimated.with_lasting(&[None; 2]).unwrap();
+    near(kept.vehicle_attitude().1, expected);
 }
 
 #[test]

@@ -24,7 +24,9 @@ impl Run {
     /// True where the settings give the mounting; false until it is found where they ask to find
     /// it.
     pub(super) fn has_vehicle_axes(&self) -> bool {
-        self.search.as_ref().is_none_or(|search| search.found().is_some())
+        self.search
+            .as_ref()
+            .is_none_or(|search| search.found().is_some())
     }
 
     /// How well it is known how the IMU sits, about the vehicle's axes \[rad\]: as it was found on the way, else as the settings say.

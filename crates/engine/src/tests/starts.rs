@@ -240,3 +240,47 @@ fn noise_of_positions_is_no_course() {
         }
     }
 }
+
+/// Positions and velocities that are late alike, in motion from the first sample on: the window takes the delay neither for attitude nor
+/// for none, and what follows finds it.
+#[test]
+fn a_start_in_motion_leaves_the_delay_of_fixes_open() {
+    let sensors = imu([4e-3 * DEG, 0.3 * DEG], [3e-3, 0.3]);
+    let noise = GnssNoise {
+        position_std: [0.05; 3],
+        velocity_std: [0.05; 3],
+        rate_hz: 4.0,
+        ..receiver()
+    };
+    for (seed, late) in [(1, 0.2), (2, -0.15), (3, 0.1), (4, 0.2)] {
+        let mut scenario = Scenario::of(sensors, &Trajectory::car(200.0, seed), &noise, seed);
+        scenario.settings.align.attitude = None;
+        scenario.settings.align.heading = Heading::Auto;
+        let kinds = [Parameter::TimeOffset, Parameter::VelocityTimeOffset];
+        for kind in kinds {
+            let parameters = scenario.settings.parameters;
+            scenario.settings.parameters = parameters.with(kind, Prior::constant(0.1));
+        }
+        scenario
+            .log
+            .imu
+            .retain(|sample| sample.time > 80.0 && sample.time < 130.0);
+        for fix in &mut scenario.log.gnss {
+            fix.time += late;
+        }
+        let seen = scenario.navigate();
+        for (kind, value, std) in &seen.summary.parameters {
+            let off = (value[0] + late).abs();
+            assert!(
+                !kinds.contains(kind) || off < 3.0 * std[0],
+                "seed {seed}: {kind:?} {value:?} ± {std:?}"
+            );
+        }
+        let is_inside = |epoch: &&Epoch| (0..3).all(|i| epoch.error[i].abs() < 3.0 * epoch.std[i]);
+        let inside = seen.epochs.iter().filter(is_inside).count();
+        assert!(
+            20 * inside >= 19 * seen.epochs.len(),
+            "seed {seed}: {inside}"
+        );
+    }
+}

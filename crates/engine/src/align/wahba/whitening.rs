@@ -20,16 +20,15 @@ pub(super) type Unknowns = SVector<f64, 9>;
 /// Their information matrix, JᵀJ of whitened residuals.
 pub(super) type Information = SMatrix<f64, 9, 9>;
 
-/// States of the filter that whitens velocities: velocity in `n` [m/s] and what has wandered in the attitude, body
-/// axes \[rad\].
-pub(super) const BY_VELOCITY: usize = 6;
-/// States of the filter that whitens positions: those, the position in `n` \[m\], by how much fixes hold later than
-/// their stamps \[s\], and what the lever arm lacks, body axes \[m\].
+/// States of the filter that whitens velocities: velocity in `n` [m/s], what has wandered in the attitude, body
+/// axes \[rad\], and by how much fixes hold later than their stamps \[s\].
+pub(super) const BY_VELOCITY: usize = 7;
+/// States of the filter that whitens positions: those, the position in `n` \[m\], and what the lever arm lacks, body axes \[m\].
 pub(super) const BY_POSITION: usize = 13;
-/// Place of the position among the states of that filter.
-pub(super) const PLACE: usize = 6;
-/// Place of the delay.
-pub(super) const LATE: usize = 9;
+/// Place of the delay among the states of both.
+pub(super) const LATE: usize = 6;
+/// Place of the position.
+pub(super) const PLACE: usize = 7;
 /// Place of the lever arm.
 pub(super) const ARM: usize = 10;
 
