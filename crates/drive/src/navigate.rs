@@ -2,6 +2,7 @@
 
 mod clock;
 mod findings;
+mod hindsight;
 mod outputs;
 mod recorder;
 mod recording;
@@ -9,6 +10,7 @@ mod result;
 mod start;
 
 pub use clock::{Clock, UnknownClock};
+pub use hindsight::Hindsight;
 pub use outputs::FRESH;
 pub use recorder::{Rows, Wanted, solution_row};
 pub use recording::Recording;
@@ -221,29 +223,6 @@ pub fn study<E>(
     });
     let study = fixes::study(fixes);
     failed.map_or(Ok(study), Err)
-}
-
-/// Part of a log that a solution knows at each instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Hindsight {
-    /// What has come so far, as while driving: what a real-time run would have given.
-    #[default]
-    Causal,
-    /// What has come so far, and from the first sample on what all of the fixes show of their errors, and the mounting.
-    LookAhead,
-    /// All of it: smoothed, for the best solution after the drive.
-    Smooth,
-}
-
-impl Hindsight {
-    /// From two switches of a user; a smoothed solution looks ahead in any case.
-    pub fn asked(look_ahead: bool, smooth: bool) -> Self {
-        match (look_ahead, smooth) {
-            (_, true) => Self::Smooth,
-            (true, false) => Self::LookAhead,
-            (false, false) => Self::Causal,
-        }
-    }
 }
 
 /// What a drive states of its fixes' errors: their correlation in time and the factors on their standard deviations.

@@ -192,7 +192,7 @@ impl History {
     pub fn push(&mut self, filter: &dyn Estimator, since: Option<&Adjoint>) -> io::Result<()> {
         self.states = filter.states();
         self.sensors = Some((*filter.sensors(), *filter.parameters()));
-        self.mounting_std = filter.mounting_std();
+        self.mounting_std = self.mounting_std.sup(&filter.mounting_std());
         let n = self.states;
         let record = &mut self.record;
         record.clear();

@@ -268,6 +268,8 @@ pub trait Estimator: Send + Sync {
     fn mounting_std(&self) -> Vector3;
     /// Sets [`Estimator::mounting_std`]; of pitch and yaw that are states nothing is taken.
     fn set_mounting_std(&mut self, std: &Vector3);
+    /// Makes the pitch of the mounting less certain by `nods` \[rad\] until [`Estimator::set_mounting_std`] is called.
+    fn loosen(&mut self, nods: f64);
     /// Attitude of the vehicle's axes `q_nv`, and its standard deviations about north, east and down \[rad\]: the body's where
     /// the mounting is not estimated, as uncertain as that was found to be.
     fn vehicle_attitude(&self) -> (Quaternion, [f64; 3]) {

@@ -79,6 +79,7 @@ mod plausible;
 mod readings;
 mod receiver;
 mod rest;
+mod rocking;
 mod run;
 pub mod settings;
 mod solution;

@@ -42,6 +42,7 @@ use super::{
     observer::Observer,
     plausible::Plausible,
     receiver::Receiver,
+    rocking::Rocking,
     solution::Solution,
     summary::Summary,
     vertical::VerticalVelocity,
@@ -93,6 +94,8 @@ pub(crate) struct Run {
     course: CourseWatch,
     /// Watch of the direction of motion in the body.
     forward: ForwardWatch,
+    /// Watch of a loose mount.
+    rocking: Rocking,
     /// Watch of the headings by two antennas.
     headings: Headings,
     /// Watch of the magnetic field.
@@ -143,6 +146,7 @@ impl Run {
             plausible: Plausible::new(&settings),
             course: CourseWatch::new(),
             forward: ForwardWatch::default(),
+            rocking: Rocking::default(),
             headings: Headings::new(),
             compass: Compass::new(),
             vehicle: Vehicle::new(&settings),
@@ -458,5 +462,6 @@ impl Run {
             solution.node(self.settings.nodes, observer);
         }
         self.look_for_mounting(observer);
+        self.look_for_loose_mount();
     }
 }

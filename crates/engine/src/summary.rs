@@ -23,6 +23,8 @@ const SIGMAS: f64 = 3.0;
 pub struct LateSamples {
     /// Number of positions used.
     pub positions: u64,
+    /// Sums of the squared speed over ground there [m²/s²], and of the larger horizontal variance of the position \[m²\].
+    pub squares: [f64; 2],
     /// Number of those at which the solution was behind the receiver's clock by more than three standard deviations of its position.
     pub behind: u64,
     /// Largest distance that it was behind at one of them \[m\].
@@ -35,10 +37,14 @@ impl LateSamples {
     /// Counts the filter's state after a position.
     pub(super) fn note(&mut self, filter: &dyn Estimator) {
         self.positions += 1;
+        let (speed, std) = (filter.nav().v_n.xy().norm(), filter.nav_std());
+        let largest = std[0].max(std[1]);
+        for (sum, of) in self.squares.iter_mut().zip([speed, largest]) {
+            *sum += of * of;
+        }
         let Some(clock) = filter.receiver_clock() else {
             return;
         };
-        let (speed, std) = (filter.nav().v_n.xy().norm(), filter.nav_std());
         let behind = clock.offset.abs() * speed;
         let is_sure = clock.offset.abs() > SIGMAS * clock.offset_std;
         if is_sure && clock.lateness() != 0.0 && behind > SIGMAS * std[0].max(std[1]) {
@@ -47,6 +53,17 @@ impl LateSamples {
                 (self.most, self.delay) = (behind, (clock.offset, clock.offset_std));
             }
         }
+    }
+}
+
+impl LateSamples {
+    /// How far positions are off, as a rule, where times are wrong by `delay` \[s\]: in metres, where that is beyond three standard deviations.
+    pub(super) fn beyond(&self, delay: f64) -> Option<f64> {
+        let [speed, std] = self
+            .squares
+            .map(|sum| (sum / (self.positions as f64).max(1.0)).sqrt());
+        let moved = delay * speed;
+        (moved > SIGMAS * std).then_some(moved)
     }
 }
 

@@ -3,6 +3,7 @@
 mod figures_of_eight;
 mod flights;
 mod headings;
+mod loose;
 mod magnetometers;
 mod poses;
 mod rtk;
@@ -196,6 +197,8 @@ pub(super) struct Epoch {
     pub(super) error: [f64; NAV],
     /// Their standard deviations.
     pub(super) std: [f64; NAV],
+    /// Standard deviations of the vehicle's attitude, north, east, down \[rad\].
+    pub(super) vehicle_std: [f64; 3],
     /// Standard deviation of the error of gyro z [rad/s].
     pub(super) gyro_std: f64,
 }
@@ -269,6 +272,7 @@ impl Observer for Track<'_> {
             time: nav.time,
             error,
             std: filter.nav_std(),
+            vehicle_std: filter.vehicle_attitude().1,
             gyro_std: filter.sensor_error_std()[2],
         });
     }

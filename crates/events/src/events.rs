@@ -228,12 +228,19 @@ pub enum Implausible {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum Mismatch {
-    /// The velocities of the fixes show the turns of the gyros so much later than stamped \[s\].
-    LateVelocities(f64),
+    /// The velocities of the fixes show the turns of the gyros later than stamped.
+    LateVelocities {
+        /// By how much \[s\].
+        delay: f64,
+        /// How far positions may be off where the filter has another delay \[m\]; `None` within three of their standard deviations.
+        beyond: Option<f64>,
+    },
     /// The accelerometers are later than the gyros by so much \[s\].
     LateAccelerometers(f64),
     /// The receiver holds its position while it moves slowly; the largest step from there \[m\].
     HeldPositions(f64),
+    /// The IMU nods in its mount, one standard deviation \[rad\].
+    Nods(f64),
     /// The vehicle moves at this angle to body forward, and nothing says how the IMU sits in it \[rad\].
     MovesAside(f64),
 }

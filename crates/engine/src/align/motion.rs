@@ -5,26 +5,23 @@
 //! with their covariance, which the filter takes over. An uncertain or ambiguous result waits for
 //! more motion. Only the window is kept.
 
+mod handover;
+
 use super::{
     basis::{bias_variances, noise_of_mean},
     result::MotionFailure,
     segments::{Segment, moving, segments},
     sightings::{Sighting, held_late, least_spread, sightings, spread},
-    wahba::{DELAY, EndCovariance, Guess, Problem},
+    wahba::{Guess, Problem},
 };
-use crate::{
-    derived::antenna,
-    estimator::{self, Estimator},
-    settings::Settings,
-};
+use crate::{derived::antenna, estimator::Estimator, settings::Settings};
 use alloc::collections::VecDeque;
-use alloc::{boxed::Box, vec, vec::Vec};
+use alloc::{boxed::Box, vec::Vec};
+use handover::{delay, filter};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::ComplexField;
 use undrift_nav::{
-    Matrix3, Vector3,
-    covariance::AXES,
-    filter::InitialStd,
+    Vector3,
     mechanisation::NavState,
     parameters::Parameter,
     sample::{GnssFix, ImuSample},
@@ -68,9 +65,6 @@ const CERTAIN: f64 = 0.2;
 /// Variances of positions in the search, times what their scatter shows: what fits nothing may fit positions whose errors
 /// last for a second, or sensors that shake.
 const LOOSER: [f64; 3] = [1.0, 10.0, 100.0];
-/// Standard deviation of the time by which positions are late, in those of the filter's: logs of positions alone have
-/// clocks that nothing else compares.
-const LATENESS: f64 = 3.0;
 /// Positions alone have to move for this long \[s\], faster than 0.5 m/s: a receiver's own filter holds them back for
 /// seconds after a rest.
 const LEAST_MOTION: f64 = 15.0;
@@ -87,8 +81,6 @@ const MOST_BIAS: f64 = 5.0;
 const LEAST_BIAS: f64 = 0.2;
 /// Squared residuals for each degree of freedom, at most.
 const FIT: f64 = 10.0;
-/// Standard deviation of the filter's velocity and attitude before the window determines them \[m/s, rad\].
-const WIDE: f64 = 100.0;
 /// Standard deviation of unmodelled gyro bias \[rad/s\]: nothing is known exactly.
 const GYRO_FLOOR: f64 = 1e-4;
 /// Standard deviation of unmodelled accelerometer bias \[m/s²\].
@@ -435,86 +427,6 @@ fn certainty(waited: f64, alone: bool, grows: bool) -> (f64, f64) {
         (false, true) => (GOOD, settled),
         (false, false) => (settled, settled),
     }
-}
-
-/// The delay of the fixes that a window shows, of positions `alone` or of velocities, with what is known of it before \[s\], one standard
-/// deviation; `None` where none is estimated.
-fn delay(settings: &Settings, alone: bool) -> Option<(Parameter, f64)> {
-    let (kinds, factor): (&[Parameter], f64) = match alone {
-        true => (&[Parameter::TimeOffset], LATENESS),
-        false => (&[Parameter::VelocityTimeOffset, Parameter::TimeOffset], 1.0),
-    };
-    kinds.iter().find_map(|kind| {
-        let prior = settings.parameters.prior(*kind)?;
-        Some((*kind, factor * prior.std))
-    })
-}
-
-/// The filter with what the window says: covariance of velocity, attitude, biases and delay, truth less estimate; the delay by which fixes are
-/// `late`, and its standard deviation before \[s\].
-fn filter(
-    end: &NavState,
-    late: Option<(Parameter, f64, f64)>,
-    fix: &GnssFix,
-    guess: &Guess,
-    covariance: &EndCovariance,
-    settings: &Settings,
-) -> Option<Box<dyn Estimator>> {
-    let (_, position) = fix.position?;
-    let std = InitialStd {
-        position: Vector3::repeat(1.0),
-        velocity: Vector3::repeat(WIDE),
-        attitude: Vector3::repeat(WIDE),
-    };
-    let parameters = settings.worthwhile(&position);
-    let mut filter = estimator::build(*end, &std, &settings.sensors, parameters).ok()?;
-    if let Some((kind, late, std)) = late
-        && let Some(at) = filter.parameter_start(kind)
-    {
-        filter.renew(kind, std);
-        let mut error = vec![0.0; filter.states()];
-        error[at] = late;
-        filter.apply_correction(&error);
-    }
-    let velocity = Matrix3::identity() * (WIDE * WIDE);
-    let correlated = [settings.fix_errors.split(&position).1, Vector3::zeros()];
-    filter.set_position_velocity_covariance(&position, &velocity, &correlated);
-    let (g, a) = (guess.gyro, guess.accel);
-    filter.set_sensor_error(&[g.x, g.y, g.z, a.x, a.y, a.z]);
-
-    // The window's information less the priors of biases and delay, which the filter has itself, as rows of a
-    // measurement without innovation: the estimate is there already.
-    let mut information = match late {
-        Some((.., std)) => {
-            let mut all = covariance.try_inverse()?;
-            all[(DELAY, DELAY)] -= 1.0 / (std * std);
-            all
-        }
-        None => {
-            let known = covariance.fixed_view::<DELAY, DELAY>(0, 0).into_owned();
-            let mut all = EndCovariance::zeros();
-            let mut part = all.fixed_view_mut::<DELAY, DELAY>(0, 0);
-            part.copy_from(&known.try_inverse()?);
-            all
-        }
-    };
-    let prior = filter.sensor_error_std();
-    for axis in 0..AXES {
-        if prior[axis] > 0.0 {
-            information[(6 + axis, 6 + axis)] -= 1.0 / (prior[axis] * prior[axis]);
-        }
-    }
-    let eigen = ((information + information.transpose()) * 0.5).symmetric_eigen();
-    let mut rows = eigen.eigenvectors.transpose();
-    for i in 0..=DELAY {
-        let root = eigen.eigenvalues[i].max(0.0).sqrt();
-        rows.row_mut(i).scale_mut(root);
-    }
-    filter
-        .update_window(&rows, late.map(|(kind, ..)| kind))
-        .ok()?;
-    filter.check().ok()?;
-    Some(filter)
 }
 
 #[cfg(test)]

@@ -229,6 +229,10 @@ impl<const N: usize> Estimator for Erased<N> {
         };
     }
 
+    fn loosen(&mut self, nods: f64) {
+        self.mounting_std.y = self.mounting_std.y.hypot(nods);
+    }
+
     fn since_start(&self) -> f64 {
         self.filter.since_start()
     }

@@ -315,7 +315,10 @@ impl Turns {
         };
         let mut found = Vec::new();
         if turns.lag < -LATE.max(SIGMAS * turns.std) {
-            found.push(Mismatch::LateVelocities(-turns.lag));
+            found.push(Mismatch::LateVelocities {
+                delay: -turns.lag,
+                beyond: None,
+            });
         }
         let ways = [&self.gains, &self.swings].map(|rows| {
             let pushed = rows[SPEED_LAGS].power() > ENOUGH_PUSH;

@@ -54,6 +54,25 @@ impl Run {
         observer.mounted(&turned.mounting);
     }
 
+    /// Looks whether the IMU nods in its mount: while it does the vehicle's attitude is as uncertain as that.
+    pub(super) fn look_for_loose_mount(&mut self) {
+        if !self.settings.gating
+            || self.settings.constraints.air.is_some()
+            || !self.has_vehicle_axes()
+        {
+            return;
+        }
+        let known = self.mounting_std();
+        let Some(solution) = &mut self.solution else {
+            return;
+        };
+        let filter = &mut *solution.filter;
+        if let Some(nods) = self.rocking.sample(filter) {
+            filter.set_mounting_std(&known);
+            filter.loosen(nods);
+        }
+    }
+
     /// Turns all that is in body axes by `turned`: samples, watches, vehicle, solution.
     ///
     /// A state of the mounting is set back to its prior, at least as wide as the new estimate is

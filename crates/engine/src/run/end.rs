@@ -18,7 +18,7 @@ use crate::{
     not_aligned::NotAligned,
     observer::Observer,
     solution::Solution,
-    summary::Summary,
+    summary::{LateSamples, Summary},
     vibration::Vibration,
 };
 use alloc::boxed::Box;
@@ -88,6 +88,8 @@ impl Run {
             let aside = self.forward.finding();
             self.summary.mismatches.extend(aside);
         }
+        let nods = self.rocking.most().map(Mismatch::Nods);
+        self.summary.mismatches.extend(nods);
         self.streak.judge(&mut self.summary);
         self.receiver.close(&mut self.summary);
         self.headings.close(&mut self.summary);
@@ -97,7 +99,12 @@ impl Run {
             return Ok(self.summary);
         };
         let summary = &mut self.summary;
-        summary.mismatches.retain(|of| !is_estimated(of, &**filter));
+        let Summary {
+            mismatches,
+            late_samples,
+            ..
+        } = summary;
+        mismatches.retain_mut(|of| !is_estimated(of, &**filter, late_samples));
         self.summary.covariance = Some(covariance_health(&**filter));
         for (kind, _, prior) in filter.parameters().blocks() {
             if let Some((value, std)) = filter.parameter(kind) {
@@ -128,12 +135,15 @@ impl Run {
 /// A delay of velocities is no mismatch where the filter has it to this \[s\] or three standard deviations.
 const SAME_DELAY: f64 = 0.05;
 
-/// Whether it is a delay that the filter knows.
-fn is_estimated(of: &Mismatch, filter: &dyn Estimator) -> bool {
-    let Mismatch::LateVelocities(delay) = *of else {
+/// Whether it is a delay that the filter knows; if not, what that does to positions is noted in it.
+fn is_estimated(of: &mut Mismatch, filter: &dyn Estimator, moved: &LateSamples) -> bool {
+    let Mismatch::LateVelocities { delay, beyond } = of else {
         return false;
     };
     let kinds = [Parameter::VelocityTimeOffset, Parameter::TimeOffset];
     let known = kinds.into_iter().find_map(|kind| filter.time_offset(kind));
-    known.is_some_and(|(offset, std)| (delay + offset).abs() < SAME_DELAY.max(3.0 * std))
+    let (offset, std) = known.unwrap_or_default();
+    let unknown = (*delay + offset).abs();
+    *beyond = moved.beyond(unknown);
+    known.is_some() && unknown < SAME_DELAY.max(3.0 * std)
 }

@@ -105,8 +105,12 @@ pub(super) fn changed(change: &SensorChange) -> String {
 
 pub(super) fn mismatch(of: &Mismatch) -> String {
     match *of {
-        Mismatch::LateVelocities(delay) => format!(
-            "the velocities of the fixes are {delay:.2} s late against the turns of the gyros: the receiver's own filter, differences of positions, or wrong stamps"
+        Mismatch::LateVelocities { delay, beyond } => format!(
+            "the velocities of the fixes are {delay:.2} s late against the turns of the gyros{}: the receiver's own filter, differences of positions, or wrong stamps",
+            beyond.map_or(String::new(), |moved| format!(
+                ", and positions some {} m off",
+                short(moved)
+            ))
         ),
         Mismatch::LateAccelerometers(delay) => format!(
             "the accelerometers are {delay:.2} s later than the gyros: two clocks or topics, or a low-pass on one of them; shift one of the two, or estimate it with states.accel_delay"
@@ -114,6 +118,10 @@ pub(super) fn mismatch(of: &Mismatch) -> String {
         Mismatch::HeldPositions(step) => format!(
             "the receiver holds its position while it moves slowly, and then steps by up to {} m: switch off its static hold",
             short(step)
+        ),
+        Mismatch::Nods(angle) => format!(
+            "the IMU nods by {:.1} deg (RMS) against the way it moves, which no vehicle on wheels does: a loose mount, of which the attitude is; fasten it",
+            angle.to_degrees()
         ),
         Mismatch::MovesAside(angle) => format!(
             "the vehicle moves {:.0} deg off the IMU's forward axis: attitude and heading are the IMU's, not the vehicle's; set imu.mounting or imu.axes",

@@ -95,7 +95,7 @@ fn every_finding_has_its_sentence() {
             "IMU log: ends at 12.5 s, 300 s before the last fix: it may be cut short",
         ),
         (
-            Finding::Mismatch { what: Mismatch::LateVelocities(0.27) },
+            Finding::Mismatch { what: Mismatch::LateVelocities { delay: 0.27, beyond: Some(1.8) } },
             "the velocities of the fixes are 0.27 s late against the turns of the gyros: the receiver's own filter, differences of positions, or wrong stamps",
         ),
         (

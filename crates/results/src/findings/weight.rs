@@ -25,6 +25,8 @@ const TURNED: f64 = 0.1;
 const LASTS: f64 = 60.0;
 /// Velocities that are later than this \[s\] are behind a filter, of which a delay is a part.
 const LAGS: f64 = 0.2;
+/// An IMU that nods by more than this \[rad\] shows neither the vehicle's attitude nor where the antenna is.
+const LOOSE: f64 = 0.035;
 /// Accelerometers that are further from the gyros than this \[s\] turn the attitude in every manoeuvre.
 const APART: f64 = 0.15;
 /// Samples that came from the wrong end of the range, up to which they are treated as spikes are.
@@ -32,7 +34,7 @@ const FEW_JUMPS: u64 = 10;
 /// Beyond this part of it a velocity is another quantity or in another unit.
 const FAR_SCALE: f64 = 0.15;
 /// Clocks that are further apart are two, and not one with a delay \[s\].
-const TWO_CLOCKS: f64 = 3.0;
+const TWO_CLOCKS: f64 = 0.5;
 /// Gravity along body up, by its component along body down.
 const UPSIDE_DOWN: f64 = -0.5;
 /// Share of rejected references beyond which the errors in outages say too little.
@@ -124,8 +126,12 @@ impl Finding {
             Self::SensorChanged(change) if change.what == ChangeOf::NoTurn => Severity::Warning,
             Self::Copied { .. } | Self::SensorChanged(_) => Severity::Unusable,
             Self::Mismatch { what } => match what {
+                Mismatch::Nods(angle) if *angle > LOOSE => Severity::Unusable,
                 Mismatch::LateAccelerometers(delay) if *delay > APART => Severity::Unusable,
-                Mismatch::LateVelocities(delay) if *delay <= LAGS => Severity::Note,
+                Mismatch::LateVelocities {
+                    beyond: Some(_), ..
+                } => Severity::Unusable,
+                Mismatch::LateVelocities { delay, .. } if *delay <= LAGS => Severity::Note,
                 Mismatch::HeldPositions(_) => Severity::Note,
                 _ => Severity::Warning,
             },

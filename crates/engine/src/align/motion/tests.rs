@@ -2,6 +2,7 @@
 
 use super::*;
 use undrift_nav::shaping::ShapingFilter;
+use undrift_nav::{Matrix3, covariance::AXES};
 use undrift_simulate::{GnssNoise, Trajectory, simulate};
 
 const RATE: f64 = 50.0;

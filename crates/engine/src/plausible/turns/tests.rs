@@ -242,7 +242,7 @@ fn late(velocities: f64, accelerometers: f64, ahead: f64) -> [Option<f64>; 2] {
     let mut found = [None; 2];
     for of in turns.late() {
         match of {
-            Mismatch::LateVelocities(delay) => found[0] = Some(delay),
+            Mismatch::LateVelocities { delay, .. } => found[0] = Some(delay),
             Mismatch::LateAccelerometers(delay) => found[1] = Some(delay),
             other => panic!("{other:?}"),
         }

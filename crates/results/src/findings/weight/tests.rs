@@ -4,6 +4,10 @@ use crate::findings::{FarParameter, WrappedAxis};
 use Severity::{Note, Unusable, Warning};
 use undrift_events::{FixMend, Mismatch, SensorChange};
 
+fn velocities(delay: f64, beyond: Option<f64>) -> Mismatch {
+    Mismatch::LateVelocities { delay, beyond }
+}
+
 fn late(delay: f64) -> Finding {
     Finding::Late { delay }
 }
@@ -210,16 +214,23 @@ fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
         ),
         (
             Finding::Mismatch {
-                what: Mismatch::LateVelocities(0.19),
+                what: velocities(0.19, None),
             },
             Note,
             2,
         ),
         (
             Finding::Mismatch {
-                what: Mismatch::LateVelocities(0.21),
+                what: velocities(0.21, None),
             },
             Warning,
+            2,
+        ),
+        (
+            Finding::Mismatch {
+                what: velocities(0.1, Some(2.0)),
+            },
+            Unusable,
             2,
         ),
         (
@@ -227,6 +238,20 @@ fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
                 what: Mismatch::HeldPositions(3.0),
             },
             Note,
+            2,
+        ),
+        (
+            Finding::Mismatch {
+                what: Mismatch::Nods(0.034),
+            },
+            Warning,
+            2,
+        ),
+        (
+            Finding::Mismatch {
+                what: Mismatch::Nods(0.036),
+            },
+            Unusable,
             2,
         ),
         (turned(61.0, 0.11), Unusable, 5),

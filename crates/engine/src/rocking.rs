@@ -1,0 +1,98 @@
+//! Whether the IMU nods in its mount: a rigid vehicle on wheels keeps its pitch against the way it moves to a degree, and a loose IMU does not.
+//!
+//! Ten times a second above 3 m/s the velocity is looked at in body axes: how much its angles in pitch and in yaw scatter within 2 s. What turns
+//! the IMU alone turns the velocity in it; bumps, dive and squat turn it by 0.2 to 0.9 deg. Craft in the air scatter in both angles alike, and
+//! are not meant.
+
+use crate::estimator::Estimator;
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
+
+/// From one direction to the next \[s\], and from one block to the next.
+const STEP: f64 = 0.1;
+const BLOCK: f64 = 2.0;
+/// Speed from which there is a direction [m/s].
+const SPEED: f64 = 3.0;
+/// Directions that a block needs, and blocks of a judgement.
+const LEAST: f64 = 15.0;
+const BLOCKS: u32 = 15;
+/// Standard deviation of the pitch that no vehicle has against its way \[rad\], and how much more than the yaw's it is.
+const NODS: f64 = 0.026;
+const MORE: f64 = 2.0;
+/// Standard deviation of a heading that is known \[rad\].
+const KNOWN: f64 = 0.1;
+
+/// What is known so far.
+#[derive(Clone, Copy, Default)]
+#[cfg_attr(feature = "checkpoint", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Rocking {
+    /// Time of the last direction \[s\], and when the present block began.
+    last: f64,
+    began: f64,
+    /// Directions of the block, sums of pitch and yaw \[rad\] and of their squares \[rad²\].
+    count: f64,
+    sums: [[f64; 2]; 2],
+    /// Blocks since the last judgement, and their variances \[rad²\].
+    blocks: u32,
+    variances: [f64; 2],
+    /// Standard deviation of the pitch that was last judged to be the mount's, and the largest \[rad\].
+    now: f64,
+    most: f64,
+}
+
+impl Rocking {
+    /// Looks at the solution at the end of a sample; every two seconds by how much the IMU nods \[rad\], 0 where it does not: as half a minute of
+    /// motion has shown.
+    pub(super) fn sample(&mut self, filter: &dyn Estimator) -> Option<f64> {
+        let nav = filter.nav();
+        if nav.time - self.last < STEP {
+            return None;
+        }
+        self.last = nav.time;
+        let is_whole = nav.time - self.began >= BLOCK;
+        if is_whole {
+            self.end_block(nav.time);
+        }
+        if nav.v_n.norm() > SPEED && filter.nav_std()[8] < KNOWN {
+            let v = nav.q_nb.inverse() * nav.v_n;
+            let ahead = v.x.hypot(v.y);
+            for (sums, angle) in self.sums.iter_mut().zip([v.z.atan2(ahead), v.y.atan2(v.x)]) {
+                sums[0] += angle;
+                sums[1] += angle * angle;
+            }
+            self.count += 1.0;
+        }
+        is_whole.then_some(self.now)
+    }
+
+    /// Ends a block at `time` \[s\], and a judgement with enough of them.
+    fn end_block(&mut self, time: f64) {
+        let count = core::mem::take(&mut self.count);
+        let sums = core::mem::take(&mut self.sums);
+        self.began = time;
+        if count < LEAST {
+            return;
+        }
+        for (variance, [sum, squares]) in self.variances.iter_mut().zip(sums) {
+            *variance += (squares - sum * sum / count).max(0.0) / count;
+        }
+        self.blocks += 1;
+        if self.blocks < BLOCKS {
+            return;
+        }
+        self.blocks = 0;
+        let [pitch, yaw] =
+            core::mem::take(&mut self.variances).map(|sum| (sum / f64::from(BLOCKS)).sqrt());
+        self.now = if pitch > NODS && pitch > MORE * yaw {
+            pitch
+        } else {
+            0.0
+        };
+        self.most = self.most.max(self.now);
+    }
+
+    /// By how much the IMU nodded at most, one standard deviation \[rad\]; `None` where it did not.
+    pub(super) fn most(&self) -> Option<f64> {
+        (self.most > 0.0).then_some(self.most)
+    }
+}
