@@ -25,6 +25,8 @@ pub struct LateSamples {
     pub positions: u64,
     /// Sums of the squared speed over ground there [m²/s²], and of the larger horizontal variance of the position \[m²\].
     pub squares: [f64; 2],
+    /// Sum of the delay of the velocities that the filter had there, negative if they are late \[s\].
+    pub velocities: f64,
     /// Number of those at which the solution was behind the receiver's clock by more than three standard deviations of its position.
     pub behind: u64,
     /// Largest distance that it was behind at one of them \[m\].
@@ -42,6 +44,9 @@ impl LateSamples {
         for (sum, of) in self.squares.iter_mut().zip([speed, largest]) {
             *sum += of * of;
         }
+        let kinds = [Parameter::VelocityTimeOffset, Parameter::TimeOffset];
+        let delay = kinds.into_iter().find_map(|kind| filter.time_offset(kind));
+        self.velocities += delay.map_or(0.0, |(offset, _)| offset);
         let Some(clock) = filter.receiver_clock() else {
             return;
         };
@@ -57,11 +62,15 @@ impl LateSamples {
 }
 
 impl LateSamples {
+    /// Delay of velocities that are `delay` \[s\] late on the mean which the filter did not have.
+    pub(super) fn unknown(&self, delay: f64) -> f64 {
+        (delay + self.velocities / (self.positions as f64).max(1.0)).abs()
+    }
+
     /// How far positions are off, as a rule, where times are wrong by `delay` \[s\]: in metres, where that is beyond three standard deviations.
     pub(super) fn beyond(&self, delay: f64) -> Option<f64> {
-        let [speed, std] = self
-            .squares
-            .map(|sum| (sum / (self.positions as f64).max(1.0)).sqrt());
+        let count = (self.positions as f64).max(1.0);
+        let [speed, std] = self.squares.map(|sum| (sum / count).sqrt());
         let moved = delay * speed;
         (moved > SIGMAS * std).then_some(moved)
     }

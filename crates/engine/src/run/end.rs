@@ -142,8 +142,7 @@ fn is_estimated(of: &mut Mismatch, filter: &dyn Estimator, moved: &LateSamples) 
     };
     let kinds = [Parameter::VelocityTimeOffset, Parameter::TimeOffset];
     let known = kinds.into_iter().find_map(|kind| filter.time_offset(kind));
-    let (offset, std) = known.unwrap_or_default();
-    let unknown = (*delay + offset).abs();
+    let unknown = moved.unknown(*delay);
     *beyond = moved.beyond(unknown);
-    known.is_some() && unknown < SAME_DELAY.max(3.0 * std)
+    known.is_some_and(|(_, std)| unknown < SAME_DELAY.max(3.0 * std))
 }

@@ -121,9 +121,9 @@ pub(super) fn known(known: &Known) -> String {
                 "estimated from {duration_s:.0} s of this drive; \"auto\" estimates it in each drive"
             );
         }
-        Known::LessCertain => "one standard deviation of it: the vehicle's attitude is as uncertain",
+        Known::LessCertain => "one standard deviation; so uncertain is the vehicle's attitude",
         Known::Uncalibrated => {
-            "what accelerometers read too much or too little, one standard deviation: 0 for calibrated ones"
+            "one standard deviation, of accelerometers that nobody calibrated"
         }
         Known::Forces { .. } => {
             "estimated from forces, speeds and turns of this drive; \"auto\" is more accurate on a longer drive"
