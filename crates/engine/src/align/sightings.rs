@@ -67,10 +67,11 @@ pub(super) fn sightings(fixes: &VecDeque<GnssFix>, alone: bool, looser: f64) -> 
         };
         let mut seen: Vec<Sighting> = fixes.iter().filter_map(velocity).collect();
         for k in 0..seen.len() {
-            let (from, to) = (seen[k.saturating_sub(1)], seen[(k + 1).min(seen.len() - 1)]);
-            let span = to.time - from.time;
-            if span > 0.0 && span < 2.0 * NEAR {
-                seen[k].accel = (to.v_n - from.v_n) / span;
+            let near = |of: &usize| (seen[*of].time - seen[k].time).abs() < NEAR;
+            let from = seen[Some(k.saturating_sub(1)).filter(near).unwrap_or(k)];
+            let to = seen[Some((k + 1).min(seen.len() - 1)).filter(near).unwrap_or(k)];
+            if to.time > from.time {
+                seen[k].accel = (to.v_n - from.v_n) / (to.time - from.time);
             }
         }
         return seen;

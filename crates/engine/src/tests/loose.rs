@@ -17,7 +17,7 @@ fn nodding(seed: u64, rms: f64, rate: f64) -> Scenario {
         ..GnssNoise::default()
     };
     let mut scenario = Scenario::new(&rest_then_turns(seed), &noise, seed);
-    // The vehicle stands for half a minute, and its IMU with it.
+    // At rest for half a minute, the IMU, too.
     let angle = |time: f64| {
         let swing = (core::f64::consts::TAU * rate * (time - 30.0).max(0.0)).sin();
         rms * core::f64::consts::SQRT_2 * swing

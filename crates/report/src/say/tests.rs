@@ -96,7 +96,7 @@ fn every_finding_has_its_sentence() {
         ),
         (
             Finding::Mismatch { what: Mismatch::LateVelocities { delay: 0.27, beyond: Some(1.8) } },
-            "the velocities of the fixes are 0.27 s late against the turns of the gyros: the receiver's own filter, differences of positions, or wrong stamps",
+            "the velocities of the fixes are 0.27 s late against the turns of the gyros, and positions some 1.80 m off: the receiver's own filter, differences of positions, or wrong stamps",
         ),
         (
             Finding::Mismatch { what: Mismatch::LateAccelerometers(0.2) },
@@ -107,7 +107,9 @@ fn every_finding_has_its_sentence() {
             "the receiver holds its position while it moves slowly, and then steps by up to 1.60 m: switch off its static hold",
         ),
         (
+            Finding::Mismatch { what: Mismatch::Nods(0.0541) },
             Finding::Mismatch { what: Mismatch::MovesAside(3.0) },
+            "the IMU nods by 3.1 deg (RMS) against the way it moves, which no vehicle on wheels does: a loose mount, of which the attitude is; fasten it",
             "the vehicle moves 172 deg off the IMU's forward axis: attitude and heading are the IMU's, not the vehicle's; set imu.mounting or imu.axes",
         ),
         (

@@ -58,9 +58,9 @@ fn end(
         }
         navigator.imu(*sample).unwrap();
     }
-    // Only what the samples reach belongs to the state.
-    let last = imu[imu.len() - 1].time;
-    for (_, m) in arriving.filter(|(_, m)| m.time() < last) {
+    // Only what the samples reach belongs to the state; fixes that hold before their stamps may be stamped later than the last one.
+    let last = imu[imu.len() - 1].time + navigator.ahead();
+    for (_, m) in arriving.filter(|(_, m)| m.time() <= last) {
         navigator.measure(*m).unwrap();
     }
     let mut bits = Vec::new();

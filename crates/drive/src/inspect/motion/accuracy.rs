@@ -29,9 +29,9 @@ const TAILS: f64 = 4.0;
 /// Logarithm of the likelihood that a smaller standard deviation has to gain, in all and for each span: a third of what errors
 /// a third as large gain on two axes. Where it gains less, other errors than those of the fixes decide.
 const GAIN: (f64, f64) = (4.0, 0.7);
-/// Share of the errors inside three standard deviations that it has to have, and how much larger the sum of squares may be by chance.
+/// Share of the errors inside three standard deviations that it has to have, and how much larger the errors may be by chance.
 const INSIDE: f64 = 0.95;
-const WORSE: f64 = 1.2;
+const WORSE: f64 = 1.1;
 /// Share of the spans with the guess that another accuracy has to have.
 const KEPT: f64 = 0.8;
 
@@ -93,7 +93,7 @@ fn likeliest(drive: &Drive) -> Option<(f64, usize)> {
     let judged = judged(&runs);
     let (guess, _) = judged.first().filter(|(guess, _)| guess.spans >= LEAST)?;
     let better = judged.iter().filter(|(one, _)| one.is_better_than(guess));
-    let (best, tried) = better.min_by(|(a, _), (b, _)| a.drift.total_cmp(&b.drift))?;
+    let (best, tried) = better.min_by(|(a, _), (b, _)| a.sizes.total_cmp(&b.sizes))?;
     Some((SHARES[*tried], best.spans))
 }
 
@@ -160,6 +160,8 @@ pub(super) struct Judged {
     pub(super) likelihood: f64,
     /// Sum of squares \[m²\].
     pub(super) drift: f64,
+    /// Sum of the sizes \[m\], in which one span weighs less.
+    sizes: f64,
     /// Share inside three standard deviations.
     inside: f64,
 }
@@ -169,7 +171,7 @@ impl Judged {
     fn is_better_than(&self, guess: &Self) -> bool {
         self.likelihood - guess.likelihood > GAIN.0.max(GAIN.1 * guess.spans as f64)
             && self.inside >= INSIDE
-            && self.drift < WORSE * guess.drift
+            && self.sizes < WORSE * guess.sizes
     }
 
     fn new<'a>(ends: impl Iterator<Item = &'a OutageErrors>) -> Self {
@@ -177,6 +179,7 @@ impl Judged {
             spans: 0,
             likelihood: 0.0,
             drift: 0.0,
+            sizes: 0.0,
             inside: 0.0,
         };
         for end in ends {
@@ -186,6 +189,7 @@ impl Judged {
                 let square = (error / sigma).powi(2);
                 judged.likelihood -= 0.5 * (TAILS + 1.0) * (square / TAILS).ln_1p() + sigma.ln();
                 judged.drift += error * error;
+                judged.sizes += error.abs();
                 judged.inside += f64::from(u8::from(square < 9.0));
             }
         }

@@ -182,9 +182,9 @@ fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
         (velocity(None), Warning, 1),
         (constant(true), Unusable, 1),
         (constant(false), Warning, 1),
-        (late(3.1), Unusable, 1),
-        (late(-3.1), Unusable, 1),
-        (late(3.0), Warning, 1),
+        (late(0.6), Unusable, 1),
+        (late(-0.6), Unusable, 1),
+        (late(0.4), Warning, 1),
         (gravity(0.49), Unusable, 1),
         (gravity(2.01), Unusable, 1),
         (gravity(0.5), Warning, 1),
@@ -299,7 +299,7 @@ fn a_finding_weighs_as_much_as_it_spoils_and_ranks_by_what_it_explains() {
             2,
         ),
         (of_model(late(9.0)), Warning, 5),
-        (of_model(late(1.0)), Note, 5),
+        (of_model(late(0.4)), Note, 5),
         (accuracy(1.5), Note, 4),
         (accuracy(1.0), Note, 4),
         (accuracy(0.9), Note, 8),
@@ -386,22 +386,22 @@ fn a_verdict_is_the_worst_severity_and_names_what_explains_it() {
     let end = Finding::Diverged { time: 1.0 };
     assert_eq!(cause(&[end.clone(), large.clone()]), (Unusable, Some(0)));
     assert_eq!(
-        cause(&[end.clone(), late(1.0), large.clone()]),
+        cause(&[end.clone(), late(0.4), large.clone()]),
         (Unusable, Some(1))
     );
     assert_eq!(
-        cause(&[end.clone(), late(1.0), constant(true)]),
+        cause(&[end.clone(), late(0.4), constant(true)]),
         (Unusable, Some(2))
     );
     let sorted = ranked(vec![
         accuracy(0.5),
         large.clone(),
-        late(1.0),
+        late(0.4),
         end.clone(),
         held(2.0),
     ]);
-    assert_eq!(sorted, [end, late(1.0), held(2.0), large, accuracy(0.5)]);
-    assert!(is_doubtful(&[gaps(5.0), late(1.0)]) && !is_doubtful(&[gaps(5.0)]));
+    assert_eq!(sorted, [end, late(0.4), held(2.0), large, accuracy(0.5)]);
+    assert!(is_doubtful(&[gaps(5.0), late(0.4)]) && !is_doubtful(&[gaps(5.0)]));
 }
 
 /// Half a metre for six seconds, then accepted.
