@@ -6,7 +6,7 @@
 
 use crate::estimator::Estimator;
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
-use nalgebra::ComplexField;
+use nalgebra::{ComplexField, RealField};
 
 /// From one direction to the next \[s\], and from one block to the next.
 const STEP: f64 = 0.1;
@@ -19,8 +19,9 @@ const BLOCKS: u32 = 15;
 /// Standard deviation of the pitch that no vehicle has against its way \[rad\], and how much more than the yaw's it is.
 const NODS: f64 = 0.026;
 const MORE: f64 = 2.0;
-/// Standard deviation of a heading that is known \[rad\].
+/// Standard deviation of a heading that is known \[rad\], and of a vertical velocity that is, as a share of the speed.
 const KNOWN: f64 = 0.1;
+const LEVEL: f64 = 0.01;
 
 /// What is known so far.
 #[derive(Clone, Copy, Default)]
@@ -53,7 +54,8 @@ impl Rocking {
         if is_whole {
             self.end_block(nav.time);
         }
-        if nav.v_n.norm() > SPEED && filter.nav_std()[8] < KNOWN {
+        let (speed, std) = (nav.v_n.norm(), filter.nav_std());
+        if speed > SPEED && std[8] < KNOWN && std[5] < LEVEL * speed {
             let v = nav.q_nb.inverse() * nav.v_n;
             let ahead = v.x.hypot(v.y);
             for (sums, angle) in self.sums.iter_mut().zip([v.z.atan2(ahead), v.y.atan2(v.x)]) {

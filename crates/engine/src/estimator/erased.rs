@@ -17,6 +17,8 @@
 use super::{Adjoint, Channel, Estimator, LogTo, Logged, LoggedUpdate};
 use crate::aid::{Aiding, Observed, observe};
 use alloc::boxed::Box;
+#[allow(unused_imports, reason = "the standard library has its methods itself")]
+use nalgebra::ComplexField;
 use nalgebra::{DMatrix, DMatrixView, DVector, SMatrix, SVector};
 use undrift_events::STAMP_ROUNDING;
 use undrift_nav::{

@@ -108,8 +108,10 @@ fn every_finding_has_its_sentence() {
         ),
         (
             Finding::Mismatch { what: Mismatch::Nods(0.0541) },
-            Finding::Mismatch { what: Mismatch::MovesAside(3.0) },
             "the IMU nods by 3.1 deg (RMS) against the way it moves, which no vehicle on wheels does: a loose mount, of which the attitude is; fasten it",
+        ),
+        (
+            Finding::Mismatch { what: Mismatch::MovesAside(3.0) },
             "the vehicle moves 172 deg off the IMU's forward axis: attitude and heading are the IMU's, not the vehicle's; set imu.mounting or imu.axes",
         ),
         (

@@ -34,7 +34,7 @@ const FEW_JUMPS: u64 = 10;
 /// Beyond this part of it a velocity is another quantity or in another unit.
 const FAR_SCALE: f64 = 0.15;
 /// Clocks that are further apart are two, and not one with a delay \[s\].
-const TWO_CLOCKS: f64 = 0.5;
+const TWO_CLOCKS: f64 = 0.6;
 /// Gravity along body up, by its component along body down.
 const UPSIDE_DOWN: f64 = -0.5;
 /// Share of rejected references beyond which the errors in outages say too little.
