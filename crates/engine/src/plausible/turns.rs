@@ -82,6 +82,8 @@ struct Turn {
 pub(super) struct Turns {
     /// What was gathered since the start, now and at the last times in order.
     sums: Integrals,
+    /// Interval of the last sample \[s\]: no delay is known better.
+    interval: f64,
     history: VecDeque<(f64, Integrals)>,
     /// Where the present window of turning began: time \[s\], course \[rad\] and speed [m/s].
     course: Option<(f64, f64, f64)>,
@@ -112,6 +114,7 @@ impl Turns {
     pub(super) fn new() -> Self {
         Self {
             sums: Integrals::default(),
+            interval: 0.0,
             history: VecDeque::new(),
             course: None,
             waiting: VecDeque::new(),
@@ -133,6 +136,7 @@ impl Turns {
         if let Some(up) = up {
             self.sums.yaw -= sample.dtheta.dot(&up);
         }
+        self.interval = sample.dt;
         self.sums.angle += sample.dtheta;
         self.sums.velocity += sample.dvel;
         let last = self.history.back();
@@ -314,7 +318,7 @@ impl Turns {
             return Vec::new();
         };
         let mut found = Vec::new();
-        if turns.lag < -LATE.max(SIGMAS * turns.std) {
+        if turns.lag < -LATE.max(SIGMAS * turns.std).max(self.interval) {
             found.push(Mismatch::LateVelocities {
                 delay: -turns.lag,
                 beyond: None,
@@ -379,7 +383,10 @@ impl Turns {
             && best > 0.8
             && 1.0 - r2 > 4.0 * (1.0 - best) + 0.05
         {
-            found.push(Implausible::Late((k as f64 - LAGS as f64) * LAG));
+            let late = (k as f64 - LAGS as f64) * LAG;
+            if late.abs() > self.interval {
+                found.push(Implausible::Late(late));
+            }
             (scale, r2) = (there, best);
         }
         let of_axis = self.axes.iter().map(Regression::fit).enumerate();
