@@ -142,7 +142,6 @@ fn is_estimated(of: &mut Mismatch, filter: &dyn Estimator, moved: &LateSamples) 
     };
     let kinds = [Parameter::VelocityTimeOffset, Parameter::TimeOffset];
     let known = kinds.into_iter().find_map(|kind| filter.time_offset(kind));
-    let unknown = moved.unknown(*delay);
-    *beyond = moved.beyond(unknown);
-    known.is_some_and(|(_, std)| unknown < SAME_DELAY.max(3.0 * std))
+    *beyond = moved.beyond(moved.unknown(*delay));
+    known.is_some_and(|(offset, std)| (*delay + offset).abs() < SAME_DELAY.max(3.0 * std))
 }
