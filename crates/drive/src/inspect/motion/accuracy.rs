@@ -93,7 +93,7 @@ fn likeliest(drive: &Drive) -> Option<(f64, usize)> {
     let judged = judged(&runs);
     let (guess, _) = judged.first().filter(|(guess, _)| guess.spans >= LEAST)?;
     let better = judged.iter().filter(|(one, _)| one.is_better_than(guess));
-    let (best, tried) = better.min_by(|(a, _), (b, _)| a.sizes.total_cmp(&b.sizes))?;
+    let (best, tried) = better.min_by(|(a, _), (b, _)| a.drift.total_cmp(&b.drift))?;
     Some((SHARES[*tried], best.spans))
 }
 
