@@ -137,9 +137,6 @@ pub fn vehicle_attitude(
     mounting_std: &Vector3,
     p: impl Fn(usize, usize) -> f64,
 ) -> (Quaternion, [f64; 3]) {
-    if mounted.is_none() && *mounting_std == Vector3::zeros() {
-        return (*q_nb, [6, 7, 8].map(|i| p(i, i).max(0.0).sqrt()));
-    }
     let [pitch, yaw] = mounted.map_or([0.0; 2], |(_, turn)| turn);
     let q_nv = q_nb * attitude::from_rotation_vector(&Vector3::new(0.0, pitch, yaw));
     let c_vn = q_nv.to_rotation_matrix().into_inner();
