@@ -44,9 +44,7 @@ impl LateSamples {
         for (sum, of) in self.squares.iter_mut().zip([speed, largest]) {
             *sum += of * of;
         }
-        let kinds = [Parameter::VelocityTimeOffset, Parameter::TimeOffset];
-        let delay = kinds.into_iter().find_map(|kind| filter.time_offset(kind));
-        self.velocities += delay.map_or(0.0, |(offset, _)| offset);
+        self.velocities += velocity_offset(filter).map_or(0.0, |(offset, _)| offset);
         let Some(clock) = filter.receiver_clock() else {
             return;
         };
@@ -59,6 +57,12 @@ impl LateSamples {
             }
         }
     }
+}
+
+/// Time by which velocities hold later than stamped, and its standard deviation \[s\]; `None` where no time offset is estimated.
+pub(super) fn velocity_offset(filter: &dyn Estimator) -> Option<(f64, f64)> {
+    let own = filter.time_offset(Parameter::VelocityTimeOffset);
+    own.or_else(|| filter.time_offset(Parameter::TimeOffset))
 }
 
 impl LateSamples {

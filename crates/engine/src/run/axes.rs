@@ -13,7 +13,10 @@
 //! that is under way.
 
 use super::Run;
-use crate::{course::CourseWatch, mounting::Turned, observer::Observer, settings::Settings};
+use crate::{
+    course::CourseWatch, mounting::Turned, observer::Observer, settings::Settings,
+    solution::Solution,
+};
 use alloc::sync::Arc;
 use nalgebra::DVector;
 use undrift_nav::{Vector3, attitude::to_rpy, earth::wrap_pi, parameters::Parameter};
@@ -62,12 +65,13 @@ impl Run {
         {
             return;
         }
-        let known = self.mounting_std();
-        let Some(solution) = &mut self.solution else {
+        let solution = self.solution.as_ref();
+        let Some(nods) = solution.and_then(|solution| self.rocking.sample(&*solution.filter))
+        else {
             return;
         };
-        let filter = &mut *solution.filter;
-        if let Some(nods) = self.rocking.sample(filter) {
+        let known = self.mounting_std();
+        if let Some(Solution { filter, .. }) = &mut self.solution {
             filter.set_mounting_std(&known);
             filter.loosen(nods);
         }

@@ -18,7 +18,7 @@ use crate::{
     not_aligned::NotAligned,
     observer::Observer,
     solution::Solution,
-    summary::{LateSamples, Summary},
+    summary::{LateSamples, Summary, velocity_offset},
     vibration::Vibration,
 };
 use alloc::boxed::Box;
@@ -140,8 +140,7 @@ fn is_estimated(of: &mut Mismatch, filter: &dyn Estimator, moved: &LateSamples) 
     let Mismatch::LateVelocities { delay, beyond } = of else {
         return false;
     };
-    let kinds = [Parameter::VelocityTimeOffset, Parameter::TimeOffset];
-    let known = kinds.into_iter().find_map(|kind| filter.time_offset(kind));
     *beyond = moved.beyond(moved.unknown(*delay));
-    known.is_some_and(|(offset, std)| (*delay + offset).abs() < SAME_DELAY.max(3.0 * std))
+    velocity_offset(filter)
+        .is_some_and(|(offset, std)| (*delay + offset).abs() < SAME_DELAY.max(3.0 * std))
 }

@@ -66,20 +66,14 @@ pub(super) fn filter(
 
     // The window's information less the priors of biases and delay, which the filter has itself, as rows of a
     // measurement without innovation: the estimate is there already.
-    let mut information = match late {
-        Some((.., std)) => {
-            let mut all = covariance.try_inverse()?;
-            all[(DELAY, DELAY)] -= 1.0 / (std * std);
-            all
-        }
-        None => {
-            let known = covariance.fixed_view::<DELAY, DELAY>(0, 0).into_owned();
-            let mut all = EndCovariance::zeros();
-            let mut part = all.fixed_view_mut::<DELAY, DELAY>(0, 0);
-            part.copy_from(&known.try_inverse()?);
-            all
-        }
-    };
+    let mut covariance = *covariance;
+    let delay_std = late.map_or(1.0, |(.., std)| std);
+    if late.is_none() {
+        // Any: it is known exactly, and apart from all else.
+        covariance[(DELAY, DELAY)] = delay_std * delay_std;
+    }
+    let mut information = covariance.try_inverse()?;
+    information[(DELAY, DELAY)] -= 1.0 / (delay_std * delay_std);
     let prior = filter.sensor_error_std();
     for axis in 0..AXES {
         if prior[axis] > 0.0 {
