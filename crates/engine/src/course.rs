@@ -7,14 +7,15 @@
 //! Differences are taken once a second, above 4 m/s, on a straight way, with a course known to 0.1 rad. The
 //! usual difference is the median of up to 120 of them, its spread 1.4826 times their median deviation; the
 //! present one is the median of eight. Where that has moved by four spreads and by two standard deviations of
-//! the heading, what the heading's variance lacks is added to it, and a share to that of gyro z.
+//! the heading, what the heading's variance lacks is added to it, and a share to that of the vertical gyro. The IMU may sit in any way:
+//! before its mounting is known, too.
 
 use super::summary::Summary;
 use crate::estimator::Estimator;
 use crate::median::{median, upper_median};
 #[allow(unused_imports, reason = "the standard library has its methods itself")]
 use nalgebra::{ComplexField, RealField};
-use undrift_nav::{Vector3, attitude::to_rpy, earth::wrap_pi, sample::GnssFix};
+use undrift_nav::{Matrix3, earth::wrap_pi, sample::GnssFix};
 
 /// Differences that the usual one is taken from, one a second.
 const USUAL: usize = 120;
@@ -27,7 +28,7 @@ const SPEED: f64 = 4.0;
 const COURSE_STD: f64 = 0.1;
 /// Turn rate below which the vehicle goes straight \[rad/s\].
 const STRAIGHT: f64 = 0.1;
-/// Cosine of the angle between body down and down below which there is no heading.
+/// Cosine of the angle between down and the body axis next to it below which there is no heading.
 const LEVEL: f64 = 0.94;
 /// Courses further apart than this do not belong together \[s\].
 const APART: f64 = 30.0;
@@ -41,6 +42,14 @@ const LEAST_SPREAD: f64 = 0.01;
 const SPREADS: f64 = 4.0;
 /// Standard deviations of the heading by which it has changed, too, where the heading is wrong.
 const SIGMAS: f64 = 2.0;
+
+/// Azimuth of the first body axis that is level, by C_b^n \[rad\]: the heading of a body whose z axis points down. Where no axis is upright
+/// there is none, and no vertical gyro.
+fn azimuth(c_nb: &Matrix3) -> Option<f64> {
+    let upright = (0..3).find(|axis| c_nb[(2, *axis)].abs() > LEVEL)?;
+    let ahead = usize::from(upright == 0);
+    Some(c_nb[(1, ahead)].atan2(c_nb[(0, ahead)]))
+}
 
 /// Watches the course against the heading.
 #[derive(Clone)]
@@ -83,22 +92,18 @@ impl CourseWatch {
         let speed = v.xy().norm();
         let course_std = (0.5 * (r[(0, 0)] + r[(1, 1)])).max(0.0).sqrt() / speed;
         let straight = filter.omega_nb_b().norm() < STRAIGHT;
-        // Axes that are far from level have no heading, and no vertical gyro.
-        let level = (filter.nav().q_nb * Vector3::z()).z > LEVEL;
         let heading_std = filter.nav_std()[8];
-        if fix.time - self.last < 1.0
-            || speed < SPEED
-            || course_std > COURSE_STD
-            || !straight
-            || !level
-        {
+        if fix.time - self.last < 1.0 || speed < SPEED || course_std > COURSE_STD || !straight {
             return;
         }
+        let c_nb = filter.nav().q_nb.to_rotation_matrix().into_inner();
+        let Some(heading) = azimuth(&c_nb) else {
+            return;
+        };
         if fix.time - self.last > APART {
             self.seen = 0;
         }
         self.last = fix.time;
-        let heading = to_rpy(&filter.nav().q_nb).z;
         let off = wrap_pi(v.y.atan2(v.x) - heading);
         self.recent[self.seen % RECENT] = off;
         self.seen += 1;

@@ -317,7 +317,7 @@ pub trait Estimator: Send + Sync {
     fn inflate(&mut self, position: &Vector3, velocity: f64, tilt: f64);
     /// Sets the variance of the white noise of a sample from now on, gyro x, y, z [rad²/s²], accelerometer x, y, z [m²/s⁴].
     fn set_white_noise(&mut self, variance: &[f64; AXES]);
-    /// Adds uncertainty to the heading \[rad\] and the error of gyro z \[rad/s\], one standard deviation each.
+    /// Adds uncertainty to the heading \[rad\] and the error of the vertical gyro \[rad/s\], one standard deviation each.
     fn inflate_heading(&mut self, heading: f64, gyro: f64);
     /// Adds uncertainty to the time offsets of positions and velocities, the same to both \[s\], one standard deviation.
     fn inflate_time_offsets(&mut self, std: f64);

@@ -2,7 +2,7 @@ use super::*;
 use crate::tests::{DEG, Scenario, driving_north, receiver};
 use alloc::{boxed::Box, vec::Vec};
 use undrift_nav::{
-    Matrix3, Quaternion,
+    Matrix3, Quaternion, Vector3,
     attitude::from_rpy,
     sample::{FixQuality, ImuSample},
 };
@@ -185,16 +185,23 @@ fn where_there_is_no_course_it_contradicts_nothing() {
         drive.courses(20, wrong);
         assert_eq!(!drive.seen().is_empty(), acts, "{rate}");
     }
-    // Climbing steeply there is no heading.
-    for (pitch, acts) in [(22.0, false), (18.0, true)] {
+    // Climbing steeply there is no heading; an IMU that sits upside down, on its side or nose up has one.
+    for (roll, pitch, acts) in [
+        (0.0, 22.0, false),
+        (0.0, 18.0, true),
+        (180.0, 18.0, true),
+        (90.0, 0.0, true),
+        (45.0, 0.0, false),
+        (0.0, 90.0, true),
+    ] {
         let mut drive = Drive::new(1.0);
-        let q_nb: Quaternion = from_rpy(&Vector3::new(0.0, pitch * DEG, 0.0));
+        let q_nb: Quaternion = from_rpy(&Vector3::new(roll * DEG, pitch * DEG, 0.0));
         let nav = *drive.filter.nav();
         drive
             .filter
             .set_nav(undrift_nav::mechanisation::NavState { q_nb, ..nav });
         drive.courses(20, wrong);
-        assert_eq!(!drive.seen().is_empty(), acts, "{pitch}");
+        assert_eq!(!drive.seen().is_empty(), acts, "{roll} {pitch}");
     }
 }
 

@@ -92,23 +92,18 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// Adds uncertainty to the heading \[rad\] and to the error of gyro z [rad/s], one standard deviation each: for a
-    /// heading that the course over ground contradicts.
-    ///
-    /// The gyro's part enters along its output row, so that the error `h · x` gets the variance `gyro²` and no
-    /// other direction of its states does.
+    /// Adds uncertainty to the heading \[rad\] and to the error of the gyro whose axis is next to the vertical [rad/s], one standard
+    /// deviation each: for a heading that the course over ground contradicts. The gyro's part enters as in
+    /// [`Filter::inflate_sensor_errors`].
     pub fn inflate_heading(&mut self, heading: f64, gyro: f64) {
         self.p[(8, 8)] += heading * heading;
-        let (sensor, at) = (self.sensors.axis(2), self.sensors.start(2));
-        let size: f64 = sensor.h[..sensor.order].iter().map(|h| h * h).sum();
-        if size > 0.0 {
-            for i in 0..sensor.order {
-                for j in 0..sensor.order {
-                    self.p[(at + i, at + j)] +=
-                        gyro * gyro * sensor.h[i] * sensor.h[j] / (size * size);
-                }
-            }
+        let upright = |axis: &usize| self.c_nb[(2, *axis)].abs();
+        let vertical = (0..3).max_by(|a, b| upright(a).total_cmp(&upright(b)));
+        let mut variance = [0.0; AXES];
+        if let Some(axis) = vertical {
+            variance[axis] = gyro * gyro;
         }
+        self.inflate_sensor_errors(&variance);
     }
 
     /// Adds uncertainty to the time offsets of positions and velocities, the same to both \[s\], one standard deviation: for stamps
@@ -124,7 +119,8 @@ impl<const N: usize> Filter<N> {
     }
 
     /// Adds variance to the errors of the sensors, gyro x, y, z [rad²/s²] and accelerometer x, y, z [m²/s⁴]: for a bias that
-    /// is no longer what it was. It enters by the state that lasts longest; an axis without states keeps its error.
+    /// is no longer what it was. It enters by the state that lasts longest, since another one would take back what it has learned of
+    /// an error that stays; an axis without states keeps its error.
     ///
     /// ```
     /// # use undrift_nav::{Quaternion, Vector3, earth::Geodetic, mechanisation::NavState};

@@ -106,25 +106,28 @@ fn assert_is(added: &SMatrix<f64, N, N>, expected: &SMatrix<f64, N, N>) {
 
 #[test]
 fn a_heading_in_doubt_takes_its_gyro_with_it() {
-    let mut filter = aided();
-    let gyros = |filter: &Filter<N>| filter.sensor_error_std().map(|std| std * std);
-    let before = gyros(&filter);
-    let (heading, gyro) = (0.2, 0.03);
-    let added = added(&mut filter, |filter| filter.inflate_heading(heading, gyro));
-    let mut expected = SMatrix::zeros();
-    expected[(8, 8)] = heading * heading;
-    // The error is the sum of the two states: each takes half of it, both together.
-    let at = filter.sensors().start(2);
-    for i in at..at + 2 {
-        for j in at..at + 2 {
-            expected[(i, j)] = 0.25 * gyro * gyro;
+    // Level, upside down, nose up, and on its side.
+    for (roll, pitch, upright) in [(0.1, -0.2, 2), (3.0, 0.1, 2), (0.0, 1.3, 0), (-1.4, 0.1, 1)] {
+        let mut filter = aided();
+        filter.set_nav(NavState {
+            q_nb: from_rpy(&Vector3::new(roll, pitch, 1.0)),
+            ..*filter.nav()
+        });
+        let gyros = |filter: &Filter<N>| filter.sensor_error_std().map(|std| std * std);
+        let before = gyros(&filter);
+        let (heading, gyro) = (0.2, 0.03);
+        let added = added(&mut filter, |filter| filter.inflate_heading(heading, gyro));
+        let mut expected = SMatrix::zeros();
+        expected[(8, 8)] = heading * heading;
+        // Of two states the one that lasts takes it, here the first: the other would forget what it has learned.
+        let at = filter.sensors().start(upright);
+        expected[(at, at)] = gyro * gyro;
+        assert_is(&added, &expected);
+        let after = gyros(&filter);
+        for axis in 0..AXES {
+            let more = if axis == upright { gyro * gyro } else { 0.0 };
+            assert!((after[axis] - before[axis] - more).abs() < EXACT, "{axis}");
         }
-    }
-    assert_is(&added, &expected);
-    let after = gyros(&filter);
-    for axis in 0..AXES {
-        let more = if axis == 2 { gyro * gyro } else { 0.0 };
-        assert!((after[axis] - before[axis] - more).abs() < EXACT, "{axis}");
     }
 }
 
