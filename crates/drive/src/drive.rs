@@ -282,6 +282,11 @@ impl Drive {
         let (log, poses) = match posed {
             true => {
                 let (log, poses) = poses::read(&gnss, &local, &mut logs)?;
+                let axes_stated = poses::axes_stated(&states);
+                let poses = Poses {
+                    axes_stated,
+                    ..poses
+                };
                 (log, Some(poses))
             }
             false => {

@@ -89,12 +89,32 @@ fn what_was_done(tune: &Tune) -> String {
         ),
     };
     format!(
-        "Start: {}{guess}. {drives}, {} windows without fixes, {} evaluations, {ended}; {unseen}.{rejected}{}",
+        "Start: {}{guess}. {drives}, {} windows without fixes, {} evaluations, {ended}; {unseen}.{rejected}{}{}",
         tune.start,
         tune.windows,
         tune.evaluations,
+        axes(tune),
         vibration(tune)
     )
+}
+
+/// Whether errors of the sensors' axes are estimated beside the noise.
+fn axes(tune: &Tune) -> String {
+    let Some(tried) = &tune.axes else {
+        return String::new();
+    };
+    let with = match tried.scale_factor {
+        Some(_) => " and scale factors",
+        None => "",
+    };
+    match tried.kept {
+        true => format!(
+            " Misaligned axes{with} are estimated beside the noise ([states]): without them these errors are taken for noise."
+        ),
+        false => format!(
+            " Misaligned axes{with} were tried beside the noise and rejected: the poses are no likelier with them."
+        ),
+    }
 }
 
 /// Whether the noise follows the vibration.

@@ -60,7 +60,7 @@ pub use outages::{
 };
 pub use say::{Say, Statement};
 pub use text::text;
-pub use tune::{Tune, TunedDrift, TunedNees, TunedParameter, TunedVibration};
+pub use tune::{Tune, TunedAxes, TunedDrift, TunedNees, TunedParameter, TunedVibration};
 pub use usability::Usability;
 
 pub use undrift_noise::{allan::Term, identify::Detrend};

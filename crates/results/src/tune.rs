@@ -26,6 +26,8 @@ pub struct Tune {
     pub parameters: Vec<TunedParameter>,
     /// Drift on held-out outages, by length.
     pub drift: Vec<TunedDrift>,
+    /// What errors of the sensors' axes change that are estimated beside the noise; null where they were not tried.
+    pub axes: Option<TunedAxes>,
     /// What it changes if the white noise follows the vibration; null where it was not tried.
     pub vibration: Option<TunedVibration>,
     /// The file that the tuned drive was asked to be written to; filled in where results are shown.
@@ -75,6 +77,22 @@ pub struct TunedParameter {
     pub high: Number,
     /// Whether the drives determine it: the interval is less than half as wide as before.
     pub determined: bool,
+}
+
+/// Errors of the sensors' axes that poses may show, tried as constants beside the noise.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct TunedAxes {
+    /// Standard deviation of the misalignment of the axes of gyros and accelerometers \[rad\].
+    pub misalignment_rad: Number,
+    /// That of their scale factors \[–\]; null where they were tried without.
+    pub scale_factor: Option<Number>,
+    /// By how much the log-likelihood of the poses that the fit has not seen is larger with them.
+    pub likelihood_gain: Number,
+    /// Whether the tuned drive file has them (`states.misalignment`, `states.scale_factor`): what the fit has seen and what it has not
+    /// are both likelier with them.
+    pub kept: bool,
 }
 
 /// Drift on held-out outages with white noise that follows the vibration, over that with one density for the whole drive.

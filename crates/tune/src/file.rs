@@ -1,6 +1,10 @@
 //! The drive file with what was found: its own text, changed where that differs.
 
-use super::{Tuned, noise::Noise};
+use super::{
+    Tuned,
+    axes::{MISALIGNMENT_DEG, SCALE_FACTOR},
+    noise::Noise,
+};
 use std::path::Path;
 use toml_edit::{DocumentMut, InlineTable, Item, Table, Value, value};
 use undrift_drive::drive::log_tables;
@@ -48,6 +52,15 @@ pub fn tuned(
                 fixes.remove("std_factors");
             } else {
                 fixes.insert("std_factors", value(factors));
+            }
+        }
+    }
+    if let Some(axes) = found.axes.filter(|axes| axes.kept) {
+        let states = file.entry("states").or_insert(Item::Table(Table::new()));
+        if let Some(states) = states.as_table_like_mut() {
+            states.insert("misalignment", value(format!("{MISALIGNMENT_DEG} deg")));
+            if axes.scale_factors {
+                states.insert("scale_factor", value(SCALE_FACTOR));
             }
         }
     }

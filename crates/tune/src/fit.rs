@@ -389,6 +389,31 @@ fn uncertainty<const N: usize>(linear: &Linear<N>, prior: &Prior, z: &Vector) ->
     })
 }
 
+/// Log-likelihood of what the fit of a noise has seen, times the prior's density.
+///
+/// # Errors
+/// A drive that cannot be navigated.
+pub fn seen_likelihood(
+    logs: &[FitLog],
+    start: &RestNoise,
+    prior: &Prior,
+    noise: &Noise,
+) -> Result<f64, ReplayError> {
+    let likelihood = by_size!(logs, seen_sized);
+    likelihood(logs, start, prior, noise)
+}
+
+fn seen_sized<const N: usize>(
+    logs: &[FitLog],
+    start: &RestNoise,
+    prior: &Prior,
+    noise: &Noise,
+) -> Result<f64, ReplayError> {
+    let linear = Linear::<N>::new(logs, *noise, start)?;
+    let z = noise.ln();
+    Ok(-cost(&linear.score(&z), prior, &z).0)
+}
+
 /// Log-likelihood of what the fit of a noise has not seen, from the first of these times of each drive on \[s\].
 ///
 /// # Errors

@@ -6,6 +6,7 @@
 //! ([`filter`]), the most likely noise found with a prior that knows the sensor at rest ([`mod@fit`], [`prior`]), and what
 //! it buys measured on outages that the fit has not seen ([`mod@judge`]). With figures: docs/lab/tune.md.
 
+mod axes;
 pub mod file;
 pub mod filter;
 pub mod fit;
@@ -18,6 +19,7 @@ mod result;
 pub mod search;
 pub mod steps;
 
+pub use axes::Axes;
 use fit::{Fit, FitLog, fit, under, unseen_likelihood};
 use judge::{Following, Judged, Judgement, Unseen, judge};
 use noise::Noise;
@@ -65,6 +67,8 @@ pub struct Tuned {
     pub held_out: bool,
     /// Drift on it.
     pub judged: Vec<Judged>,
+    /// What errors of the sensors' axes change that are estimated beside the noise, where they were tried.
+    pub axes: Option<Axes>,
     /// What it changes there if the white noise also follows the vibration, where it was tried.
     pub following: Option<Following>,
     /// Positions of the unseen parts, and how many of them are no reference as they are rejected under every noise.
@@ -285,12 +289,11 @@ fn following<'a>(
 
 /// The settings to judge a drive by: with the sensor at rest, and as each of the ways has found it.
 fn before_and_after(
-    (k, drive): (usize, &Drive),
+    (k, drive, before): (usize, &Drive, &Settings),
     ways: &[Way],
     start: &RestNoise,
     rest: &ImuModel,
 ) -> Result<Vec<Settings>, NavigateError> {
-    let before = &ways[0].logs[k].settings;
     let mut settings = vec![Settings {
         vibration: drive.vibration,
         sensors: rest.shaping(BiasModel::Arma, before.sensors[0].interval)?,
@@ -362,7 +365,14 @@ pub fn tune(
     let prior = prior_of(&logs, &start);
     let from = [Noise::new(&prior.centre), quieter];
     let fit = first_of(&from, &logs, &start, &prior, sure, &iteration)?;
-    let mut ways = vec![Way { logs, prior, fit }];
+    let before = Vec::from_iter(logs.iter().map(|log| log.settings.clone()));
+    let mut way = Way { logs, prior, fit };
+    let mut axes = None;
+    let unstated = |drive: &Drive| drive.poses.is_some_and(|poses| !poses.axes_stated);
+    if drives.iter().all(unstated) {
+        (way, axes) = axes::tried(way, &start, &from, &spans, sure, &iteration);
+    }
+    let mut ways = vec![way];
     let follow = drives.iter().all(|drive| drive.vibration.is_some());
     if follow && (0..AXES).any(|axis| start.shakes(axis)) {
         ways.extend(following(&ways[0], &start, sure, &iteration));
@@ -375,7 +385,7 @@ pub fn tune(
         unseen.push(Unseen {
             log: &ways[0].logs[k],
             truth: &loaded[k].truth,
-            settings: before_and_after((k, drive), &ways, &start, &rest)?,
+            settings: before_and_after((k, drive, &before[k]), &ways, &start, &rest)?,
             span: spans[k],
         });
     }
@@ -419,6 +429,7 @@ pub fn tune(
         unseen: options.hold_out.unwrap_or(HALF),
         held_out: sure,
         judged: judgement.judged,
+        axes,
         following: judgement.following,
         withheld: judgement.withheld,
         aligns,

@@ -2,13 +2,15 @@
 
 use super::{
     Tuned,
+    axes::{MISALIGNMENT_DEG, SCALE_FACTOR},
     noise::{COUNT, FIX, LASTING, RULE, WALK, WHITE},
 };
 use std::path::Path;
 use undrift_drive::drive::Drive;
 use undrift_noise::model_file::AXES;
 use undrift_results::{
-    self, Number, SCHEMA, Tune, TunedDrift, TunedNees, TunedParameter, TunedVibration, VERSION,
+    self, Number, SCHEMA, Tune, TunedAxes, TunedDrift, TunedNees, TunedParameter, TunedVibration,
+    VERSION,
 };
 
 /// Standard deviations to the ends of a 95 % interval.
@@ -128,6 +130,12 @@ impl Tuned {
                 .map(parameter)
                 .collect(),
             drift: self.judged.iter().map(drift).collect(),
+            axes: self.axes.map(|axes| TunedAxes {
+                misalignment_rad: MISALIGNMENT_DEG.to_radians().into(),
+                scale_factor: axes.scale_factors.then_some(Number(SCALE_FACTOR)),
+                likelihood_gain: axes.gain.into(),
+                kept: axes.kept,
+            }),
             vibration: self.following.map(|following| TunedVibration {
                 length_s: following.length.into(),
                 ratio: following.ratio[0].into(),
@@ -175,6 +183,7 @@ mod tests {
             unseen: 0.3,
             held_out: true,
             judged: Vec::new(),
+            axes: None,
             following: None,
             withheld: [600, 12],
             aligns: Vec::new(),

@@ -36,6 +36,8 @@ pub struct Poses {
     pub marker: Quaternion,
     /// Whether the frame's heading is north, so that the Earth's rotation is taken into account.
     pub earth_rate: bool,
+    /// Whether the file says which errors of the sensors' axes are estimated, so that a tuning tries no others.
+    pub axes_stated: bool,
 }
 
 /// Latitude where nothing is said of gravity \[rad\].
@@ -116,7 +118,11 @@ pub(crate) fn read(
     section.only_known()?;
     Ok((
         (path, GnssSource::Poses(Box::new(fixes))),
-        Poses { marker, earth_rate },
+        Poses {
+            marker,
+            earth_rate,
+            axes_stated: false,
+        },
     ))
 }
 
@@ -265,6 +271,13 @@ fn read_columns(section: &Section) -> Result<PoseFormat, DriveError> {
         delimiter: read_delimiter(section)?,
         ..PoseFormat::new(time, position, attitude)
     })
+}
+
+/// Whether `[states]` says which errors of the sensors' axes are estimated.
+pub(super) fn axes_stated(states: &Section) -> bool {
+    ["misalignment", "scale_factor"]
+        .iter()
+        .any(|key| states.get(key).is_some())
 }
 
 /// The parameters that poses ask for, beside those of [`states`](super::tables::read_states); `given` where the marker's axes are stated.

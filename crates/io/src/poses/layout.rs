@@ -6,7 +6,10 @@
 //! * EuRoC: `data.csv` of `state_groundtruth_estimate0`, `vicon0` and `leica0`, by its header.
 //! * OptiTrack Motive, Vicon and Qualisys: see [`super::motive`], [`super::vicon`] and [`super::qualisys`].
 
-use undrift_nav::{Matrix3, Vector3};
+use undrift_nav::{
+    Matrix3, Vector3,
+    units::{Quantity, unit_factor},
+};
 
 use super::columns::{AttitudeColumns, PoseFormat, QuaternionOrder};
 use super::{PoseLog, PoseSource, motive, qualisys, vicon};
@@ -66,7 +69,9 @@ pub(super) fn of_table(table: &Preview) -> Option<PoseFormat> {
     if times.len() < 2 || 10 * forward < FIT * (times.len() - 1) {
         return None;
     }
-    let time_scale = unix_scale(*times.first()?);
+    let unit =
+        |place: usize, quantity| unit_factor(unit_in(table.names.get(place)?)?, quantity).ok();
+    let time_scale = unit(0, Quantity::Time).unwrap_or(unix_scale(*times.first()?));
     let format = match width {
         8 => tum(&names, &rows)?,
         13 if names.is_empty() => kitti(&rows)?,
@@ -74,8 +79,15 @@ pub(super) fn of_table(table: &Preview) -> Option<PoseFormat> {
     };
     Some(PoseFormat {
         time_scale,
+        position_scale: unit(1, Quantity::Length).unwrap_or(format.position_scale),
         ..format
     })
+}
+
+/// What a name has in brackets.
+fn unit_in(name: &str) -> Option<&str> {
+    let (_, unit) = name.split_once(['[', '('])?;
+    Some(unit.trim_end_matches([']', ')']).trim())
 }
 
 /// The letters and digits of a name before its unit in brackets, small.

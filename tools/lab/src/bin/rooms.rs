@@ -2,11 +2,11 @@
 //! of samples and a TUM file, described by `inspect` and tuned.
 //!
 //! ```text
-//! cargo run --release -p undrift-lab --bin rooms -- [seeds] [seconds] [first seed]
+//! cargo run --release -p undrift-lab --bin rooms -- [seeds] [seconds] [first seed] [misalignment [deg]]
 //! ```
 //!
 //! For each accuracy of the poses: how many rooms `inspect` describes, how far marker, lever arm and clock are off after `navigate` in their
-//! standard deviations, and for every noise in how many rooms the truth lies inside the 95 % interval of what is said to be determined.
+//! standard deviations, in how many rooms errors of the axes are estimated beside the noise, and for every noise in how many rooms the truth lies inside the 95 % interval of what is said to be determined.
 
 use nalgebra::UnitQuaternion;
 use rand::{RngExt, SeedableRng};
@@ -18,7 +18,7 @@ use undrift::{
     drive::Logs,
     inspect,
     nav::{
-        Vector3,
+        Matrix3, Vector3,
         attitude::from_rpy,
         parameters::{Parameter, Parameters},
         shaping::ShapingFilter,
@@ -62,6 +62,8 @@ const POSES: [Poses; 4] = [
 
 /// What came of one room.
 struct Room {
+    /// Whether errors of the axes are estimated beside the noise.
+    axes: bool,
     /// Errors of marker, lever arm and clock in standard deviations.
     off: [f64; 7],
     /// Of each noise: whether it is determined, its true value over the one found, and that in standard deviations of the logarithm.
@@ -73,6 +75,7 @@ struct Room {
 fn room(
     seed: u64,
     seconds: f64,
+    misalignment: f64,
     (_, position, attitude, every, lasting, correlation_time): Poses,
 ) -> Result<Room, String> {
     let mut dice = Xoshiro256PlusPlus::seed_from_u64(seed);
@@ -112,9 +115,12 @@ fn room(
     let hand = Trajectory::handheld(seconds, 0.6, seed);
     let log = simulate(&hand, RATE, Some(&sensors), &GnssNoise::default(), seed)
         .map_err(|e| e.to_string())?;
+    let mut crossed = || 3f64.sqrt() * misalignment * dice.random_range(-1.0..1.0);
+    let mut axes = || Matrix3::from_fn(|i, j| if i == j { 1.0 } else { crossed() });
+    let (gyros, accelerometers) = (axes(), axes());
     let mut imu = String::from("t,gx,gy,gz,ax,ay,az\n");
     for s in &log.imu {
-        let (w, f) = (s.dtheta / s.dt, s.dvel / s.dt);
+        let (w, f) = (gyros * s.dtheta / s.dt, accelerometers * s.dvel / s.dt);
         imu += &format!(
             "{:.6},{},{},{},{},{},{}\n",
             s.time, w.x, w.y, w.z, f.x, f.y, f.z
@@ -150,20 +156,19 @@ fn room(
         println!("{text}\n{marker:?} {lever:?} {clock} {notes:?}");
     }
     let logs: Logs = inspect::logs(&found, home);
-    let drive =
-        Drive::with_logs(&text, "room.toml", home, logs).map_err(|e| format!("{e}\n{text}"))?;
+    let read = |text: &str| {
+        let read = Drive::with_logs(text, "room.toml", home, logs.clone());
+        read.map_err(|e| format!("{e}\n{text}"))
+    };
+    let drive = read(&text)?;
     let (tuned, _) = tune::tune(
         std::slice::from_ref(&drive),
         &tune::Options::default(),
         &|_| true,
     )
     .map_err(|e| e.to_string())?;
-    // As the tuned drive file has it.
-    let drive = Drive {
-        model: Some(tuned.model(&["room"])),
-        std_factors: tuned.fit.noise.factors,
-        ..drive
-    };
+    let model = tuned.model(&["room"]);
+    let drive = read(&tune::file::tuned(&text, &tuned, &model, None).map_err(|e| e.to_string())?)?;
     let report = navigate(&drive, BiasModel::Arma, Wanted::default()).map_err(|e| e.to_string())?;
     let get = |kind| {
         let found = report
@@ -208,6 +213,7 @@ fn room(
         (of.length, [mean(0), mean(1)])
     });
     Ok(Room {
+        axes: tuned.axes.is_some_and(|axes| axes.kept),
         off,
         noise: noise.collect(),
         nees: nees.collect(),
@@ -221,11 +227,12 @@ fn main() {
     let seeds = arguments.next().unwrap_or(20.0) as u64;
     let seconds = arguments.next().unwrap_or(180.0);
     let first = arguments.next().unwrap_or(1.0) as u64;
+    let misalignment = arguments.next().unwrap_or(0.0).to_radians();
     for poses in POSES {
         println!("poses of {}, {seeds} rooms of {seconds} s", poses.0);
         let rooms: Vec<_> = (first..first + seeds)
             .into_par_iter()
-            .map(|seed| room(seed, seconds, poses))
+            .map(|seed| room(seed, seconds, misalignment, poses))
             .collect();
         for (seed, error) in rooms
             .iter()
@@ -236,6 +243,8 @@ fn main() {
         }
         let rooms: Vec<&Room> = rooms.iter().flatten().collect();
         let n = rooms.len() as f64;
+        let with = rooms.iter().filter(|room| room.axes).count();
+        println!("  errors of the axes are estimated in {with}");
         for (what, at) in [("marker", 0..3), ("lever arm", 3..6), ("clock", 6..7)] {
             let all: Vec<f64> = rooms
                 .iter()

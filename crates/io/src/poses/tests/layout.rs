@@ -43,6 +43,22 @@ fn turning(w_first: bool, from: f64, to: f64, positive: bool) -> String {
 }
 
 #[test]
+fn units_in_brackets_hold_for_a_known_layout_too() {
+    let rows = turning(false, 0.5, 2.6, false).replace(' ', ",");
+    let scales = |header: &str| {
+        let format = format(&format!("{header}\n{rows}"));
+        (format.time_scale, format.position_scale)
+    };
+    let ms = "timestamp [ms],p_x [mm],p_y [mm],p_z [mm],qx,qy,qz,qw";
+    assert_eq!(scales(ms), (1e-3, 1e-3));
+    assert_eq!(
+        scales("timestamp (ns),p_x,p_y,p_z,qx,qy,qz,qw"),
+        (1e-9, 1.0)
+    );
+    assert_eq!(scales("timestamp [#],p_x,p_y,p_z,qx,qy,qz,qw"), (1.0, 1.0));
+}
+
+#[test]
 fn tum_with_the_quaternion_in_the_order_of_its_header_or_of_the_numbers() {
     let rows = turning(false, 0.5, 2.6, false);
     let header = "# ground truth trajectory\n# timestamp tx ty tz qx qy qz qw\n";
