@@ -205,7 +205,7 @@ impl<const N: usize> Run<N> {
         Ok(())
     }
 
-    /// Takes in several samples at once where the gains stay as they are; none where they do not, or where one is missing.
+    /// Takes in several samples at once where the gains do not change and no sample is missing; returns how many, or 0.
     fn take_in_some(&mut self, samples: &[f64]) -> usize {
         if self.predictor.settled {
             let count = samples.len().min(LEAP);
