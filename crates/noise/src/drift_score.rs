@@ -25,6 +25,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod leap;
 mod pass;
 mod recommend;
 
@@ -143,8 +144,9 @@ fn lengths(horizons_s: &[f64], scored: usize, interval: f64) -> Result<Vec<usize
 pub(crate) struct Parts<'a> {
     /// Both parts; NaN is a missing sample.
     pub(crate) record: &'a [f64],
-    /// Samples of the first.
+    /// Samples of the first, and from which of them on none is missing.
     pub(crate) first_part: usize,
+    unbroken_from: usize,
     /// Mean \[unit\] and variance \[unit²\] of the first.
     mean: f64,
     variance: f64,
@@ -169,9 +171,11 @@ impl<'a> Parts<'a> {
             .filter(|v| !v.is_nan())
             .map(|v| (v - mean) * (v - mean))
             .sum();
+        let last_missing = record[..first_part].iter().rposition(|v| v.is_nan());
         Ok(Self {
             record,
             first_part,
+            unbroken_from: last_missing.map_or(0, |at| at + 1),
             mean,
             variance: squares / present as f64,
             sums: pass::RunningSums::new(&record[first_part..], mean),
@@ -193,6 +197,7 @@ impl<'a> Parts<'a> {
         let task = pass::Task {
             record: self.record,
             first_part: self.first_part,
+            unbroken_from: self.unbroken_from,
             mean: self.mean,
             filter: &started,
             lengths: &lengths,

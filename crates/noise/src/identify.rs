@@ -46,6 +46,7 @@ use crate::{
     temperature::{self, Regressors},
     whiteness,
 };
+use std::sync::OnceLock;
 use undrift_base::number::rounded;
 use undrift_nav::earth::STANDARD_GRAVITY;
 
@@ -193,11 +194,8 @@ fn tests(screened: &screened::Screened) -> Result<Tests, RecordError> {
         adf,
         kpss: stationarity::kpss(x, Deterministic::Constant, KpssLags::Legacy)?,
         phillips_perron: stationarity::phillips_perron(x, Deterministic::Constant, None)?,
-        normality: Normality {
-            // Bridged, or less a trend, the samples no longer lie on their grid.
-            quantisation: screened.quantisation,
-            ..normality::normality(x)?
-        },
+        // Bridged, or less a trend, the samples no longer lie on their grid.
+        normality: normality::normality_on(x, screened.quantisation)?,
     })
 }
 
@@ -359,6 +357,7 @@ fn conclude(
         quantised: coarse || allan_terms.quantisation.seen,
         n_max: options.n_max,
         temperatures,
+        compared: OnceLock::new(),
     };
     let tried = candidates::candidates(&task);
     let candidates = tried.candidates;

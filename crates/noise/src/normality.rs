@@ -9,6 +9,7 @@
 //! # Ok::<(), undrift_noise::screening::RecordError>(())
 //! ```
 
+mod distance;
 pub mod kolmogorov;
 pub mod quantisation;
 
@@ -16,7 +17,6 @@ pub use kolmogorov::{lilliefors_critical_5, lilliefors_p, plain_critical_5, plai
 pub use quantisation::{Quantisation, quantisation_of_sorted};
 
 use crate::screening::record::{RecordError, check_varying, sum_of};
-use crate::stationarity::mackinnon::normal_cdf;
 use serde::{Deserialize, Serialize};
 
 /// 5 % critical value of chi-squared with 2 degrees of freedom, −2 ln 0.05.
@@ -111,7 +111,7 @@ fn jarque_bera_about(x: &[f64], mean: f64, squares: f64) -> JarqueBera {
     }
 }
 
-/// Moments, tests and quantisation step of a record; O(N log N) time, one sorted copy.
+/// Moments, tests and quantisation step of a record; O(N log N) time, one sorted copy for the step.
 ///
 /// # Errors
 /// Fewer than 5 samples, a sample that is not finite, a constant record.
@@ -134,12 +134,19 @@ fn jarque_bera_about(x: &[f64], mean: f64, squares: f64) -> JarqueBera {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn normality(x: &[f64]) -> Result<Normality, RecordError> {
+    check_varying(x, 5)?;
+    normality_on(x, quantisation(x))
+}
+
+/// Does [`normality`] of a record whose grid is known.
+pub(crate) fn normality_on(
+    x: &[f64],
+    quantisation: Option<Quantisation>,
+) -> Result<Normality, RecordError> {
     let (mean, squares) = check_varying(x, 5)?;
     let test = jarque_bera_about(x, mean, squares);
     let deviation = (squares / (x.len() as f64 - 1.0)).sqrt();
-    let mut sorted = x.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let distance = distance_of_sorted(&sorted, mean, deviation);
+    let distance = distance::distance(x, mean, deviation);
     Ok(Normality {
         samples: x.len(),
         mean,
@@ -161,7 +168,7 @@ pub fn normality(x: &[f64]) -> Result<Normality, RecordError> {
             critical_5: lilliefors_critical_5(x.len()),
             p_value: lilliefors_p(distance, x.len()),
         },
-        quantisation: quantisation_of_sorted(&sorted, deviation),
+        quantisation,
     })
 }
 
@@ -178,25 +185,4 @@ pub fn quantisation(x: &[f64]) -> Option<Quantisation> {
     let mut sorted = x.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
     quantisation_of_sorted(&sorted, (squares / (x.len() as f64 - 1.0)).sqrt())
-}
-
-/// Largest distance between the empirical distribution and the normal one. Equal samples are
-/// evaluated once.
-fn distance_of_sorted(sorted: &[f64], mean: f64, deviation: f64) -> f64 {
-    let count = sorted.len() as f64;
-    let mut largest: f64 = 0.0;
-    let mut start = 0;
-    while start < sorted.len() {
-        let value = sorted[start];
-        let mut end = start + 1;
-        while end < sorted.len() && sorted[end] == value {
-            end += 1;
-        }
-        let expected = normal_cdf((value - mean) / deviation);
-        largest = largest
-            .max(expected - start as f64 / count)
-            .max(end as f64 / count - expected);
-        start = end;
-    }
-    largest
 }

@@ -7,7 +7,9 @@
 //! that look like a level (a random walk, a τ beyond the record) are not favoured by the level they
 //! fit away. Records are independent: each its own level, likelihoods multiplied.
 
-use super::blocks::{average_in_blocks, block_average_of_share, correlated_white, share_present};
+use super::blocks::{
+    Blocks, average_in_blocks, block_average_of_share, correlated_white, share_present,
+};
 use super::likelihood::{Level, RecordLikelihood, log_likelihood};
 use super::{CompositeError, CompositeTerms, TermSet};
 use crate::wavelet::{WaveletVariance, pooled, wavelet_variance};
@@ -42,6 +44,7 @@ pub(crate) fn curve(records: &[&[f64]], interval: f64) -> Result<WaveletVariance
 }
 
 /// Records as the likelihood sees them: averages over blocks of samples `interval` \[s\] apart.
+#[derive(Clone)]
 pub(crate) struct Averages<'a> {
     /// Averages \[unit\]; NaN of a block with too few samples.
     records: Vec<Vec<f64>>,
@@ -56,6 +59,13 @@ pub(crate) struct Averages<'a> {
     pub(crate) overlap: f64,
     /// Integrated out beside the levels.
     marginal: Marginal<'a>,
+}
+
+impl Blocks {
+    /// Averages of records over these; none where a record has not one.
+    pub(crate) fn averages(&self, records: &[&[f64]], interval: f64) -> Option<Averages<'static>> {
+        Averages::new(records, self.samples.max(1), interval).ok()
+    }
 }
 
 impl<'a> Averages<'a> {

@@ -215,13 +215,15 @@ pub fn fit_several(
     options: &FitOptions,
 ) -> Result<CompositeFit, CompositeError> {
     let curve = curve(records, interval)?;
-    fit_marginal(records, &curve, set, options, NO_MARGINAL)
+    fit_marginal(records, &curve, None, set, options, NO_MARGINAL)
 }
 
-/// Does [`fit_several`] with something else integrated out of the records, whose [`curve`] this is.
+/// Does [`fit_several`] with something else integrated out of the records, whose [`curve`] this is, and whose averages over
+/// the blocks of the options are known or not.
 pub(crate) fn fit_marginal(
     records: &[&[f64]],
     curve: &WaveletVariance,
+    averages: Option<&Averages<'static>>,
     set: TermSet,
     options: &FitOptions,
     marginal: Marginal,
@@ -238,7 +240,11 @@ pub(crate) fn fit_marginal(
         Ok(found) => found,
         Err(_) => full?,
     };
-    let mut averages = Averages::new(records, block, interval)?.marginal(marginal);
+    let averages = match averages {
+        Some(known) => known.clone(),
+        None => Averages::new(records, block, interval)?,
+    };
+    let mut averages = averages.marginal(marginal);
     let filtered = options.filtered && set.white && !set.quantisation;
     let longest = records.iter().map(|record| record.len()).max();
     let length_s = longest.unwrap_or(0) as f64 * interval;

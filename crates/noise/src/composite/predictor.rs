@@ -33,7 +33,7 @@ type Freed<const N: usize> = ([[f64; N]; N], [[f64; N]; N]);
 #[derive(Clone, Debug)]
 pub(crate) struct Predictor<const N: usize> {
     /// Transition over one sample.
-    f: [[f64; N]; N],
+    pub(crate) f: [[f64; N]; N],
     /// Output: the sample is H x plus its own noise.
     pub(crate) h: [f64; N],
     /// Covariance of the driving noise, GGᵀ.
@@ -244,6 +244,22 @@ impl<const N: usize> Predictor<N> {
         if self.since.is_multiple_of(LOOK) {
             self.look();
         }
+    }
+
+    /// Samples for which the gains are still kept; none of a filter that has settled.
+    pub(crate) fn kept(&self) -> usize {
+        self.kept as usize
+    }
+
+    /// Carries the covariance over samples that were taken in with gains that are kept for as many or more; whether
+    /// they were the last of these.
+    pub(crate) fn pass(&mut self, samples: usize) -> bool {
+        self.kept -= samples as u32;
+        if self.kept == 0 {
+            self.stride();
+            return true;
+        }
+        false
     }
 
     /// Carries the covariance over the samples for which the gains were kept.

@@ -10,9 +10,10 @@
 //! square of the difference, in rad for a gyro, m/s for an accelerometer. White noise alone
 //! contributes N √(k T) at any model.
 //!
-//! O(r³) a sample until the filter has settled; after that, O(r) a sample, [`LEAP`] at once. The running
-//! sums take 12 bytes a sample.
+//! O(r³) a sample until the filter has settled; after that, O(r) a sample, up to [`LEAP`] at once, and of what is not
+//! scored only as many samples as the state remembers. The running sums take 12 bytes a sample.
 
+use super::leap::{LEAP, Leap, STEP, Step, about, is_finite};
 use super::{DriftError, HorizonScore, MAX_BATCHES};
 use crate::composite::predictor::{Predictor, dot};
 use crate::composite::{CompositeError, Span};
@@ -24,8 +25,8 @@ const WHOLE: usize = 3;
 const OVERLAP: usize = 32;
 /// Origins of a horizon, about: so many know the score to 0.3 %, though but two overlap.
 const MOST_ORIGINS: usize = 200_000;
-/// Samples that a settled filter takes in at once.
-const LEAP: usize = 16;
+/// Samples between two looks whether the filter has settled where nothing is scored.
+const STRETCH: usize = 1024;
 /// Change of the gains over 64 samples below which the filter counts as settled. Their error is that times their
 /// memory over 64, at most some hundreds, and the score's is its square.
 const SETTLED: f64 = 1e-5;
@@ -35,6 +36,8 @@ pub(super) struct Task<'a> {
     pub(super) record: &'a [f64],
     /// Samples that the filter only runs through.
     pub(super) first_part: usize,
+    /// From this one on none of them is missing.
+    pub(super) unbroken_from: usize,
     /// Level that is taken off \[unit\].
     pub(super) mean: f64,
     /// The candidate.
@@ -49,25 +52,28 @@ pub(super) struct Task<'a> {
 pub(super) struct RunningSums {
     /// Sum before each sample \[unit\], one more than samples.
     values: Vec<f64>,
-    /// Samples missing before each.
+    /// Samples missing before each; empty where none is.
     missing: Vec<u32>,
 }
 
 impl RunningSums {
     /// Missing samples add nothing; [`Self::over`] corrects for them.
     pub(super) fn new(record: &[f64], mean: f64) -> Self {
-        let (mut sum, mut absent) = (0.0, 0);
-        let (mut values, mut missing) = (vec![0.0], vec![0]);
-        values.reserve_exact(record.len());
-        missing.reserve_exact(record.len());
-        for &y in record {
-            if y.is_nan() {
-                absent += 1;
-            } else {
-                sum += y - mean;
-            }
-            values.push(sum);
+        let mut sum = 0.0;
+        let mut values = Vec::with_capacity(record.len() + 1);
+        values.push(sum);
+        values.extend(record.iter().map(|y| {
+            sum += if y.is_nan() { 0.0 } else { y - mean };
+            sum
+        }));
+        let mut missing = Vec::new();
+        if record.iter().any(|y| y.is_nan()) {
+            let mut absent = 0;
             missing.push(absent);
+            missing.extend(record.iter().map(|y| {
+                absent += u32::from(y.is_nan());
+                absent
+            }));
         }
         Self { values, missing }
     }
@@ -75,7 +81,8 @@ impl RunningSums {
     /// Sum over a window, what is missing at the mean of the rest, and by how many samples' white noise that adds to it;
     /// none where too much is missing.
     fn over(&self, from: usize, length: usize) -> Option<(f64, f64)> {
-        let missing = (self.missing[from + length] - self.missing[from]) as usize;
+        let before = |sample: usize| self.missing.get(sample).map_or(0, |before| *before);
+        let missing = (before(from + length) - before(from)) as usize;
         let sum = self.values[from + length] - self.values[from];
         // Of n samples the m that are there count n/m times: the variance of white noise is n²/m samples', not n.
         let factor = length as f64 / (length - missing).max(1) as f64;
@@ -129,8 +136,9 @@ impl Task<'_> {
             predictor: Predictor::settling(self.filter, SETTLED),
             mean: self.mean,
             leap: None,
+            step: None,
         };
-        run.over(first)?;
+        run.through(first, self.unbroken_from)?;
         let mut horizons: Vec<Horizon<N>> = self
             .lengths
             .iter()
@@ -160,66 +168,75 @@ struct Run<const N: usize> {
     mean: f64,
     /// Where the filter has settled.
     leap: Option<Leap<N>>,
-}
-
-/// A settled filter over [`LEAP`] samples: `x̂ ← A x̂ + Σ G_k y_k`, of `A = F − K H` and `K` of one.
-struct Leap<const N: usize> {
-    a: [[f64; N]; N],
-    g: [[f64; LEAP]; N],
-}
-
-impl<const N: usize> Leap<N> {
-    fn new(filter: &Predictor<N>) -> Self {
-        let one = |x: [f64; N]| -> [f64; N] {
-            let (v, next) = (dot(&filter.h, &x), filter.advance(&x));
-            std::array::from_fn(|i| next[i] - filter.gain[i] * v)
-        };
-        let (mut a, mut g) = ([[0.0; N]; N], [[0.0; LEAP]; N]);
-        for j in 0..N {
-            let mut column: [f64; N] = std::array::from_fn(|i| f64::from(i == j));
-            (0..LEAP).for_each(|_| column = one(column));
-            (0..N).for_each(|i| a[i][j] = column[i]);
-        }
-        let mut gain = filter.gain;
-        for k in (0..LEAP).rev() {
-            (0..N).for_each(|i| g[i][k] = gain[i]);
-            gain = one(gain);
-        }
-        Self { a, g }
-    }
-
-    /// The state after these samples, about the level.
-    fn after(&self, x: &[f64; N], samples: &[f64; LEAP]) -> [f64; N] {
-        std::array::from_fn(|i| dot(&self.g[i], samples) + dot(&self.a[i], x))
-    }
+    /// Until it has, where it keeps its gains for a while.
+    step: Option<Step<N>>,
 }
 
 impl<const N: usize> Run<N> {
+    /// Goes through what is not scored, none of which is missing from `unbroken_from` on: of a settled filter
+    /// only as much as its state remembers.
+    fn through(&mut self, samples: &[f64], unbroken_from: usize) -> Result<(), DriftError> {
+        let (broken, mut rest) = samples.split_at(unbroken_from.min(samples.len()));
+        self.over(broken)?;
+        while !self.predictor.settled && !rest.is_empty() {
+            let (next, after) = rest.split_at(STRETCH.min(rest.len()));
+            self.over(next)?;
+            rest = after;
+        }
+        if self.predictor.settled {
+            let leap = self.leap.get_or_insert_with(|| Leap::new(&self.predictor));
+            if let Some(memory) = leap.memory(rest.len()) {
+                self.predictor.x = [0.0; N];
+                rest = &rest[rest.len() - memory..];
+            }
+        }
+        self.over(rest)
+    }
+
     /// Takes in samples, or predicts over missing ones.
     fn over(&mut self, mut samples: &[f64]) -> Result<(), DriftError> {
-        while let Some((&first, rest)) = samples.split_first() {
-            if self.predictor.settled
-                && let Some((next, rest)) = samples.split_first_chunk::<LEAP>()
-            {
-                let next = next.map(|y| y - self.mean);
-                if next.iter().sum::<f64>().is_finite() {
-                    let leap = self.leap.get_or_insert_with(|| Leap::new(&self.predictor));
-                    self.predictor.x = leap.after(&self.predictor.x, &next);
-                    samples = rest;
-                    continue;
-                }
+        while !samples.is_empty() {
+            let taken = self.take_in_some(samples);
+            if taken == 0 {
+                self.take_in(samples[0] - self.mean)?;
             }
-            self.take_in(first - self.mean)?;
-            samples = rest;
+            samples = &samples[taken.max(1)..];
         }
         Ok(())
+    }
+
+    /// Takes in several samples at once where the gains do not change and no sample is missing; returns how many, or 0.
+    fn take_in_some(&mut self, samples: &[f64]) -> usize {
+        if self.predictor.settled {
+            let count = samples.len().min(LEAP);
+            let about = about(&samples[..count], self.mean);
+            if !is_finite(&about) {
+                return 0;
+            }
+            let leap = self.leap.get_or_insert_with(|| Leap::new(&self.predictor));
+            self.predictor.x = leap.after(&self.predictor.x, &about, count);
+            return count;
+        }
+        let Some(next) = samples.first_chunk::<STEP>() else {
+            return 0;
+        };
+        let about = next.map(|y| y - self.mean);
+        if self.predictor.kept() < STEP || !is_finite(&about) {
+            return 0;
+        }
+        let step = self.step.get_or_insert_with(|| Step::new(&self.predictor));
+        self.predictor.x = step.after(&self.predictor.x, &about);
+        if self.predictor.pass(STEP) {
+            self.step = None;
+        }
+        STEP
     }
 
     /// Observes a sample, or predicts over a missing one.
     fn take_in(&mut self, y: f64) -> Result<(), DriftError> {
         if y.is_nan() {
             self.predictor.skip();
-            self.leap = None;
+            (self.leap, self.step) = (None, None);
             return Ok(());
         }
         let variance = self.predictor.variance;
@@ -229,7 +246,11 @@ impl<const N: usize> Run<N> {
         if !y.is_finite() {
             return Err(DriftError::Record(CompositeError::NotFinite));
         }
+        let kept = self.predictor.kept();
         self.predictor.observe(y);
+        if self.predictor.kept() >= kept {
+            self.step = None;
+        }
         Ok(())
     }
 }
@@ -343,11 +364,12 @@ mod tests {
             predictor: Predictor::settling(&filter(), SETTLED),
             mean: 0.25,
             leap: None,
+            step: None,
         }
     }
 
     #[test]
-    fn sixteen_samples_at_once_are_as_many_one_by_one() {
+    fn samples_at_once_are_as_many_one_by_one() {
         let mut record: Vec<f64> = (0..5007)
             .map(|k| f64::from(k * k * 37 % 1009) / 500.0 - 1.0)
             .collect();
@@ -362,11 +384,55 @@ mod tests {
             // A missing sample unsettles it.
             assert_eq!(leaps.leap.is_some(), part.len() != 600);
         }
+        // A few at a time are the same, too.
+        for part in record[2600..].chunks(7) {
+            leaps.over(part).unwrap();
+            part.iter().for_each(|y| steps.take_in(y - 0.25).unwrap());
+        }
+        let (a, b) = (leaps.predictor.x, steps.predictor.x);
+        assert!(
+            a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12),
+            "{a:?} {b:?}"
+        );
         record[4990] = f64::INFINITY;
         assert_eq!(
             leaps.over(&record[4900..]),
             Err(DriftError::Record(CompositeError::NotFinite))
         );
+    }
+
+    /// What is skipped is forgotten; what comes before a missing sample is not skipped.
+    #[test]
+    fn a_settled_filter_needs_what_its_state_remembers() {
+        let mut record: Vec<f64> = (0..60_000)
+            .map(|k| f64::from(k * k % 1009) / 500.0 + f64::from(k % 7919) / 1e3)
+            .collect();
+        record[3000] = f64::NAN;
+        let (mut skipping, mut steps) = (run(), run());
+        skipping.through(&record, 3001).unwrap();
+        steps.over(&record).unwrap();
+        let memory = skipping.leap.as_ref().unwrap().memory(record.len());
+        assert!(
+            memory.is_some_and(|samples| (64..8192).contains(&samples)),
+            "{memory:?}"
+        );
+        for (a, b) in skipping.predictor.x.iter().zip(steps.predictor.x) {
+            assert!((a - b).abs() < 1e-12 * b.abs().max(1.0), "{a} {b}");
+        }
+        // Without its last samples it is another state.
+        steps.over(&[1e3]).unwrap();
+        assert!((skipping.predictor.x[0] - steps.predictor.x[0]).abs() > 1e-3);
+        // A constant remembers for ever.
+        let mut constant = run();
+        let filter = ShapingFilter {
+            f: std::array::from_fn(|i| std::array::from_fn(|j| f64::from(i == j && i < 2))),
+            q: [[0.0; 6]; 6],
+            ..filter()
+        };
+        constant.predictor = Predictor::settling(&filter, 0.1);
+        constant.through(&record, 3001).unwrap();
+        assert!(constant.predictor.settled);
+        assert_eq!(constant.leap.unwrap().memory(record.len()), None);
     }
 
     #[test]

@@ -37,6 +37,7 @@ use crate::{
 };
 use folds::{Fold, TrainingSet, bridged, end_to_end};
 use recipe::{Fitted, Recipe, arma_of, in_terms, with_effort};
+use std::sync::OnceLock;
 use undrift_base::parallel;
 use undrift_nav::shaping::ShapingFilter;
 
@@ -83,6 +84,8 @@ pub(super) struct Task<'a> {
     pub(super) n_max: usize,
     /// The temperature of the records, where its effect is estimated, and whether a quadratic is in it.
     pub(super) temperatures: Vec<(Regressors, bool)>,
+    /// Block averages that the candidates' likelihoods are compared on, once they are made.
+    pub(super) compared: OnceLock<Option<Averages<'static>>>,
 }
 
 /// All that was tried.
@@ -223,20 +226,26 @@ impl Task<'_> {
         self.temperatures.iter().map(of).sum()
     }
 
-    /// Akaike's criterion of block averages of the record, the same of every candidate; infinite without one.
+    /// Block averages of the records, the same for every candidate.
     ///
-    /// 2k − 2 log L with k the parameters beside the level. The block is 2.5 s or more where the
-    /// record is long enough, so that it compares what drifts and not what a filter does inside a
-    /// second.
-    fn aic(&self, fitted: &Fitted, recipe: Recipe) -> f64 {
+    /// The block is 2.5 s or more where the record is long enough, so that likelihoods compare what drifts and not
+    /// what a filter does inside a second.
+    fn compared(&self) -> Option<Averages<'static>> {
         let shortest = (COMPARED_S * self.rate_hz).round() as usize;
         let shortest = self.blocks().samples.max(shortest);
         let samples: usize = self.records.iter().map(|record| record.len()).sum();
         let most = samples / FEWEST_COMPARED;
         let block = samples.div_ceil(COMPARED).max(shortest.min(most)).max(1);
+        Averages::new(&self.records, block, 1.0 / self.rate_hz).ok()
+    }
+
+    /// Akaike's criterion of block averages of the record; infinite without one.
+    ///
+    /// 2k − 2 log L with k the parameters beside the level.
+    fn aic(&self, fitted: &Fitted, recipe: Recipe) -> f64 {
         let likelihood = || -> Option<f64> {
             let filter = fitted.shaping(0.0, self.rate_hz)?;
-            let averages = Averages::new(&self.records, block, 1.0 / self.rate_hz).ok()?;
+            let averages = self.compared.get_or_init(|| self.compared()).as_ref()?;
             let sum = match recipe {
                 Recipe::White => averages.restricted_at_best_level(&filter),
                 _ => averages.restricted(&filter),
@@ -278,14 +287,16 @@ pub(super) fn candidates(task: &Task) -> Tried {
     // The averages of one sample are the ARMA(1,1) of the full rate.
     let blocks = &scales::BLOCKS[1..];
     let marginal = |filter: &ShapingFilter| task.marginal(filter);
+    let blocks_of_terms = task.blocks();
     let whole = TrainingSet {
         end_to_end: end_to_end(bridged(&task.records)),
         records: task.records.clone(),
         wavelet: composite::curve(&task.records, 1.0 / task.rate_hz).ok(),
+        averages: blocks_of_terms.averages(&task.records, 1.0 / task.rate_hz),
         rate_hz: task.rate_hz,
         curve: task.curve.clone(),
         allan: task.allan,
-        blocks: task.blocks(),
+        blocks: blocks_of_terms,
         marginal: &marginal,
     };
     let scales = scales::identify(task.records[0], 1.0 / task.rate_hz, blocks, SCALE_EFFORT).ok();

@@ -83,7 +83,11 @@ pub fn remove_lines(record: &mut [f64], rate_hz: f64) -> Vec<Line> {
     let (mut lines, mut resonances): (Vec<Sine>, Vec<Resonance>) = (Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
         let room = MOST.saturating_sub(lines.len() + resonances.len());
-        let mut peaks = Periodogram::new(&bridge(record, 0.0)).peaks(FALSE_ALARM);
+        let periodogram = match record.iter().any(|x| x.is_nan()) {
+            true => Periodogram::new(&bridge(record, 0.0)),
+            false => Periodogram::new(record),
+        };
+        let mut peaks = periodogram.peaks(FALSE_ALARM);
         // What the fit of a resonance has left of it is no line.
         peaks.retain(|peak| peak.is_broad || !resonances.iter().any(|of| of.reaches(peak, step)));
         if peaks.is_empty() || room == 0 {

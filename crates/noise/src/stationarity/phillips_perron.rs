@@ -64,7 +64,7 @@ pub fn phillips_perron(
     }
     // Regress Δx on x_{t−1} less what the deterministic part explains of either.
     let level = residual_of(x[..rows].to_vec(), deterministic);
-    let change = residual_of(x.windows(2).map(|w| w[1] - w[0]).collect(), deterministic);
+    let mut change = residual_of(x.windows(2).map(|w| w[1] - w[0]).collect(), deterministic);
     let level_level = dot(&level, &level);
     let total = sum_of(&change, |v| v * v);
     let largest = x.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
@@ -73,11 +73,10 @@ pub fn phillips_perron(
         return Err(RecordError::Constant);
     }
     let gamma = dot(&level, &change) / level_level;
-    let residuals: Vec<f64> = change
-        .iter()
-        .zip(&level)
-        .map(|(d, l)| d - gamma * l)
-        .collect();
+    for (change, level) in change.iter_mut().zip(&level) {
+        *change -= gamma * level;
+    }
+    let residuals = change;
     let count = rows as f64;
     let freedom = count - 1.0 - deterministic.columns() as f64;
     let squares = sum_of(&residuals, |r| r * r);
@@ -104,12 +103,13 @@ pub fn phillips_perron(
 }
 
 /// What a constant or a trend leaves of a column.
-fn residual_of(column: Vec<f64>, deterministic: Deterministic) -> Vec<f64> {
+fn residual_of(mut column: Vec<f64>, deterministic: Deterministic) -> Vec<f64> {
     match deterministic {
         Deterministic::None => column,
         Deterministic::Constant => {
             let centre = mean(&column);
-            column.iter().map(|value| value - centre).collect()
+            column.iter_mut().for_each(|value| *value -= centre);
+            column
         }
         Deterministic::Trend => linear(&column).residuals,
     }

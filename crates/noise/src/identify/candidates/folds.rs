@@ -16,7 +16,7 @@ use super::LEFT_OUT_SINGLY;
 use crate::{
     allan::{self, Curve, DeviationKind, Grid, Terms},
     compared::{Method, Unfit},
-    composite::{self, Blocks, CompositeTerms, Marginal, NO_MARGINAL},
+    composite::{self, Averages, Blocks, CompositeTerms, Marginal, NO_MARGINAL},
     drift_score::Parts,
     screening::bridge::{bridge, inflation},
     wavelet::WaveletVariance,
@@ -35,6 +35,8 @@ pub(super) struct TrainingSet<'a> {
     pub(super) allan: Terms,
     /// Wavelet variance that sums of terms start from, pooled over the records; none that can be fitted without one.
     pub(super) wavelet: Option<WaveletVariance>,
+    /// Averages of the records over the blocks; none where a record has not one.
+    pub(super) averages: Option<Averages<'static>>,
     /// The blocks of the likelihood of a sum of terms: those of the whole, of a part too.
     pub(super) blocks: Blocks,
     /// What is integrated out beside the levels: of the whole the effect of temperature, of parts
@@ -73,6 +75,7 @@ impl<'a> TrainingSet<'a> {
         let inflation = inflation(&records);
         Some(Self {
             wavelet: composite::curve(&records, 1.0 / rate_hz).ok(),
+            averages: blocks.averages(&records, 1.0 / rate_hz),
             records,
             end_to_end: end_to_end(bridged),
             rate_hz,

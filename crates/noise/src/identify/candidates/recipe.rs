@@ -268,7 +268,9 @@ pub(super) fn terms(
         ..composite::FitOptions::default()
     };
     let curve = part.wavelet.as_ref()?;
-    let fit = composite::fit_marginal(&part.records, curve, set, &options, part.marginal).ok()?;
+    let (records, averages) = (&part.records, part.averages.as_ref());
+    let fit =
+        composite::fit_marginal(records, curve, averages, set, &options, part.marginal).ok()?;
     let is_smaller = fit.flags.iter().any(|f| matches!(f, Flag::Vanished(_)));
     (whole.is_some() || !is_smaller).then_some(fit)
 }

@@ -3,6 +3,7 @@ use super::{
     *,
 };
 use crate::{BiasModel, composite::CompositeTerms, synthesis::NoiseGenerator};
+use std::sync::OnceLock;
 
 const RATE: f64 = 10.0;
 
@@ -112,6 +113,7 @@ fn task<'a>(record: &'a [f64], part: &'a TrainingSet<'a>) -> Task<'a> {
         quantised: false,
         n_max: 1,
         temperatures: Vec::new(),
+        compared: OnceLock::new(),
     }
 }
 
