@@ -3,13 +3,17 @@
 use undrift::{
     drive::Drive,
     estimator::{LogTo, Logged},
-    nav::{covariance::AXES, parameters::Parameters, shaping::ShapingFilter},
+    nav::{
+        covariance::AXES,
+        parameters::{Parameter, Parameters},
+        shaping::ShapingFilter,
+    },
     noise::ImuModel,
     replay::{Measurement, Settings, replay},
     settings::fix_errors::{Correlated, FixErrors, StdFactors},
     simulate::{GnssNoise, Simulation, Trajectory, simulate},
     tune::{
-        Tuned, file,
+        Axes, Tuned, file,
         filter::Fixed,
         fit::{Fit, FitLog, fit, under},
         noise::{COUNT, FIX, LASTING, Noise, RULE, Vector, WALK},
@@ -218,6 +222,7 @@ fn the_drive_file_is_written() {
         unseen: 0.5,
         held_out: false,
         judged: Vec::new(),
+        axes: None,
         following: None,
         withheld: [0; 2],
         follows: false,
@@ -282,4 +287,21 @@ fn the_drive_file_is_written() {
     found.follows = false;
     let again = file::tuned(&written, &found, &found.model(&["drive.toml"]), None).unwrap();
     assert!(again.contains("vibration = \"off\"") && !again.contains("vibration_factors"));
+
+    // Errors of the axes are states only where they are kept.
+    let std = |scale_factors: bool, kept: bool| {
+        let mut found = found.clone();
+        found.axes = Some(Axes {
+            scale_factors,
+            gain: 40.0,
+            kept,
+        });
+        let written = file::tuned(&again, &found, &found.model(&["drive.toml"]), None).unwrap();
+        let drive = Drive::from_toml(&written, "tuned.toml", &folder, &folder).unwrap();
+        let std = |of| drive.parameters.prior(of).map(|prior| prior.std);
+        [Parameter::AccelMisalignment, Parameter::AccelScale].map(std)
+    };
+    assert_eq!(std(true, false), [None; 2]);
+    assert_eq!(std(false, true), [Some(0.6f64.to_radians()), None]);
+    assert_eq!(std(true, true), [Some(0.6f64.to_radians()), Some(0.01)]);
 }
