@@ -70,6 +70,8 @@ impl<W: Write> MavlinkWriter<W> {
             .map_err(io::IntoInnerError::into_error)
     }
 
+    /// Not inlined: its sines and roundings would be computed for every format, before it is known which one a file has.
+    #[inline(never)]
     pub(super) fn write(&mut self, row: &SolutionRow) -> io::Result<()> {
         if !row.is_whole() {
             return Ok(());
