@@ -16,7 +16,7 @@ mod path;
 mod turns;
 
 use breaks::{Breaks, Jump, TURNED};
-use force::Forces;
+use force::{Forces, Shift};
 use std::ops::Range;
 use turns::{Fit, LEAST, Motion};
 use undrift_io::poses::LocalPose;
@@ -176,16 +176,18 @@ struct Piece {
     /// On the clock of the samples \[s\].
     start: f64,
     end: f64,
+    /// The move of the frame that it begins with.
+    shift: Option<Shift>,
     fit: Fit,
     forces: Result<Forces, PoseFault>,
 }
 
-/// Looks at turns, and again at their parts where the lever arm changes.
+/// Looks at turns, which begin with a move of the frame or not, and again at their parts where the lever arm changes or the frame moves.
 fn pieces(
     samples: &[ImuSample],
     poses: &[LocalPose],
     motion: &Motion,
-    turns: Range<usize>,
+    (turns, shift): (Range<usize>, Option<Shift>),
     into: &mut Vec<Piece>,
 ) {
     let (first, last) = (motion.turns[turns.start], motion.turns[turns.end - 1]);
@@ -193,21 +195,25 @@ fn pieces(
     let of_piece = Vec::from_iter(poses.iter().filter(within).copied());
     let fit = motion.fit(turns.clone());
     let forces = Forces::find(samples, &of_piece, motion, &fit.marker);
-    let changes = forces.as_ref().ok().and_then(|forces| forces.step);
-    let at = changes.map(|time| {
-        motion
-            .turns
-            .partition_point(|turn| turn.from + motion.clock < time)
-    });
-    if let Some(at) = at.filter(|at| turns.start + LEAST <= *at && at + LEAST <= turns.end) {
-        pieces(samples, poses, motion, turns.start..at, into);
-        pieces(samples, poses, motion, at..turns.end, into);
-        return;
+    let seen = forces.as_ref().ok();
+    let steps = seen.and_then(|forces| forces.step);
+    let moves = seen.and_then(|forces| forces.shift);
+    let changes = steps.map(|time| (time, None));
+    let changes = changes.or(moves.map(|shift| (shift.time, Some(shift))));
+    if let Some((time, moved)) = changes {
+        let later = |turn: &turns::Turn| turn.from + motion.clock < time;
+        let at = motion.turns.partition_point(later);
+        if turns.start + LEAST <= at && at + LEAST <= turns.end {
+            pieces(samples, poses, motion, (turns.start..at, shift), into);
+            pieces(samples, poses, motion, (at..turns.end, moved), into);
+            return;
+        }
     }
     into.push(Piece {
         start: first.from + motion.clock,
         end: last.to + motion.clock,
         turns,
+        shift,
         fit,
         forces,
     });
@@ -242,12 +248,16 @@ fn between(before: &Piece, after: &Piece, jumps: &[Jump], motion: &Motion) -> Op
             distance_m: distance,
         });
     }
-    jump.map(|jump| PoseFault::Jumped {
+    let jumped = jump.map(|jump| PoseFault::Jumped {
         time,
         end: time,
         angle_deg: jump.size.to_degrees(),
         lasting: true,
-    })
+    });
+    jumped.or(after.shift.map(|shift| PoseFault::Shifted {
+        time: shift.time,
+        distance_m: shift.distance,
+    }))
 }
 
 /// Slips on end without a jump that are a slide.
@@ -259,7 +269,7 @@ fn compared(samples: &[ImuSample], poses: &[LocalPose]) -> Result<HandEye, PoseF
     let breaks = Breaks::find(&mut motion);
     let mut all = Vec::new();
     for turns in breaks.pieces.clone() {
-        pieces(samples, poses, &motion, turns, &mut all);
+        pieces(samples, poses, &motion, (turns, None), &mut all);
     }
     let pairs = all.iter().zip(all.iter().skip(1));
     let differ = pairs.map(|(a, b)| between(a, b, &breaks.jumps, &motion));

@@ -24,9 +24,25 @@ pub(super) struct Forces {
     pub position_std: f64,
     /// When the lever arm changes \[s\], on the clock of the samples.
     pub step: Option<f64>,
+    /// Where the positions jump, and stay so, while the accelerometers measure nothing of it.
+    pub shift: Option<Shift>,
     /// The unit, if it is not the metre.
     pub fault: Option<PoseFault>,
 }
+
+/// A frame of poses that moves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shift {
+    /// On the clock of the samples \[s\].
+    pub time: f64,
+    /// By how much \[m\].
+    pub distance: f64,
+}
+
+/// A frame that moves by less is the same \[m\], and one by less than so many standard deviations of a double difference.
+const SHIFT: (f64, f64) = (0.03, 8.0);
+/// A frame that moves more often is a position with a noise of its own.
+const SHIFTS: usize = 5;
 
 /// Times between the three poses of a double difference \[s\]: long for accelerations, short for the positions' own noise.
 const LONG: f64 = 0.4;
@@ -125,21 +141,107 @@ impl Forces {
             (left * row.span / 6f64.sqrt()).map(f64::abs).data.0[0]
         };
         let noise: Vec<f64> = short.iter().flat_map(noise).collect();
+        let position_std = MAD * quantile(&noise, 0.5);
         let lever = covariance.fixed_view::<3, 3>(3, 3).diagonal();
         let changes = long.iter().map(|row| Change {
             left: row.force - row.by * x,
             by: row.by.fixed_view::<3, 3>(0, 3).into_owned(),
         });
         let step = step(&Vec::from_iter(changes), scatter, LEAST, STEP);
+        let jumps = Jumps {
+            samples,
+            motion,
+            whole: whole(poses, motion, marker),
+            found: &x,
+            factor,
+        };
         Ok(Self {
             gravity,
             lever_arm: x.fixed_rows::<3>(3).into_owned(),
             lever_arm_std: lever.max().max(0.0).sqrt(),
-            position_std: MAD * quantile(&noise, 0.5),
+            position_std,
             step: step.map(|at| long[at].time),
+            shift: jumps.shift(&short, position_std),
             fault,
         })
     }
+}
+
+/// What jumps of the positions are sought in.
+struct Jumps<'a> {
+    samples: &'a [ImuSample],
+    motion: &'a Motion<'a>,
+    /// Time on the clock of the samples \[s\], position, attitude `q_wb`.
+    whole: Vec<(f64, Vector3, Quaternion)>,
+    found: &'a SVector<f64, UNKNOWN>,
+    /// Of the unit of the positions.
+    factor: f64,
+}
+
+impl Jumps<'_> {
+    /// The largest jump that stays, of few; `short` are the double differences over [`SHORT`].
+    fn shift(&self, short: &[Row], position_std: f64) -> Option<Shift> {
+        let least = SHIFT.0.max(SHIFT.1 * 6f64.sqrt() * position_std);
+        let far = short.iter().filter(|row| {
+            let left = row.force - row.by * self.found;
+            left.norm() * row.span > least
+        });
+        let mut events: Vec<(f64, f64)> = Vec::new();
+        for row in far {
+            match events.last_mut() {
+                Some(event) if row.time - event.1 < 2.5 * SHORT => event.1 = row.time,
+                _ => events.push((row.time, row.time)),
+            }
+        }
+        let shifts = events.iter().filter_map(|event| self.over(event, least));
+        let shifts = Vec::from_iter(shifts.filter(|shift| !self.is_turned(shift.time)));
+        let largest = shifts
+            .iter()
+            .max_by(|a, b| a.distance.total_cmp(&b.distance));
+        largest.filter(|_| shifts.len() <= SHIFTS).copied()
+    }
+
+    /// By how much the positions have jumped from before an event to after it, if that is more than `least` \[m\].
+    fn over(&self, &(from, to): &(f64, f64), least: f64) -> Option<Shift> {
+        let at = |time: f64| self.whole.partition_point(|pose| pose.0 < time);
+        let before = at(from - EVEN * SHORT).checked_sub(1)?;
+        let first = at(from - EVEN * SHORT - LONG).checked_sub(1)?;
+        let three = [first, before, at(to + EVEN * SHORT)];
+        let [Some(first), Some(before), Some(after)] = three.map(|k| self.whole.get(k)) else {
+            return None;
+        };
+        let row = row(&self.motion.path, self.samples, [first, before, after])?;
+        let positions: Vector3 = row.by.column(SCALE).into_owned();
+        let mut by = row.by;
+        by.column_mut(SCALE).fill(0.0);
+        let left = row.force - positions * self.factor - by * self.found;
+        let distance = left.norm() * (after.0 - before.0);
+        (distance > least).then_some(Shift {
+            time: 0.5 * (from + to),
+            distance,
+        })
+    }
+
+    /// Whether the attitudes jump there, too: then it is more than the frame's place.
+    fn is_turned(&self, time: f64) -> bool {
+        let clock = self.motion.clock;
+        let near = |from: f64, to: f64| from + clock - 1.0 < time && time < to + clock + 1.0;
+        let mut turns = self.motion.turns.iter();
+        turns.any(|turn| !turn.used && near(turn.from, turn.to))
+    }
+}
+
+/// The poses with an attitude: time on the clock of the samples \[s\], position, attitude `q_wb`.
+fn whole(
+    poses: &[LocalPose],
+    motion: &Motion,
+    marker: &Quaternion,
+) -> Vec<(f64, Vector3, Quaternion)> {
+    let whole = poses.iter().filter_map(|pose| {
+        let q_wb = pose.attitude? * marker.inverse();
+        Some((pose.time + motion.clock, pose.position?, q_wb))
+    });
+    whole.collect()
 }
 
 /// The double differences over spans of about `span` \[s\].
@@ -150,11 +252,7 @@ fn rows(
     marker: &Quaternion,
     span: f64,
 ) -> Vec<Row> {
-    let whole = poses.iter().filter_map(|pose| {
-        let q_wb = pose.attitude? * marker.inverse();
-        Some((pose.time + motion.clock, pose.position?, q_wb))
-    });
-    let whole: Vec<(f64, Vector3, Quaternion)> = whole.collect();
+    let whole = whole(poses, motion, marker);
     let after = |time: f64| whole.partition_point(|pose| pose.0 < time - 1e-6);
     let mut rows = Vec::new();
     let mut from = 0;

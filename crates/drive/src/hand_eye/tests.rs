@@ -281,6 +281,43 @@ fn a_marker_that_slips_is_found_with_its_time_and_amount() {
     }
 }
 
+/// A frame that moves is found with its time and amount, over five hands; a pose that is off alone, and a body that returns, move no frame.
+#[test]
+fn a_frame_that_moves_is_named() {
+    for seed in 11..16 {
+        let hand = Trajectory::handheld(120.0, 0.4 + 0.1 * (seed % 4) as f64, seed);
+        let (samples, poses) = room(&hand, &truth());
+        let moved = |by: f64, of: &dyn Fn(f64) -> bool| {
+            let way = Vector3::new(0.6, -0.5, 0.6).normalize();
+            let poses = poses.iter().map(|pose| LocalPose {
+                position: pose
+                    .position
+                    .map(|p| if of(pose.time) { p + way * by } else { p }),
+                ..*pose
+            });
+            hand_eye(&samples, &Vec::from_iter(poses)).unwrap().faults
+        };
+        for by in [0.05, 0.23, 2.0] {
+            let faults = moved(by, &|time| time >= 50.0);
+            let [
+                PoseFault::Shifted { time, distance_m },
+                PoseFault::Piece { start, end },
+            ] = faults[..]
+            else {
+                panic!("{seed} {by}: {faults:?}");
+            };
+            assert!((time - truth().clock - 50.0).abs() < 0.2, "{seed}: {time}");
+            assert!(
+                (distance_m - by).abs() < 0.1 * by + 0.01,
+                "{seed}: {distance_m}"
+            );
+            assert!(end > 110.0 && start > 49.8, "{start} {end}");
+        }
+        let first = poses.iter().find(|pose| pose.time >= 50.0).unwrap().time;
+        assert_eq!(moved(0.23, &|time| time == first), [], "{seed}");
+    }
+}
+
 #[test]
 fn two_slips_and_a_slide_are_told_apart() {
     let (samples, poses) = room(&Trajectory::handheld(180.0, 0.6, 4), &truth());

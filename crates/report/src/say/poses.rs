@@ -106,6 +106,11 @@ pub(crate) fn fault(fault: &PoseFault, mended: bool) -> String {
             at(*time),
             at(*end)
         ),
+        PoseFault::Shifted { time, distance_m } => format!(
+            "the frame of the poses moves by {} cm at {} s while the IMU does not: {cut}",
+            short(100.0 * distance_m),
+            at(*time)
+        ),
         PoseFault::Frozen { poses, time } => format!(
             "{poses} poses repeat the one before, the first at {} s, as of a lost marker; they are not used",
             at(*time)

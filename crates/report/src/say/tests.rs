@@ -1170,6 +1170,14 @@ fn what_is_wrong_with_poses_has_its_sentence_and_its_mend() {
             "the clock of the poses runs 2.00 % fast: multiply their times by 0.98039, or check the rate of the samples",
         ),
         (
+            PoseFault::Shifted {
+                time: 81.0,
+                distance_m: 0.2314,
+            },
+            false,
+            "the frame of the poses moves by 23.1 cm at 81 s while the IMU does not: set [span] start or end there, and use each part by itself",
+        ),
+        (
             PoseFault::Jumped {
                 time: 81.0,
                 end: 87.0,

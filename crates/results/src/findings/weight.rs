@@ -84,6 +84,7 @@ fn of_poses(fault: &PoseFault, mended: bool) -> Severity {
             distance_m,
             ..
         } => of_marker(*angle_deg, *distance_m),
+        PoseFault::Shifted { distance_m, .. } => of_marker(0.0, *distance_m),
         PoseFault::Slid { angle_deg, .. }
         | PoseFault::Jumped {
             angle_deg,

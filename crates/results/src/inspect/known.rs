@@ -308,6 +308,13 @@ pub enum PoseFault {
         /// Whether the frame stays turned.
         lasting: bool,
     },
+    /// The positions jump while the accelerometers measure nothing of it: their frame stays moved.
+    Shifted {
+        /// When, on the clock of the samples \[s\].
+        time: f64,
+        /// By how much \[m\].
+        distance_m: f64,
+    },
     /// Poses repeat the one before, as trackers write that have lost their marker.
     Frozen {
         /// How many.

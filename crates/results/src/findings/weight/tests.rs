@@ -462,6 +462,10 @@ fn poses_weigh_by_what_they_leave() {
         angle_deg: 40.0,
         lasting,
     };
+    let shifted = |distance_m| PoseFault::Shifted {
+        time: 80.0,
+        distance_m,
+    };
     for (fault, mended, severity) in [
         (slipped(15.0, 0.0), false, Unusable),
         (slipped(0.0, 0.03), false, Unusable),
@@ -469,6 +473,8 @@ fn poses_weigh_by_what_they_leave() {
         (slipped(15.0, 0.03), true, Warning),
         (jumped(80.0, true), false, Unusable),
         (jumped(80.0, true), true, Warning),
+        (shifted(0.23), false, Unusable),
+        (shifted(0.23), true, Warning),
         (jumped(86.0, false), false, Warning),
         (jumped(80.2, false), false, Note),
         (PoseFault::ScalarFirst, false, Unusable),
