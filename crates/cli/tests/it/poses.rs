@@ -128,7 +128,7 @@ fn misaligned_axes_are_estimated_beside_the_noise() {
 /// What is done to the poses, and what the first line of `inspect` and that of `navigate` begin with.
 type Wrong = (fn(Pose) -> Pose, &'static str, &'static str);
 
-const CASES: [Wrong; 8] = [
+const CASES: [Wrong; 9] = [
     (
         |(t, p, q)| (t, p, q.inverse()),
         "not usable: the quaternions are inverse",
@@ -178,6 +178,14 @@ const CASES: [Wrong; 8] = [
         },
         "usable with care: the marker slipped by 14.9° and 2.",
         "usable with care: the marker slipped by 14.9° and 2.",
+    ),
+    (
+        |(t, p, q)| match t > 70.0 {
+            true => (t, p + Vector3::new(0.13, -0.17, 0.09), q),
+            false => (t, p, q),
+        },
+        "usable with care: the frame of the poses moves by 22.8 cm",
+        "usable with care: the frame of the poses moves by 22.8 cm",
     ),
     (|(t, p, q)| (t, p, q), "imu.csv: delimited text", "usable"),
 ];

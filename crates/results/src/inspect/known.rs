@@ -348,7 +348,7 @@ impl PoseFault {
     pub fn is_mended(&self, cut: bool) -> bool {
         match self {
             Self::ScalarFirst | Self::Unit(_) | Self::Frozen { .. } | Self::Clock { .. } => true,
-            Self::Slipped { .. } | Self::Slid { .. } => cut,
+            Self::Slipped { .. } | Self::Slid { .. } | Self::Shifted { .. } => cut,
             Self::Jumped { lasting, .. } => cut && *lasting,
             _ => false,
         }
