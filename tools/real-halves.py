@@ -4,9 +4,9 @@
     tools/real-halves.py target/release/undrift DATA [RECORD ...]
 
 Every axis is identified on one half of its record and scored on the other, both ways, as `identify` does it; of several
-records of one type those left out of the fit are scored. Prints a table for docs/lab/real-records.md: over the axes of a
+records of one type, those that the fit has not seen are scored (cross-validation). Prints a table for docs/lab/real-records.md: over the axes of a
 record the geometric mean of real over predicted drift, and the range, at each horizon; then each axis outside of 0.7 to 1.4
-beside the standard error of its score. The record of the MPU-6050 is MATLAB's and needs h5py; without it the row is left out.
+beside the standard error of its score. The record of the MPU-6050 is a MATLAB file: it needs h5py, and has no row without.
 """
 
 import gzip

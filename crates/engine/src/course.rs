@@ -43,8 +43,8 @@ const SPREADS: f64 = 4.0;
 /// Standard deviations of the heading by which it has changed, too, where the heading is wrong.
 const SIGMAS: f64 = 2.0;
 
-/// Azimuth of the first body axis that is level, by C_b^n \[rad\]: the heading of a body whose z axis points down. Where no axis is upright
-/// there is none, and no vertical gyro.
+/// Azimuth of the first body axis that is level, by C_b^n \[rad\]: the heading of a body whose z axis points down. `None` where no axis is within 20° of the
+/// vertical.
 fn azimuth(c_nb: &Matrix3) -> Option<f64> {
     let upright = (0..3).find(|axis| c_nb[(2, *axis)].abs() > LEVEL)?;
     let ahead = usize::from(upright == 0);

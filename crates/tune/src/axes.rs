@@ -3,7 +3,7 @@
 
 use super::{
     Way, first_of,
-    fit::{Fit, FitLog, seen_likelihood, unseen_likelihood},
+    fit::{Fit, FitLog, unseen_likelihood},
     noise::Noise,
     rest_noise::RestNoise,
 };
@@ -63,10 +63,7 @@ pub(super) fn tried<'a>(
 ) -> (Way<'a>, Option<Axes>) {
     let unseen =
         |logs: &[FitLog], fit: &Fit| unseen_likelihood(logs, start, &fit.noise, spans).ok();
-    let seen =
-        |logs: &[FitLog], fit: &Fit| seen_likelihood(logs, start, &way.prior, &fit.noise).ok();
-    let before = (seen(&way.logs, &way.fit), unseen(&way.logs, &way.fit));
-    let (Some(seen_before), Some(unseen_before)) = before else {
+    let Some(unseen_before) = unseen(&way.logs, &way.fit) else {
         return (way, None);
     };
     // What is too short to hold out anything is judged by what the fit has seen.
@@ -85,7 +82,7 @@ pub(super) fn tried<'a>(
         let axes = Axes {
             scale_factors,
             gain,
-            kept: (!judges || gain > LIKELIER) && seen(&logs, &fit)? - seen_before > LIKELIER,
+            kept: (!judges || gain > LIKELIER) && fit.likelihood - way.fit.likelihood > LIKELIER,
         };
         let prior = way.prior.clone();
         Some((Way { logs, prior, fit }, axes))

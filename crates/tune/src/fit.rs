@@ -43,6 +43,8 @@ pub struct Fit {
     pub noise: Noise,
     /// Standard deviations of its logarithms; those of the prior where the drives say nothing.
     pub std: Vector,
+    /// Log-likelihood of what it has seen, with the prior's density.
+    pub likelihood: f64,
     /// Windows that were scored.
     pub windows: usize,
     /// Evaluations of the objective.
@@ -269,6 +271,7 @@ fn fit_sized<const N: usize>(
     let mut fit = Fit {
         noise: from,
         std: std::array::from_fn(|i| prior.above[i]),
+        likelihood: f64::NEG_INFINITY,
         windows: 0,
         evaluations: 0,
         converged: false,
@@ -319,8 +322,10 @@ fn fit_sized<const N: usize>(
             }
         }
     }
+    let z = fit.noise.ln();
+    fit.likelihood = -cost(&linear.score(&z), prior, &z).0;
     if sure {
-        fit.std = uncertainty(&linear, prior, &fit.noise.ln());
+        fit.std = uncertainty(&linear, prior, &z);
     }
     Ok(fit)
 }
@@ -387,31 +392,6 @@ fn uncertainty<const N: usize>(linear: &Linear<N>, prior: &Prior, z: &Vector) ->
         }
         std
     })
-}
-
-/// Log-likelihood of what the fit of a noise has seen, times the prior's density.
-///
-/// # Errors
-/// A drive that cannot be navigated.
-pub fn seen_likelihood(
-    logs: &[FitLog],
-    start: &RestNoise,
-    prior: &Prior,
-    noise: &Noise,
-) -> Result<f64, ReplayError> {
-    let likelihood = by_size!(logs, seen_sized);
-    likelihood(logs, start, prior, noise)
-}
-
-fn seen_sized<const N: usize>(
-    logs: &[FitLog],
-    start: &RestNoise,
-    prior: &Prior,
-    noise: &Noise,
-) -> Result<f64, ReplayError> {
-    let linear = Linear::<N>::new(logs, *noise, start)?;
-    let z = noise.ln();
-    Ok(-cost(&linear.score(&z), prior, &z).0)
 }
 
 /// Log-likelihood of what the fit of a noise has not seen, from the first of these times of each drive on \[s\].

@@ -175,6 +175,7 @@ mod tests {
             fit: Fit {
                 noise: Noise::new(&twice),
                 std: [0.05; COUNT],
+                likelihood: 0.0,
                 windows: 120,
                 evaluations: 45,
                 converged: true,

@@ -80,6 +80,23 @@ struct Row {
     time: f64,
 }
 
+impl Row {
+    /// What the unknowns leave of the force.
+    fn left(&self, x: &SVector<f64, UNKNOWN>) -> Vector3 {
+        self.force - self.by * x
+    }
+
+    /// Takes the scale of the positions as known.
+    fn take_scale(&mut self, scale: f64) {
+        let positions: Vector3 = self.by.column(SCALE).into_owned();
+        self.force -= positions * scale;
+        self.by.column_mut(SCALE).fill(0.0);
+    }
+}
+
+/// A pose: time on the clock of the samples \[s\], position, attitude `q_wb`.
+type Whole = (f64, Vector3, Quaternion);
+
 impl Forces {
     /// Compares accelerations.
     ///
@@ -91,7 +108,8 @@ impl Forces {
         motion: &Motion,
         marker: &Quaternion,
     ) -> Result<Self, PoseFault> {
-        let mut long = rows(samples, poses, motion, marker, LONG);
+        let whole = whole(poses, motion, marker);
+        let mut long = rows(samples, motion, &whole, LONG);
         let moves = poses
             .windows(2)
             .any(|two| two[0].position != two[1].position);
@@ -116,15 +134,9 @@ impl Forces {
         if let Some((name, unit)) = unit {
             (fault, factor) = (Some(PoseFault::Unit((*name).into())), *unit);
         }
-        let without_scale = |rows: &mut Vec<Row>| {
-            for row in rows {
-                // Known from here on.
-                let positions: Vector3 = row.by.column(SCALE).into_owned();
-                row.force -= positions * factor;
-                row.by.column_mut(SCALE).fill(0.0);
-            }
-        };
-        without_scale(&mut long);
+        // Known from here on.
+        let of_unit = |row: &mut Row| row.take_scale(factor);
+        long.iter_mut().for_each(of_unit);
         let (x, covariance, scatter) = solve(&long, false);
         let gravity: Vector3 = x.fixed_rows::<3>(0).into_owned();
         if (gravity.norm() / STANDARD_GRAVITY - 1.0).abs() > GRAVITY {
@@ -132,26 +144,25 @@ impl Forces {
                 found: gravity.norm(),
             });
         }
-        let mut short = rows(samples, poses, motion, marker, SHORT);
-        without_scale(&mut short);
+        let mut short = rows(samples, motion, &whole, SHORT);
+        short.iter_mut().for_each(of_unit);
         let at = &x;
         let noise = |row: &Row| {
-            let left = row.force - row.by * at;
             // Of three positions that err, 1, −2 and 1 over the span.
-            (left * row.span / 6f64.sqrt()).map(f64::abs).data.0[0]
+            (row.left(at) * row.span / 6f64.sqrt()).map(f64::abs).data.0[0]
         };
         let noise: Vec<f64> = short.iter().flat_map(noise).collect();
         let position_std = MAD * quantile(&noise, 0.5);
         let lever = covariance.fixed_view::<3, 3>(3, 3).diagonal();
         let changes = long.iter().map(|row| Change {
-            left: row.force - row.by * x,
+            left: row.left(&x),
             by: row.by.fixed_view::<3, 3>(0, 3).into_owned(),
         });
         let step = step(&Vec::from_iter(changes), scatter, LEAST, STEP);
         let jumps = Jumps {
             samples,
             motion,
-            whole: whole(poses, motion, marker),
+            whole: &whole,
             found: &x,
             factor,
         };
@@ -171,8 +182,7 @@ impl Forces {
 struct Jumps<'a> {
     samples: &'a [ImuSample],
     motion: &'a Motion<'a>,
-    /// Time on the clock of the samples \[s\], position, attitude `q_wb`.
-    whole: Vec<(f64, Vector3, Quaternion)>,
+    whole: &'a [Whole],
     found: &'a SVector<f64, UNKNOWN>,
     /// Of the unit of the positions.
     factor: f64,
@@ -182,10 +192,9 @@ impl Jumps<'_> {
     /// The largest jump that stays, of few; `short` are the double differences over [`SHORT`].
     fn shift(&self, short: &[Row], position_std: f64) -> Option<Shift> {
         let least = SHIFT.0.max(SHIFT.1 * 6f64.sqrt() * position_std);
-        let far = short.iter().filter(|row| {
-            let left = row.force - row.by * self.found;
-            left.norm() * row.span > least
-        });
+        let far = short
+            .iter()
+            .filter(|row| row.left(self.found).norm() * row.span > least);
         let mut events: Vec<(f64, f64)> = Vec::new();
         for row in far {
             match events.last_mut() {
@@ -210,12 +219,9 @@ impl Jumps<'_> {
         let [Some(first), Some(before), Some(after)] = three.map(|k| self.whole.get(k)) else {
             return None;
         };
-        let row = row(&self.motion.path, self.samples, [first, before, after])?;
-        let positions: Vector3 = row.by.column(SCALE).into_owned();
-        let mut by = row.by;
-        by.column_mut(SCALE).fill(0.0);
-        let left = row.force - positions * self.factor - by * self.found;
-        let distance = left.norm() * (after.0 - before.0);
+        let mut row = row(&self.motion.path, self.samples, [first, before, after])?;
+        row.take_scale(self.factor);
+        let distance = row.left(self.found).norm() * (after.0 - before.0);
         (distance > least).then_some(Shift {
             time: 0.5 * (from + to),
             distance,
@@ -231,12 +237,8 @@ impl Jumps<'_> {
     }
 }
 
-/// The poses with an attitude: time on the clock of the samples \[s\], position, attitude `q_wb`.
-fn whole(
-    poses: &[LocalPose],
-    motion: &Motion,
-    marker: &Quaternion,
-) -> Vec<(f64, Vector3, Quaternion)> {
+/// The poses that have both position and attitude.
+fn whole(poses: &[LocalPose], motion: &Motion, marker: &Quaternion) -> Vec<Whole> {
     let whole = poses.iter().filter_map(|pose| {
         let q_wb = pose.attitude? * marker.inverse();
         Some((pose.time + motion.clock, pose.position?, q_wb))
@@ -245,14 +247,7 @@ fn whole(
 }
 
 /// The double differences over spans of about `span` \[s\].
-fn rows(
-    samples: &[ImuSample],
-    poses: &[LocalPose],
-    motion: &Motion,
-    marker: &Quaternion,
-    span: f64,
-) -> Vec<Row> {
-    let whole = whole(poses, motion, marker);
+fn rows(samples: &[ImuSample], motion: &Motion, whole: &[Whole], span: f64) -> Vec<Row> {
     let after = |time: f64| whole.partition_point(|pose| pose.0 < time - 1e-6);
     let mut rows = Vec::new();
     let mut from = 0;
@@ -270,8 +265,8 @@ fn rows(
     rows
 }
 
-/// A double difference over three poses: time \[s\], position, attitude `q_wb`.
-fn row(path: &Path, samples: &[ImuSample], three: [&(f64, Vector3, Quaternion); 3]) -> Option<Row> {
+/// A double difference over three poses.
+fn row(path: &Path, samples: &[ImuSample], three: [&Whole; 3]) -> Option<Row> {
     let [t0, t1, t2] = three.map(|pose| pose.0);
     let (h1, h2) = (t1 - t0, t2 - t1);
     let double = |of: [Vector3; 3]| (of[2] - of[1]) / h2 - (of[1] - of[0]) / h1;
@@ -372,7 +367,7 @@ fn solve(
         let (mut a, mut b) = (prior, SVector::<f64, UNKNOWN>::zeros());
         let mut sizes = Vec::with_capacity(3 * rows.len());
         for row in rows {
-            let left = row.force - row.by * x;
+            let left = row.left(&x);
             sizes.extend(left.iter().map(|of| of.abs()));
             let size = left.norm();
             let weight = if size > 2.0 * scatter {

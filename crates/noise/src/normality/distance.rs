@@ -83,6 +83,8 @@ pub(super) fn distance(x: &[f64], mean: f64, deviation: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
 
     /// By the definition: every sample, in order.
     fn of_all(x: &[f64], mean: f64, deviation: f64) -> f64 {
@@ -100,13 +102,8 @@ mod tests {
 
     #[test]
     fn it_is_that_of_all_samples_sorted() {
-        let mut state = 1u64;
-        let mut uniform = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
+        let mut generator = Xoshiro256PlusPlus::seed_from_u64(1);
+        let mut uniform = || generator.random::<f64>();
         for samples in [5, 31, 33, 1000, 20_000] {
             let sum: Vec<f64> = (0..samples)
                 .map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0)

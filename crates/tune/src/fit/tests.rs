@@ -70,6 +70,7 @@ fn a_parameter_is_determined_by_an_interval_that_has_shrunk_by_half() {
     let fit = |share: f64| Fit {
         noise,
         std: std::array::from_fn(|i| share * prior.std(i, noise.ln()[i])),
+        likelihood: 0.0,
         windows: 1,
         evaluations: 1,
         converged: true,

@@ -215,6 +215,7 @@ fn the_drive_file_is_written() {
         fit: Fit {
             noise,
             std: [0.1; COUNT],
+            likelihood: 0.0,
             windows: 1,
             evaluations: 1,
             converged: true,
