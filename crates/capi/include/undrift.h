@@ -45,7 +45,7 @@
 /**
  * Bytes of a filter beside its covariance and estimates, at most; see UNDRIFT_FILTER_BYTES.
  */
-#define UNDRIFT_FILTER_OVERHEAD 7552
+#define UNDRIFT_FILTER_OVERHEAD 7680
 
 /**
  * What a call came to: 0 is success.

@@ -74,7 +74,12 @@ use undrift_io::{
     source::BytesRead,
     truth::{TruthReader, TruthSource},
 };
-use undrift_nav::{Vector3, covariance::AXES, parameters::Parameters, units::Quantity};
+use undrift_nav::{
+    Vector3,
+    covariance::AXES,
+    parameters::{Parameter, Parameters},
+    units::Quantity,
+};
 use undrift_noise::ImuModel;
 use undrift_results::inspect::PoseFault;
 
@@ -267,6 +272,8 @@ impl Drive {
             for (kind, _, prior) in of_poses.blocks() {
                 parameters = parameters.with(kind, prior);
             }
+        } else if let Some(prior) = gnss::read_smoothing(&gnss)? {
+            parameters = parameters.with(Parameter::Smoothing, prior);
         }
         let (scalars, parameters) = scalars::read(top, &mut logs, parameters)?;
         let (magnetometer, parameters) =

@@ -20,7 +20,7 @@ use undrift_nav::{
 };
 
 /// Version of the bytes' layout: changes whenever what is kept does.
-const FORMAT: u32 = 13;
+const FORMAT: u32 = 14;
 
 /// Why a navigator cannot be restored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

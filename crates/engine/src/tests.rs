@@ -7,6 +7,7 @@ mod loose;
 mod magnetometers;
 mod poses;
 mod rtk;
+mod smoothing;
 mod starts;
 
 use crate::{

@@ -136,6 +136,8 @@ pub struct Filter<const N: usize> {
     force_b: Vector3,
     /// Specific force as the sensor reads it [m/s²], behind the low-pass of [`jerk`] where its delay is estimated.
     slow_force: Vector3,
+    /// Acceleration over ground [m/s²] behind one and two low-passes where [`Parameter::Smoothing`] is estimated.
+    slow: [Vector3; 2],
     /// How the parameters act on the present sample's errors.
     coupling: Coupling,
     /// From when on [`Parameter::ClockRate`] lets the time offsets grow \[s\].
@@ -207,6 +209,7 @@ impl<const N: usize> Filter<N> {
             omega_ib_b: Vector3::zeros(),
             force_b: Vector3::zeros(),
             slow_force: Vector3::zeros(),
+            slow: [Vector3::zeros(); 2],
             coupling: Coupling::NONE,
             start: nav.time,
             turns: true,
@@ -346,6 +349,7 @@ impl<const N: usize> Filter<N> {
         let increments = Increments::from_raw(raw.dt, raw.dtheta, raw.dvel, self.previous.as_ref());
         self.omega_ib_b = raw.dtheta / raw.dt;
         self.force_b = raw.dvel / raw.dt;
+        self.follow_slowly(sample.dt);
         self.previous = Some(raw);
         self.current = Some((increments, 0.0));
         self.end = sample.time;

@@ -60,6 +60,10 @@ pub enum Parameter {
     TrimVelocity,
     /// Drag of rotors over mass [1/s], beyond the configured: deceleration across the thrust for each m/s through the air.
     RotorDrag,
+    /// Half the variance of the times that a receiver's own filter takes the mean over, for positions and for velocities \[s²\]: both are late
+    /// by the mean of those times ([`Parameter::TimeOffset`]), positions are off by this times the acceleration, velocities by this times
+    /// its rate of change. A vehicle that leans outward in turns moves its antenna in the same way.
+    Smoothing,
     /// Time-correlated part of the position's error (multipath, atmosphere, the receiver's own filter), in the axes of
     /// the fix, in units of its standard deviation [–]: 1 is what the receiver states of that part.
     PositionError,
@@ -70,7 +74,7 @@ pub enum Parameter {
 
 impl Parameter {
     /// Every kind, in the order of their states in the filter.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 23] = [
         Self::GyroScale,
         Self::AccelScale,
         Self::GyroMisalignment,
@@ -91,6 +95,7 @@ impl Parameter {
         Self::Wind,
         Self::TrimVelocity,
         Self::RotorDrag,
+        Self::Smoothing,
         Self::PositionError,
         Self::VelocityError,
     ];
@@ -120,6 +125,7 @@ impl Parameter {
             Self::Wind => "wind",
             Self::TrimVelocity => "trim_velocity",
             Self::RotorDrag => "rotor_drag",
+            Self::Smoothing => "smoothing",
         }
     }
 
@@ -135,7 +141,7 @@ impl Parameter {
             | Self::MarkerRotation
             | Self::TrimVelocity => 3,
             Self::GyroMisalignment | Self::AccelMisalignment => 6,
-            Self::Mounting | Self::FrameTilt | Self::Wind => 2,
+            Self::Mounting | Self::FrameTilt | Self::Wind | Self::Smoothing => 2,
             Self::TimeOffset
             | Self::Axle
             | Self::OdometerScale
@@ -304,6 +310,20 @@ pub fn jerk(slow: &mut Vector3, force: &Vector3, dt: f64) -> Vector3 {
     let jerk = (force - *slow) / (SLOW + dt);
     *slow += jerk * dt;
     jerk
+}
+
+/// Two low-passes of [`jerk`], one behind the other, step on at an acceleration over ground [m/s²]: what a vehicle does on purpose, and by
+/// their difference how that changes.
+#[inline]
+pub(crate) fn smooth(slow: &mut [Vector3; 2], acceleration: &Vector3, dt: f64) {
+    let [first, second] = slow;
+    jerk(first, acceleration, dt);
+    jerk(second, first, dt);
+}
+
+/// Acceleration [m/s²] and its rate of change [m/s³] by [`smooth`].
+pub(crate) fn slow_motion([first, second]: &[Vector3; 2]) -> [Vector3; 2] {
+    [*first, (first - second) / SLOW]
 }
 
 /// The parameters that the six sensor errors of one sample depend on beside the shaping filters' states, with their factors: the rows

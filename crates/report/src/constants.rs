@@ -67,6 +67,12 @@ pub(crate) fn constant(kind: &str) -> Constant<'_> {
         "Wind" => ("wind", "to north, to east", "m/s", 1.0),
         "TrimVelocity" => ("velocity in trim", "forward, right, down", "m/s", 1.0),
         "RotorDrag" => ("drag of the rotors", "(beyond the configured)", "1/s", 1.0),
+        "Smoothing" => (
+            "smoothing by the receiver",
+            "positions, velocities",
+            "s²",
+            1.0,
+        ),
         "MarkerRotation" => ("turn of the marker's axes", "x, y, z", "°", DEGREES),
         "FrameTilt" => ("tilt of the poses' frame", "north, east", "°", DEGREES),
         "PositionError" => ("correlated position error", "north, east, down", "σ", 1.0),
@@ -142,6 +148,12 @@ mod tests {
             ("Axle", "forward shift of the fixed axle", "m", 1.0),
             ("OdometerScale", "odometer scale factor", "%", 0.01),
             ("BarometerBias", "barometric height error", "m", 1.0),
+            (
+                "Smoothing",
+                "smoothing by the receiver positions, velocities",
+                "s²",
+                1.0,
+            ),
             (
                 "MarkerRotation",
                 "turn of the marker's axes x, y, z",

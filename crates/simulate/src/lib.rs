@@ -41,7 +41,8 @@ pub use scenarios::REST_BEFORE;
 pub use sensors::{SensorErrors, stream_seed};
 pub use trajectory::{MAX_DURATION, Motion, Trajectory};
 
-use undrift_nav::sample::{GnssFix, ImuSample, TruthSample};
+use undrift_nav::Vector3;
+use undrift_nav::sample::{GnssFix, ImuSample, Position, TruthSample};
 use undrift_nav::shaping::ShapingFilter;
 
 /// Most samples of one kind that [`simulate`] keeps in memory; use the iterators for more.
@@ -56,6 +57,38 @@ pub struct Simulation {
     pub gnss: Vec<GnssFix>,
     /// Truth at the IMU: at time 0, then at the end of each inertial sample.
     pub truth: Vec<TruthSample>,
+}
+
+impl Simulation {
+    /// Puts a receiver's own filter before its fixes: a low-pass of first order with the time constant `tau` \[s\]. Positions and velocities
+    /// are late by `tau`, and beyond that off by half of `tau²` times their second derivative. The antenna moves as the IMU does.
+    pub fn filter_fixes(&mut self, tau: f64) {
+        let Some(first) = self.truth.first() else {
+            return;
+        };
+        let origin = first.position;
+        let mut truth = self.truth.iter().peekable();
+        let (mut before, mut slow) = (first.time, [Vector3::zeros(); 2]);
+        slow[1] = first.v_n.unwrap_or_default();
+        let mut off = [Vector3::zeros(); 2];
+        for fix in &mut self.gnss {
+            while let Some(row) = truth.next_if(|row| row.time < fix.time + 1e-6) {
+                let seen = [origin.offset_to(&row.position), row.v_n.unwrap_or_default()];
+                let gain = 1.0 - ((before - row.time) / tau).exp();
+                before = row.time;
+                for (slow, now) in slow.iter_mut().zip(seen) {
+                    *slow += (now - *slow) * gain;
+                }
+                off = [0, 1].map(|k| slow[k] - seen[k]);
+            }
+            if let Some((Position::Geodetic(place), _)) = &mut fix.position {
+                *place = place.displaced(&off[0]);
+            }
+            if let Some((v_n, _)) = &mut fix.velocity {
+                *v_n += off[1];
+            }
+        }
+    }
 }
 
 /// Why nothing can be simulated.

@@ -20,6 +20,7 @@ use undrift_io::{
 };
 use undrift_nav::{
     earth::Geodetic,
+    parameters::Prior,
     units::{self, Quantity},
 };
 
@@ -55,6 +56,7 @@ pub(crate) fn read_gnss(
         "quality_std_factors",
         "correlation_time",
         "correlated_share",
+        "smoothing",
         "std_factors",
     ]
     .map(|key| section.get(key));
@@ -155,6 +157,15 @@ pub(super) fn read_correlation(section: &Section) -> Result<Correlation, ConfigE
     match share {
         Some(_) => Err(section.error("correlated_share", "needs a correlation_time")),
         None => Ok(given),
+    }
+}
+
+/// `smoothing = "0.3 s"`: about the time constant of the receiver's own filter, by the prior that it gives to
+/// [`Parameter::Smoothing`](undrift_nav::parameters::Parameter::Smoothing).
+pub(super) fn read_smoothing(section: &Section) -> Result<Option<Prior>, ConfigError> {
+    match section.quantity("smoothing", Quantity::Time)? {
+        Some(time) if time <= 0.0 => Err(section.error("smoothing", "must be positive")),
+        time => Ok(time.map(|time| Prior::constant(0.5 * time * time))),
     }
 }
 

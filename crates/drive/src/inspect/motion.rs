@@ -5,6 +5,7 @@ mod antennas;
 mod axes;
 mod compass;
 mod flight;
+mod smoothing;
 mod wheels;
 
 use super::{
@@ -55,6 +56,7 @@ pub fn motion(inspections: &mut [Inspection]) -> Motion {
     let logs = logs(inspections, Path::new(""));
     let mut found = in_vehicle(inspections, &logs, imu, gnss, beside);
     accuracy::write(inspections, [imu, gnss], logs.clone(), found);
+    smoothing::write(inspections, [imu, gnss], logs.clone(), found);
     if removed_gravity(&inspections[imu.0].parts[imu.1]).is_none() {
         found.flight = flight::found(inspections, [imu, gnss], logs, found);
     }

@@ -31,7 +31,7 @@ fn std() -> InitialStd {
     }
 }
 
-/// Models of so many states together with the nine of navigation; beyond what six axes hold with all parameters but those of poses, magnetometers and air.
+/// Models of so many states together with the nine of navigation; beyond what six axes hold with all parameters but those of poses, magnetometers, air and a receiver's filter.
 fn models(states: usize) -> ([ShapingFilter; AXES], Parameters) {
     let axes = AXES * undrift_nav::shaping::MAX_ORDER;
     let mut parameters = Parameters::none();
@@ -43,6 +43,7 @@ fn models(states: usize) -> ([ShapingFilter; AXES], Parameters) {
             Parameter::Wind,
             Parameter::TrimVelocity,
             Parameter::RotorDrag,
+            Parameter::Smoothing,
         ];
         for kind in Parameter::ALL
             .into_iter()

@@ -23,7 +23,7 @@ impl<const N: usize> Filter<N> {
     /// predicted less measured in the frame m of the fix \[m\]: north-east-down at the antenna, or of the base station for a baseline.
     ///
     /// Rows `[C_n^m, 0, C_n^m [l^n×], 0]`; `−C_n^m C_b^n` for the lever arm, `−C_n^m v^n` of the antenna for the time offset, times the
-    /// filter's age for the clock's rate; `[p×]` for the tilt of a frame of poses, p the baseline. Groves section 14.3.1, the source paper's eq. 10.
+    /// filter's age for the clock's rate; less `C_n^m` times the acceleration of the IMU for a receiver's filter; `[p×]` for the tilt of a frame of poses, p the baseline. Groves section 14.3.1, the source paper's eq. 10.
     ///
     /// ```
     /// use undrift_nav::sample::Position;
@@ -44,7 +44,7 @@ impl<const N: usize> Filter<N> {
     pub fn observe_position(&self, fix: &Position, lever_b: &Vector3) -> Observation<3, N> {
         let lever_n = self.c_nb() * self.lever_arm(lever_b);
         let antenna = self.antenna_position(lever_b);
-        let (innovation, c_mn) = match fix {
+        let (mut innovation, c_mn) = match fix {
             Position::Geodetic(measured) => (measured.offset_to(&antenna), Matrix3::identity()),
             Position::Baseline { base, ned } => {
                 let c_mn = base.ned_from_ecef() * antenna.ned_from_ecef().transpose();
@@ -61,6 +61,11 @@ impl<const N: usize> Filter<N> {
         if let Some(at) = self.parameter_start(Parameter::LeverArm) {
             h.fixed_view_mut::<3, 3>(0, at)
                 .copy_from(&(-c_mn * self.c_nb()));
+        }
+        if let Some(at) = self.parameter_start(Parameter::Smoothing) {
+            let off = c_mn * self.slow_motion()[0];
+            innovation += off * self.estimates()[at];
+            h.fixed_view_mut::<3, 1>(0, at).copy_from(&-off);
         }
         if let (Some(at), Position::Baseline { ned, .. }) =
             (self.parameter_start(Parameter::FrameTilt), fix)

@@ -15,7 +15,7 @@ impl<const N: usize> Filter<N> {
     ///
     /// Rows `[0, I, [ω_nb^n×][l^n×] − [l^n×][ω_ib^n×], −[l^n×] C_b^n H_g, 0]`: the source paper's row (eq. 10),
     /// exact in the second rate (it has ω_nb there, which leaves out the frame's own rate); `−C_b^n [ω_nb^b×]` for the lever arm, less
-    /// the acceleration of the IMU for the time offset of the velocity. The gyros' white noise enters through the lever
+    /// the acceleration of the IMU for the time offset of the velocity, and its rate of change for a receiver's filter. The gyros' white noise enters through the lever
     /// arm: it is in [`Observation::extra`].
     ///
     /// ```
@@ -55,8 +55,14 @@ impl<const N: usize> Filter<N> {
         if let Some(at) = offset.or(self.parameter_start(Parameter::TimeOffset)) {
             self.time_columns(&mut h, at, &-self.acceleration());
         }
+        let mut innovation = self.antenna_velocity(lever_b) - v_n;
+        if let Some(at) = self.parameter_start(Parameter::Smoothing) {
+            let off = self.slow_motion()[1];
+            innovation += off * self.estimates()[at + 1];
+            h.fixed_view_mut::<3, 1>(0, at + 1).copy_from(&-off);
+        }
         Observation {
-            innovation: self.antenna_velocity(lever_b) - v_n,
+            innovation,
             h,
             extra,
         }

@@ -1,7 +1,11 @@
 //! Motion against the Earth, or against a frame that does not turn with it.
 
 use super::Filter;
-use crate::{Vector3, earth::LocalEarth};
+use crate::{
+    Vector3,
+    earth::LocalEarth,
+    parameters::{Parameter, slow_motion, smooth},
+};
 
 impl<const N: usize> Filter<N> {
     /// Angular rate of the body against the navigation frame ω_nb^b [rad/s], from the last sample.
@@ -47,6 +51,24 @@ impl<const N: usize> Filter<N> {
     pub fn acceleration(&self) -> Vector3 {
         let gravity = crate::earth::LocalEarth::at(&self.nav.position).gravity;
         self.c_nb * self.force_b + Vector3::new(0.0, 0.0, gravity)
+    }
+
+    /// Takes the acceleration of a sample of `dt` \[s\] into [`Filter::slow_motion`].
+    pub(super) fn follow_slowly(&mut self, dt: f64) {
+        if self.parameters.start(Parameter::Smoothing).is_none() {
+            return;
+        }
+        let acceleration = self.acceleration();
+        match self.previous {
+            Some(_) => smooth(&mut self.slow, &acceleration, dt),
+            None => self.slow = [acceleration; 2],
+        }
+    }
+
+    /// Acceleration of the IMU over ground [m/s²] and its rate of change [m/s³], north-east-down, behind low-passes of 0.1 s where
+    /// [`Parameter::Smoothing`] is estimated, else zero.
+    pub(crate) fn slow_motion(&self) -> [Vector3; 2] {
+        slow_motion(&self.slow)
     }
 
     /// Takes the navigation frame for one that does not turn with the Earth, from now on: a room whose heading is unknown. The gyros' biases

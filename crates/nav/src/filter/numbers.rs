@@ -74,6 +74,9 @@ impl<const N: usize> Filter<N> {
         vector(&mut self.omega_ib_b, each);
         vector(&mut self.force_b, each);
         vector(&mut self.slow_force, each);
+        self.slow
+            .iter_mut()
+            .for_each(|slow| vector(slow, &mut *each));
         if self.coupling.is_none() {
             // As of a sample of zeros: the same, with all its places.
             let behind = self.sensors.states();

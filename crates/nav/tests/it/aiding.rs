@@ -17,7 +17,7 @@ use undrift_nav::{
 };
 
 /// Nine, one state an axis, and all parameters.
-const N: usize = 9 + 6 + 51;
+const N: usize = 9 + 6 + 53;
 
 fn vector(scale: f64) -> impl Strategy<Value = Vector3> {
     prop::array::uniform3(-scale..scale).prop_map(Vector3::from)

@@ -136,6 +136,9 @@ pub(super) fn known(known: &Known) -> String {
                 "estimated from {spans} spans of 10 s of this drive without fixes; set the receiver's accuracy if it is known"
             );
         }
+        Known::Smooths { .. } => {
+            "the positions are so far inside the turns: about the time constant of the receiver's own filter"
+        }
         Known::Antennas { std_deg } => return format!("from the motion, to {} deg", short(*std_deg)),
         Known::HandEye {
             correlation,

@@ -71,6 +71,11 @@ pub enum Known {
         /// How often.
         spans: usize,
     },
+    /// Estimated: the receiver filters its positions.
+    Smooths {
+        /// Half the variance of the times that it takes the mean over \[s²\], and its standard deviation.
+        variance_s2: [f64; 2],
+    },
     /// One log counts GPS seconds since 1980, the other Unix time.
     GpsSeconds,
     /// The fixes have times of day without a date, the IMU another clock.

@@ -213,3 +213,32 @@ fn positions_that_do_not_say_their_accuracy_show_it() {
     );
     assert_eq!(std(3.0), ("\"3, 3, 6 m\"".into(), Known::NoColumns));
 }
+
+/// A receiver behind a filter of 0.3 s has it written, one that is only late by as much has not.
+#[test]
+fn a_receiver_s_filter_is_written() {
+    let noise = GnssNoise {
+        position_std: [0.02; 3],
+        velocity_std: [0.03; 3],
+        rate_hz: 5.0,
+        ..GnssNoise::default()
+    };
+    let written = |filtered: f64, time_offset: f64| {
+        let receiver = GnssNoise {
+            time_offset,
+            ..noise
+        };
+        let mut log = simulate(&Trajectory::car(240.0, 5), 50.0, None, &receiver, 5).unwrap();
+        if filtered > 0.0 {
+            log.filter_fixes(filtered);
+        }
+        let mut of = files_from(&log, |_, _| (), 0.0);
+        motion(&mut of);
+        let mut lines = of[1].parts[0].lines.iter();
+        let line = lines.find(|line| line.key == "smoothing");
+        line.map(|line| line.value.to_string())
+    };
+    assert_eq!(written(0.3, 0.0), Some("\"0.3 s\"".into()));
+    assert_eq!(written(0.0, 0.0), None);
+    assert_eq!(written(0.0, -0.3), None);
+}
