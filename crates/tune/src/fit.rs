@@ -1,5 +1,7 @@
 //! The most likely noise of some drives, and how sure that is.
 
+mod uncertainty;
+
 use super::{
     filter::Fixed,
     noise::{COUNT, Noise, Vector},
@@ -23,6 +25,7 @@ use undrift_nav::{
     sample::ImuSample,
     shaping::ShapingFilter,
 };
+use undrift_noise::synthesis::NoiseGenerator;
 
 /// A drive in memory.
 pub struct FitLog<'a> {
@@ -41,8 +44,8 @@ pub struct FitLog<'a> {
 pub struct Fit {
     /// The most likely noise.
     pub noise: Noise,
-    /// Standard deviations of its logarithms; those of the prior where the drives say nothing.
-    pub std: Vector,
+    /// 95 % intervals of its logarithms; as wide as the prior's where the drives say little.
+    pub interval: [(f64, f64); COUNT],
     /// Log-likelihood of what it has seen, with the prior's density.
     pub likelihood: f64,
     /// Windows that were scored.
@@ -53,13 +56,18 @@ pub struct Fit {
     pub converged: bool,
 }
 
-/// An interval that has shrunk to less than this share of the prior's is the drives' doing.
+/// An interval that has shrunk to less than this share of the prior's is the drives' doing …
 const DETERMINED: f64 = 0.5;
+/// … where it does not reach down to this share of what was found, either: of one that is too small to matter the drives say no more than that it is
+/// small, and where it passes by chance it is found several times too large.
+const SEEN: f64 = 1.0 / 3.0;
 
 impl Fit {
     /// Whether the drives determine a parameter.
     pub fn determines(&self, prior: &Prior, i: usize) -> bool {
-        self.std[i] < DETERMINED * prior.std(i, self.noise.ln()[i])
+        let ((low, high), known) = (self.interval[i], prior.interval(i));
+        let z = self.noise.ln()[i];
+        high - low < DETERMINED * (known.1 - known.0) && low - z > SEEN.ln()
     }
 }
 
@@ -74,12 +82,6 @@ const EVALUATIONS: usize = 60;
 const SETTLED: f64 = 0.1;
 /// Length of the spans of which only neighbours depend on each other \[s\].
 const BLOCK: f64 = 45.0;
-/// A parameter is seen where the log-likelihood, its spans no more than they are worth, falls by so much (99 % of the
-/// χ² distribution with one degree of freedom) when it is made smaller by this factor: of one that is too small to
-/// matter the curvature says nothing, and where it passes by chance it is found several times too large.
-const SEEN: (f64, f64) = (3.32, 4.0);
-/// Difference step for the curvature.
-const STEP: f64 = 0.05;
 /// The inverse of the first curvature.
 const FIRST: f64 = 0.05;
 
@@ -194,6 +196,22 @@ impl<const N: usize> Linear<N> {
         self.drives.iter().map(|drive| drive.score(&noise)).sum()
     }
 
+    /// Those of [`Linear::by_block`] if the drives' errors were draws under the noise.
+    fn drawn(&mut self, z: &Vector, one: &mut NoiseGenerator) -> Vec<Vector> {
+        let noise = Noise::new(z).against(&self.about);
+        let drawn = self.drives.iter().map(|drive| drive.drawn(&noise, one));
+        let mut innovations = Vec::from_iter(drawn);
+        let mut exchange = |drives: &mut [Objective<N>]| {
+            for (drive, other) in drives.iter_mut().zip(&mut innovations) {
+                drive.exchange(other);
+            }
+        };
+        exchange(&mut self.drives);
+        let blocks = self.by_block(z);
+        exchange(&mut self.drives);
+        blocks
+    }
+
     /// Gradients of spans of the drives that are taken as independent.
     fn by_block(&self, z: &Vector) -> Vec<Vector> {
         let noise = Noise::new(z).against(&self.about);
@@ -270,7 +288,7 @@ fn fit_sized<const N: usize>(
 ) -> Result<Fit, ReplayError> {
     let mut fit = Fit {
         noise: from,
-        std: std::array::from_fn(|i| prior.above[i]),
+        interval: std::array::from_fn(|i| prior.interval(i)),
         likelihood: f64::NEG_INFINITY,
         windows: 0,
         evaluations: 0,
@@ -325,73 +343,9 @@ fn fit_sized<const N: usize>(
     let z = fit.noise.ln();
     fit.likelihood = -cost(&linear.score(&z), prior, &z).0;
     if sure {
-        fit.std = uncertainty(&linear, prior, &z);
+        fit.interval = uncertainty::intervals(&mut linear, prior, &z);
     }
     Ok(fit)
-}
-
-/// Standard deviations by Godambe's sandwich `A⁻¹ (J + Λ) A⁻¹`, `A = −∂²ℓ + Λ`: Λ the prior's precision, J the scatter
-/// of the gradients of spans, with half of the products of neighbours (Newey & West 1987). Varin, Reid & Firth 2011,
-/// section 2.3. The windows overlap, so that J is λ times the curvature; λ of all parameters together (section 2.4 there)
-/// is known better than what the few spans say of a single one, which may scatter less than they ought to: no less than
-/// that says, `A⁻¹ (−λ ∂²ℓ + Λ) A⁻¹`, and a fall of ℓ counts divided by λ.
-fn uncertainty<const N: usize>(linear: &Linear<N>, prior: &Prior, z: &Vector) -> Vector {
-    let Score {
-        value,
-        gradient: at,
-    } = linear.score(z);
-    let precision = |i: usize| prior.std(i, z[i]).powi(-2);
-    let mut a = DMatrix::<f64>::zeros(COUNT, COUNT);
-    for j in (0..COUNT).filter(|j| prior.used[*j]) {
-        let mut moved = *z;
-        moved[j] += STEP;
-        let there = linear.score(&moved).gradient;
-        for i in 0..COUNT {
-            a[(i, j)] = -(there[i] - at[i]) / STEP;
-        }
-    }
-    a = (&a + a.transpose()) * 0.5;
-    let blocks = linear.by_block(z);
-    let n = blocks.len() as f64;
-    let mut j = DMatrix::<f64>::zeros(COUNT, COUNT);
-    let mut before = DVector::<f64>::zeros(COUNT);
-    for block in &blocks {
-        let off = DVector::from_fn(COUNT, |i, _| block[i] - at[i] / n);
-        let across = &off * before.transpose() * 0.5;
-        j += &off * off.transpose() + &across + across.transpose();
-        before = off;
-    }
-    let of_data = a.clone();
-    for i in 0..COUNT {
-        a[(i, i)] += precision(i);
-    }
-    let Some(inverse) = a.try_inverse() else {
-        return std::array::from_fn(|i| prior.std(i, z[i]));
-    };
-    // The gradients are taken where their sum vanishes. That removes one span's scatter where all inform the same
-    // parameters, and one for each parameter where each informs its own; here it is half of the parameters.
-    let informed = (&inverse * &of_data).trace();
-    let fitted = 0.5 * informed;
-    j *= n / (n - fitted.clamp(1.0, 0.75 * n.max(2.0)));
-    let worth = ((&inverse * &j).trace() / informed).max(1.0);
-    let sandwich = |mut filling: DMatrix<f64>| {
-        for i in 0..COUNT {
-            filling[(i, i)] += precision(i);
-        }
-        &inverse * filling * &inverse
-    };
-    let (single, together) = (sandwich(j), sandwich(of_data * worth));
-    std::array::from_fn(|i| {
-        let before = prior.std(i, z[i]);
-        let std = single[(i, i)].max(together[(i, i)]).max(0.0).sqrt();
-        let mut smaller = *z;
-        smaller[i] -= SEEN.1.ln();
-        let fall = (value - linear.score(&smaller).value) / worth;
-        if !prior.used[i] || std >= before || fall < SEEN.0 {
-            return before;
-        }
-        std
-    })
 }
 
 /// Log-likelihood of what the fit of a noise has not seen, from the first of these times of each drive on \[s\].

@@ -6,6 +6,10 @@
 //! likelihood (Varin, Reid & Firth 2011). ρ is Huber's loss: a fix that is wrong does not decide. The gradient is
 //! exact, by the reverse mode of every window and of the filter that all begin from.
 
+mod drawn;
+
+pub use drawn::{Innovations, normal};
+
 use super::{
     filter::{Done, Fixed, State},
     noise::{COUNT, Noise, Vector},

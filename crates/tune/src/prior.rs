@@ -13,6 +13,9 @@ use undrift_engine::{
 };
 use undrift_nav::covariance::AXES;
 
+/// Standard deviations to the ends of a 95 % interval.
+pub const INTERVAL: f64 = 1.96;
+
 /// Noise in a vehicle against noise at rest, the middle of what has been seen: 3 to 30 times, seldom less than once.
 const LOUDER: f64 = 5.0;
 /// Standard deviation of its logarithm downwards …
@@ -116,6 +119,12 @@ impl Prior {
         } else {
             self.above[i]
         }
+    }
+
+    /// 95 % interval of a logarithm before the drives.
+    pub fn interval(&self, i: usize) -> (f64, f64) {
+        let [below, above] = [self.below[i], self.above[i]].map(|std| INTERVAL * std);
+        (self.centre[i] - below, self.centre[i] + above)
     }
 
     /// Minus the logarithm of the density, up to a constant, and its derivatives.

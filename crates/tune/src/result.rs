@@ -13,9 +13,6 @@ use undrift_results::{
     VERSION,
 };
 
-/// Standard deviations to the ends of a 95 % interval.
-const INTERVAL: f64 = 1.96;
-
 /// Key of a parameter in the model or drive file, and its unit; of white noise that `follows` the vibration or not, of drives by poses or
 /// by fixes.
 fn named(i: usize, follows: bool, posed: bool) -> (String, &'static str) {
@@ -72,17 +69,18 @@ impl Tuned {
         let posed = self.posed;
         let parameter = |i: usize| {
             let (name, unit) = named(i, self.follows, posed);
-            let (prior, std) = (&self.prior, self.fit.std[i]);
+            let (prior_low, prior_high) = self.prior.interval(i);
+            let (low, high) = self.fit.interval[i];
             TunedParameter {
                 name,
                 unit: unit.into(),
                 start: at_rest(i).into(),
-                prior: prior.centre[i].exp().into(),
-                prior_low: (prior.centre[i] - INTERVAL * prior.below[i]).exp().into(),
-                prior_high: (prior.centre[i] + INTERVAL * prior.above[i]).exp().into(),
+                prior: self.prior.centre[i].exp().into(),
+                prior_low: prior_low.exp().into(),
+                prior_high: prior_high.exp().into(),
                 value: z[i].exp().into(),
-                low: (z[i] - INTERVAL * std).exp().into(),
-                high: (z[i] + INTERVAL * std).exp().into(),
+                low: low.exp().into(),
+                high: high.exp().into(),
                 determined: self.fit.determines(&self.prior, i),
             }
         };
@@ -174,7 +172,7 @@ mod tests {
             prior,
             fit: Fit {
                 noise: Noise::new(&twice),
-                std: [0.05; COUNT],
+                interval: twice.map(|z: f64| (z - 0.098, z + 0.098)),
                 likelihood: 0.0,
                 windows: 120,
                 evaluations: 45,

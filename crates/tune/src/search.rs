@@ -34,7 +34,6 @@ pub fn minimise(
     most: usize,
     mut goes_on: impl FnMut(f64) -> bool,
 ) -> Least {
-    let n = z.len();
     let (mut value, mut slope) = function(&z);
     let mut evaluations = 1;
     let mut inverse = first.clone();
@@ -73,13 +72,7 @@ pub fn minimise(
             idle += 1;
             continue;
         };
-        let (s, y) = (&there - &z, &there_slope - &slope);
-        let curvature = s.dot(&y);
-        if curvature > 1e-10 * s.norm() * y.norm() {
-            let rho = 1.0 / curvature;
-            let left = DMatrix::identity(n, n) - &s * y.transpose() * rho;
-            inverse = &left * inverse * left.transpose() + &s * s.transpose() * rho;
-        }
+        updated(&mut inverse, &(&there - &z), &(&there_slope - &slope));
         let gained = value - there_value;
         (z, value, slope) = (there, there_value, there_slope);
         idle = if gained < GAIN { idle + 1 } else { 0 };
@@ -94,6 +87,16 @@ pub fn minimise(
         evaluations,
         inverse,
         converged,
+    }
+}
+
+/// Puts into the inverse Hessian by how much the slope has changed over a move, where it has grown along that.
+pub(super) fn updated(inverse: &mut DMatrix<f64>, s: &DVector<f64>, y: &DVector<f64>) {
+    let curvature = s.dot(y);
+    if curvature > 1e-10 * s.norm() * y.norm() {
+        let rho = 1.0 / curvature;
+        let left = DMatrix::identity(s.len(), s.len()) - s * y.transpose() * rho;
+        *inverse = &left * &*inverse * left.transpose() + s * s.transpose() * rho;
     }
 }
 

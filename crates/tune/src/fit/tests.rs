@@ -60,23 +60,31 @@ fn what_is_worse_there_is_looked_for_half_as_far() {
     assert_eq!((at_most(1.4, 4), at_most(8.9, 0)), (None, None));
 }
 
-/// Half of the prior's standard deviation.
+/// Half of the prior's interval, and not down to a third of what was found.
 #[test]
-fn a_parameter_is_determined_by_an_interval_that_has_shrunk_by_half() {
+fn a_parameter_is_determined_by_an_interval_that_has_shrunk_by_half_and_excludes_next_to_nothing() {
     let settings = Settings::new([ShapingFilter::white(0.0, 0.01).unwrap(); AXES]);
     let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
     let prior = Prior::new(&RestNoise::from_model(&model, 0.01).unwrap(), &[&settings]);
     let noise = Noise::new(&prior.centre);
-    let fit = |share: f64| Fit {
+    let fit = |below: f64, above: f64| Fit {
         noise,
-        std: std::array::from_fn(|i| share * prior.std(i, noise.ln()[i])),
+        interval: noise.ln().map(|z| (z - below, z + above)),
         likelihood: 0.0,
         windows: 1,
         evaluations: 1,
         converged: true,
     };
     for i in 0..COUNT {
-        assert!(fit(0.49).determines(&prior, i) && !fit(0.51).determines(&prior, i));
+        let (low, high) = prior.interval(i);
+        let half = 0.5 * (high - low);
+        let below = 0.1 * half;
+        assert!(fit(below, 0.99 * half - below).determines(&prior, i));
+        assert!(!fit(below, 1.01 * half - below).determines(&prior, i));
+        let (third, little) = (3f64.ln(), 0.01);
+        let wide = 1.02 * third < half;
+        assert_eq!(fit(0.99 * third, little).determines(&prior, i), wide);
+        assert!(!fit(1.01 * third, little).determines(&prior, i));
     }
 }
 
@@ -117,36 +125,67 @@ fn a_replay_under_a_noise_has_its_sensors_and_its_rule() {
     };
     assert!(under(&settings, &odd, &start).is_err());
 }
+/// A simulated drive of four minutes whose noise is the centre of the prior.
+struct Simulated {
+    imu: Vec<ImuSample>,
+    fixes: Vec<Measurement>,
+    start: RestNoise,
+    prior: Prior,
+}
+
+const INTERVAL: f64 = 0.02;
+
+fn plain() -> Settings {
+    Settings {
+        parameters: undrift_nav::parameters::Parameters::none(),
+        ..Settings::new([ShapingFilter::white(0.0, INTERVAL).unwrap(); AXES])
+    }
+}
+
+impl Simulated {
+    fn new() -> Self {
+        use undrift_simulate::{GnssNoise, Trajectory, simulate};
+        let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
+        let start = RestNoise::from_model(&model, INTERVAL).unwrap();
+        let prior = Prior::new(&start, &[&plain()]);
+        let settings = under(&plain(), &Noise::new(&prior.centre), &start).unwrap();
+        let receiver = GnssNoise {
+            rate_hz: 1.0,
+            start: 0.2,
+            ..GnssNoise::default()
+        };
+        let car = Trajectory::car(240.0, 3);
+        let log = simulate(&car, 50.0, Some(&settings.sensors), &receiver, 3).unwrap();
+        let fixes = log.gnss.iter().copied().map(Measurement::Gnss);
+        Self {
+            imu: log.imu,
+            fixes: fixes.collect(),
+            start,
+            prior,
+        }
+    }
+
+    fn log(&self) -> FitLog<'_> {
+        FitLog {
+            imu: &self.imu,
+            aiding: &self.fixes,
+            settings: plain(),
+            until: f64::INFINITY,
+        }
+    }
+
+    /// So many times the same drive.
+    fn linear(&self, drives: usize) -> Linear<24> {
+        let logs = Vec::from_iter((0..drives).map(|_| self.log()));
+        Linear::new(&logs, Noise::new(&self.prior.centre), &self.start).unwrap()
+    }
+}
+
 /// As few spans as are at most 45 s long.
 #[test]
 fn blocks_are_spans_of_one_length_that_add_up_to_the_drive() {
-    use undrift_simulate::{GnssNoise, Trajectory, simulate};
-    let interval = 0.02;
-    let model = undrift_noise::ImuModel::preset("mpu6050").unwrap();
-    let start = RestNoise::from_model(&model, interval).unwrap();
-    let plain = || Settings {
-        parameters: undrift_nav::parameters::Parameters::none(),
-        ..Settings::new([ShapingFilter::white(0.0, interval).unwrap(); AXES])
-    };
-    let prior = Prior::new(&start, &[&plain()]);
-    let noise = Noise::new(&prior.centre);
-    let settings = under(&plain(), &noise, &start).unwrap();
-    let receiver = GnssNoise {
-        rate_hz: 1.0,
-        start: 0.2,
-        ..GnssNoise::default()
-    };
-    let car = Trajectory::car(240.0, 3);
-    let log = simulate(&car, 50.0, Some(&settings.sensors), &receiver, 3).unwrap();
-    let fixes: Vec<Measurement> = log.gnss.iter().copied().map(Measurement::Gnss).collect();
-    let logs = [FitLog {
-        imu: &log.imu,
-        aiding: &fixes,
-        settings: plain(),
-        until: f64::INFINITY,
-    }];
-    let linear = Linear::<24>::new(&logs, noise, &start).unwrap();
-    let z = prior.centre;
+    let drive = Simulated::new();
+    let (linear, z) = (drive.linear(1), drive.prior.centre);
     let blocks = linear.by_block(&z);
     let (first, last) = linear.drives[0].span().unwrap();
     let count = blocks.len() as f64;
@@ -164,12 +203,29 @@ fn blocks_are_spans_of_one_length_that_add_up_to_the_drive() {
         assert!(block.iter().any(|slope| slope.abs() > 1e-3), "{block:?}");
     }
     // Two drives have the blocks of both.
-    let logs = [&log, &log].map(|log| FitLog {
-        imu: &log.imu,
-        aiding: &fixes,
-        settings: plain(),
-        until: f64::INFINITY,
-    });
-    let twice = Linear::<24>::new(&logs, noise, &start).unwrap();
-    assert_eq!(twice.by_block(&z).len(), 2 * blocks.len());
+    assert_eq!(drive.linear(2).by_block(&z).len(), 2 * blocks.len());
+}
+
+/// The slope of a likelihood scatters about 0 where what is seen is drawn under its noise.
+#[test]
+fn drawn_innovations_are_those_of_the_noise() {
+    const DRAWS: usize = 16;
+    let drive = Simulated::new();
+    let (mut linear, z) = (drive.linear(1), drive.prior.centre);
+    let measured = linear.score(&z).value;
+    let mut one = crate::objective::normal();
+    let mut slopes = || -> Vector {
+        let blocks = linear.drawn(&z, &mut one);
+        std::array::from_fn(|i| blocks.iter().map(|block| block[i]).sum())
+    };
+    let drawn = Vec::from_iter((0..DRAWS).map(|_| slopes()));
+    for i in (0..COUNT).filter(|i| drive.prior.used[*i]) {
+        let mean = drawn.iter().map(|slope| slope[i]).sum::<f64>() / DRAWS as f64;
+        let square = drawn.iter().map(|slope| (slope[i] - mean).powi(2));
+        let std = (square.sum::<f64>() / (DRAWS * (DRAWS - 1)) as f64).sqrt();
+        // Student's t with 15 degrees of freedom: once in 1500.
+        assert!(mean.abs() < 4.3 * std, "{i}: {mean} ± {std}");
+    }
+    // What was measured is back.
+    assert_eq!(linear.score(&z).value, measured);
 }

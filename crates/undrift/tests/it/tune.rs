@@ -159,7 +159,7 @@ fn gradient_is_that_of_the_value(start: &RestNoise, about: Noise, factors: Optio
     }
 }
 
-/// Two drives of 15 minutes: what is said to be determined lies inside four of its standard deviations.
+/// Two drives of 15 minutes: what is said to be determined lies within twice its interval: four standard deviations.
 #[test]
 fn the_noise_of_a_simulated_drive_is_found() {
     let start = start();
@@ -182,12 +182,16 @@ fn the_noise_of_a_simulated_drive_is_found() {
         let determined = |i: &usize| found.determines(&prior, *i);
         let known: Vec<usize> = (0..COUNT).filter(determined).collect();
         for i in &known {
-            let off = (z[*i] - at[*i]) / found.std[*i];
-            assert!(off.abs() < 4.0, "seed {seed}, parameter {i}: {off:.1} σ");
+            let ((low, high), off) = (found.interval[*i], at[*i] - z[*i]);
+            let inside = 2.0 * (low - z[*i]) < off && off < 2.0 * (high - z[*i]);
+            assert!(
+                inside,
+                "seed {seed}, parameter {i}: {off} of {low} to {high}"
+            );
         }
-        // White noise of most axes is seen, and by no more than a factor of two off.
+        // White noise of half of the axes is seen, and by no more than a factor of two off.
         let white = known.iter().filter(|i| **i < WALK);
-        assert!(white.clone().count() >= 4, "{known:?}");
+        assert!(white.clone().count() >= 3, "{known:?}");
         for i in white {
             assert!((z[*i] - at[*i]).abs() < 0.7, "seed {seed}, axis {i}");
         }
@@ -214,7 +218,7 @@ fn the_drive_file_is_written() {
         start,
         fit: Fit {
             noise,
-            std: [0.1; COUNT],
+            interval: noise.ln().map(|z| (z - 0.2, z + 0.2)),
             likelihood: 0.0,
             windows: 1,
             evaluations: 1,

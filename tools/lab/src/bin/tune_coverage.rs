@@ -22,7 +22,7 @@ use undrift::{
     tune::{
         fit::{FitLog, fit, under},
         noise::{COUNT, FIX, Noise, WALK},
-        prior::Prior,
+        prior::{INTERVAL, Prior},
         rest_noise::RestNoise,
         vibrating,
     },
@@ -113,8 +113,14 @@ fn one(seed: u64, seconds: f64, following: bool) -> ([(bool, f64); COUNT], [f64;
     .expect("a fit");
     let (z, at) = (found.noise.ln(), truth.ln());
     let off = std::array::from_fn(|i| {
-        let determined = found.determines(&prior, i);
-        (determined, (z[i] - at[i]) / found.std[i])
+        let (low, high) = found.interval[i];
+        let side = if at[i] < z[i] {
+            z[i] - low
+        } else {
+            high - z[i]
+        };
+        let std = side / INTERVAL;
+        (found.determines(&prior, i), (z[i] - at[i]) / std)
     });
     // Another drive of the same sensor.
     let other = drive(seed + 1_000_000);
@@ -176,7 +182,7 @@ fn main() {
     };
     println!("{seeds} drives of {seconds} s");
     for i in 0..FIX + 2 {
-        let held = |off: &f64| off.abs() < 1.96;
+        let held = |off: &f64| off.abs() < INTERVAL;
         let all = done.iter().filter(|(off, _)| held(&off[i].1)).count();
         let determined = done.iter().filter(|(off, _)| off[i].0);
         let off: Vec<f64> = determined.map(|(off, _)| off[i].1).collect();
