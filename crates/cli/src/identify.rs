@@ -17,6 +17,7 @@ use clap::{
 use std::path::{Path, PathBuf};
 use undrift::{
     identify::{self, Identified, Prepared, RecordingError, Settings, Trend},
+    inspect,
     io::{Opened, table::Column},
     nav::units::{Quantity, unit_factor},
     noise::ImuModel,
@@ -176,9 +177,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let base = base
         .map(|name| ImuModel::resolve(name, Path::new("")))
         .transpose()?;
-    let mut recordings = Vec::with_capacity(arguments.records.len());
-    for (at, path) in arguments.records.iter().enumerate() {
-        if arguments.records[..at].contains(path) {
+    // Gyroscopes and accelerometers in files of their own are one recording.
+    let records = match arguments.records.as_slice() {
+        [one, other] if one != other => match inspect::of_two(one, other) {
+            Some(joined) => vec![joined],
+            None => arguments.records.clone(),
+        },
+        all => all.to_vec(),
+    };
+    let mut recordings = Vec::with_capacity(records.len());
+    for (at, path) in records.iter().enumerate() {
+        if records[..at].contains(path) {
             bail!(Invalid(format!(
                 "{} is given twice: each recording counts as a switch-on of its own",
                 path.display()

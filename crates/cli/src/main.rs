@@ -174,6 +174,39 @@ const KEYS: [&str; 9] = [
     "gnss.position_std",
 ];
 
+/// Verbs and options that other programs have, and the command that does the same.
+const COMMANDS: [(&[&str], &str); 8] = [
+    (
+        &["allan"],
+        "`undrift identify RECORD --allan` has the Allan deviations",
+    ),
+    (
+        &["kalibr", "export", "to"],
+        "`undrift identify RECORD -o imu.toml`, then `undrift model imu.toml --to kalibr`",
+    ),
+    (
+        &["calibrate"],
+        "`undrift identify RECORD -o imu.toml` of a static recording",
+    ),
+    (&["smooth"], "`undrift navigate LOGS --smooth -o nav.csv`"),
+    (
+        &["convert"],
+        "logs are read as they are; `undrift navigate LOGS -o nav.csv` writes the solution, in the format of the extension",
+    ),
+    (
+        &["plot"],
+        "`undrift navigate LOGS --report report.html` draws the solution, `undrift identify RECORD --plot` Allan deviations",
+    ),
+    (
+        &["compare"],
+        "`undrift report A.json B.json -o report.html` compares results that --json wrote",
+    ),
+    (
+        &["imu", "gnss", "gps"],
+        "logs need no option: `undrift navigate IMU_LOG GNSS_LOG`",
+    ),
+];
+
 /// Ends with the error of a wrong command line; that of a wrong number in other words than its parser's.
 fn refused(error: &clap::Error) -> ! {
     let text = error.to_string();
@@ -189,8 +222,8 @@ fn refused(error: &clap::Error) -> ! {
 
 /// What is meant by a verb or an option that is not there.
 fn meant(name: &str) -> Option<String> {
-    if name == "allan" {
-        return Some("`undrift identify RECORD --allan` has the Allan deviations".into());
+    if let Some((_, command)) = COMMANDS.iter().find(|(names, _)| names.contains(&name)) {
+        return Some((*command).to_owned());
     }
     let word = name.replace('-', "_");
     let key = KEYS
@@ -227,9 +260,13 @@ fn with_verbs(mut error: clap::Error) -> clap::Error {
     let has = |verb: &&clap::Command| verb.get_arguments().any(|it| it.get_long() == Some(&long));
     let verbs = command.get_subcommands().filter(has);
     let verbs = Vec::from_iter(verbs.map(clap::Command::get_name)).join(", ");
-    let tip = match verbs.is_empty() {
-        true => meant(&long),
-        false => Some(format!("'--{long}' is an option of {verbs}")),
+    let own = COMMANDS.iter().any(|(names, _)| names.contains(&&*long));
+    let tip = match (verbs.is_empty() || own, meant(&long)) {
+        (true, meant) => meant,
+        (false, Some(key)) if KEYS.iter().any(|of| key.contains(of)) => {
+            Some(format!("{key}; '--{long}' is an option of {verbs}"))
+        }
+        (false, _) => Some(format!("'--{long}' is an option of {verbs}")),
     };
     if let (ErrorKind::UnknownArgument, Some(tip)) = (error.kind(), tip) {
         error.remove(ContextKind::SuggestedArg);
@@ -242,6 +279,31 @@ fn with_verbs(mut error: clap::Error) -> clap::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_other_programs_call_it_has_the_command() {
+        let tip = |words: &[&str]| {
+            let parsed = Arguments::try_parse_from([&["undrift"], words].concat());
+            parsed.err().map(|error| with_verbs(error).to_string())
+        };
+        for (words, command) in [
+            (&["smooth", "a.csv"][..], "undrift navigate LOGS --smooth"),
+            (&["kalibr"], "undrift model imu.toml --to kalibr"),
+            (
+                &["navigate", "--imu", "a.csv", "--gnss", "b.csv"],
+                "undrift navigate IMU_LOG GNSS_LOG",
+            ),
+            (&["identify", "a.csv", "--to", "kalibr"], "--to kalibr"),
+            (&["navigate", "a.csv", "--rate", "50"], "set imu.rate"),
+            (
+                &["navigate", "a.csv", "--length", "9"],
+                "an option of outages",
+            ),
+        ] {
+            let said = tip(words);
+            assert!(said.iter().any(|said| said.contains(command)), "{said:?}");
+        }
+    }
 
     #[test]
     fn the_command_is_sound() {

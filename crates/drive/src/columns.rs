@@ -1,6 +1,7 @@
 //! Meaning of columns by their names: the words that logs of this field use.
 
 mod poses;
+mod spelled;
 mod steps;
 mod words;
 
@@ -73,6 +74,12 @@ pub enum Meaning {
 }
 
 impl Meaning {
+    /// Whether it can be in a unit.
+    fn can_be_in(self, unit: &str) -> bool {
+        self.quantity()
+            .is_none_or(|quantity| unit_factor(unit, quantity).is_ok())
+    }
+
     fn quantity(self) -> Option<Quantity> {
         Some(match self {
             Self::Time => Quantity::Time,
@@ -162,18 +169,34 @@ fn letters(name: &str) -> String {
 /// assert_eq!(meaning("gyro_y"), Some((Meaning::Gyro(1), None)));
 /// ```
 pub fn meaning(column: &str) -> Option<(Meaning, Option<String>)> {
-    let name = column.trim().to_lowercase();
+    let name = spelled::plain(column);
     // Times in several columns, as the reader of tables names their sum.
     if name.contains(" + ") {
         return Some((Meaning::Time, None));
     }
-    // `gyro[0]`.
+    let known = |name: &str| {
+        // What an autopilot calls its attitude has its own solution beside the samples.
+        let is_sample = |(meaning, _): &(Meaning, _)| {
+            !name.contains("atti:")
+                || matches!(
+                    meaning,
+                    Meaning::Gyro(_) | Meaning::Accel(_) | Meaning::Field(_)
+                )
+        };
+        let inner = || of_name(name).or_else(|| of_name(without_source(name)?).filter(is_sample));
+        inner().or_else(|| of_receiver(name))
+    };
+    // `gyro[0]`, and with a unit before the index `gyro_rad[0]`.
     let axis = ["[0]", "[1]", "[2]"].iter().zip(["x", "y", "z"]);
-    let mut indexed =
-        axis.filter_map(|(index, axis)| Some(name.strip_suffix(index)?.to_owned() + axis));
-    let name = indexed.next().unwrap_or(name);
-    let known = || of_name(&name).or_else(|| of_name(without_source(&name)?));
-    known().or_else(|| of_receiver(&name))
+    let mut indexed = axis.filter_map(|(index, axis)| Some((name.strip_suffix(index)?, axis)));
+    let Some((stem, axis)) = indexed.next() else {
+        return known(&name);
+    };
+    known(&format!("{stem}{axis}")).or_else(|| {
+        let (stem, unit) = split_unit(stem);
+        let (meaning, _) = known(&format!("{stem}{axis}"))?;
+        Some((meaning, unit.filter(|unit| meaning.can_be_in(unit))))
+    })
 }
 
 /// A name behind a word for the receiver, `locationLatitude` or `gps_alt`, where it is of what one has.
@@ -193,15 +216,18 @@ fn of_receiver(name: &str) -> Option<(Meaning, Option<String>)> {
 }
 
 /// Words before the name of a value that say where it is from.
-const SOURCES: [&str; 13] = [
-    "field", "header", "imu", "raw", "scaled", "data", "msg", "message", "gps", "gnss", "navsat",
-    "inertial", "sensor",
+const SOURCES: [&str; 17] = [
+    "atti", "clock", "fix", "mavros", "field", "header", "imu", "raw", "scaled", "data", "msg",
+    "message", "gps", "gnss", "navsat", "inertial", "sensor",
 ];
 
 /// A name behind the last point, colon or stroke, where what is before it are words for a source.
 fn without_source(name: &str) -> Option<&str> {
-    let at = name.rfind(['.', ':', '/'])?;
-    let (before, value) = (name.get(..at)?, name.get(at + 1..)?);
+    // A unit behind it may have a stroke.
+    let end = name.find(['[', '(']).unwrap_or(name.len());
+    let stem = name.get(..end)?.trim_end();
+    let at = stem.rfind(['.', ':', '/'])?;
+    let (before, value) = (stem.get(..at)?, stem.get(at + 1..)?);
     let axis = matches!(value, "x" | "y" | "z");
     let cut = match axis {
         true => before.rfind(['.', ':', '/'])?,
@@ -212,7 +238,10 @@ fn without_source(name: &str) -> Option<&str> {
         let digits = word.bytes().all(|byte| byte.is_ascii_digit());
         digits || SOURCES.iter().any(|source| word.starts_with(source))
     };
-    (words.all(known) && letters(name.get(cut + 1..)?).len() > 1).then(|| name.get(cut + 1..))?
+    // Whatever a topic is called, `/gps/fix/latitude`, or a file of a sensor, `GX01_GYRO.Gyroscope z`.
+    let of_sensor = |word: &str| word.contains("gyr") || word.contains("acc");
+    let is_source = name.starts_with('/') || words.clone().all(known) || words.any(of_sensor);
+    (is_source && letters(name.get(cut + 1..)?).len() > 1).then(|| name.get(cut + 1..))?
 }
 
 fn of_name(name: &str) -> Option<(Meaning, Option<String>)> {
@@ -225,12 +254,23 @@ fn of_name(name: &str) -> Option<(Meaning, Option<String>)> {
         return Some((Meaning::Time, Some(unit.to_owned())));
     }
     let meaning = of_letters(&letters).or_else(|| of_axis(&letters, unit.as_deref()?))?;
-    let fits = |unit: &String| {
-        meaning
-            .quantity()
-            .is_none_or(|quantity| unit_factor(unit, quantity).is_ok())
+    let unit = unit.filter(|unit| meaning.can_be_in(unit));
+    // Blackbox logs of Betaflight and INAV have whole degrees per second.
+    let of_blackbox = letters.starts_with("gyroadc").then(|| "deg/s".to_owned());
+    Some((meaning, unit.or(of_blackbox)))
+}
+
+/// Whether a name states the unit of something that no inertial sensor measures, such as `Pitch (deg)`.
+pub(crate) fn is_of_another_quantity(name: &str) -> bool {
+    let name = spelled::plain(name);
+    let (_, Some(unit)) = split_unit(&name) else {
+        return false;
     };
-    Some((meaning, unit.filter(fits)))
+    let is = |quantity| unit_factor(&unit, quantity).is_ok();
+    name.contains(['[', '('])
+        && !is(Quantity::AngularRate)
+        && !is(Quantity::Acceleration)
+        && (is(Quantity::Angle) || is(Quantity::Length) || is(Quantity::Velocity))
 }
 
 /// An axis alone with a unit that only one sensor has: `x-axis (deg/s)`.

@@ -4,6 +4,7 @@ mod clocks;
 mod columns;
 mod file;
 mod found;
+mod joined;
 mod measure;
 mod motion;
 mod numbers;
@@ -15,6 +16,7 @@ mod topics;
 mod units;
 
 pub use file::{drive_file, with_model};
+pub use joined::of_two;
 pub use motion::motion;
 pub use sensor::model;
 pub use undrift_results::inspect::{
@@ -34,7 +36,7 @@ use undrift_io::{
     layouts::KF_GINS_WITH_VELOCITY,
     log::{Stream, StreamKind},
     source::BytesRead,
-    table::{Preview, halves},
+    table::Preview,
 };
 use undrift_results::inspect::{pose_notes, pose_piece};
 
@@ -127,35 +129,6 @@ fn first<'a>(files: &'a [Inspection], table: &str) -> Option<(&'a Inspection, &'
         .iter()
         .flat_map(|file| file.parts.iter().map(move |part| (file, part)));
     parts.find(|(_, part)| part.table == table)
-}
-
-/// Joins two tables of which neither has a part of a drive, where both together have an IMU: gyroscopes and accelerometers in files
-/// of their own.
-fn join_halves(files: &mut [Inspection]) {
-    if first(files, "imu").is_some() {
-        return;
-    }
-    let is_half = |file: &&Inspection| file.parts.is_empty() && file.held.is_none();
-    let halves = Vec::from_iter(files.iter().filter(is_half).map(|half| half.file.clone()));
-    let pairs = halves.iter().enumerate();
-    let mut pairs =
-        pairs.flat_map(|(k, one)| halves.iter().skip(k + 1).map(move |other| (one, other)));
-    let joined = pairs.find_map(|(one, other)| {
-        let joined = inspect(&halves::name(one, other)).ok()?;
-        first(std::slice::from_ref(&joined), "imu")?;
-        Some((one, other, joined))
-    });
-    let Some((one, other, joined)) = joined else {
-        return;
-    };
-    for file in files {
-        if file.file == *one {
-            *file = joined.clone();
-        } else if file.file == *other {
-            file.file.clone_from(&joined.file);
-            file.found.clear();
-        }
-    }
 }
 
 /// Keys that say how the IMU sits.

@@ -37,13 +37,18 @@ const SHEET: Foreign = foreign(
     "extract it, or save the sheet as CSV",
 );
 const EXCEL: Foreign = foreign("an Excel workbook (.xlsx)", "save the sheet as CSV");
+const PICKLE: Foreign = foreign(
+    "an array of numpy that is not one table of numbers",
+    "save one in Python: `numpy.savetxt(\"log.csv\", rows, delimiter=\",\")`",
+);
 const BINARY: Foreign = foreign(
     "binary data of an unknown format",
     "convert it to CSV or another supported format (docs/formats.md)",
 );
 
 /// Bytes that such files begin with.
-const MARKS: [(&[u8], Foreign); 18] = [
+const MARKS: [(&[u8], Foreign); 19] = [
+    (b"\x93NUMPY", PICKLE),
     (
         b"%PDF-",
         foreign("a PDF document", "export the table as CSV"),
@@ -80,7 +85,10 @@ const MARKS: [(&[u8], Foreign); 18] = [
     (b"<html", HTML),
     (
         b"<?xml",
-        foreign("an XML file, and not GPX", "convert it to CSV or GPX"),
+        foreign(
+            "an XML file, and neither GPX nor a track of KML with times",
+            "convert it with GPSBabel, `gpsbabel -i FORMAT -f FILE -o gpx -F track.gpx`, FORMAT kml or gtrnctr (TCX)",
+        ),
     ),
     (b"format = \"undrift-imu\"", MODEL),
 ];

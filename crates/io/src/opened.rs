@@ -13,7 +13,8 @@ use crate::log::rosbag2::{self, BagFile};
 use crate::log::{self, Log};
 use crate::source::{self, BytesRead, Failing, Source};
 use crate::table::{
-    self, Columns, Preview, Table, TableOptions, TableSource, halves, json_columns, objects, tagged,
+    self, Columns, Preview, Table, TableOptions, TableSource, halves, json_columns, objects,
+    programs, tagged,
 };
 use undrift_nav::sample::{GnssFix, ImuSample, MagneticField, Scalar, TruthSample};
 
@@ -159,6 +160,9 @@ impl Opened {
         }
         if source::has_returns_alone(&opened.start) {
             opened.rewritten(source::with_newlines);
+        }
+        if programs::may_be(&opened.start) {
+            opened.rewritten(programs::table);
         }
         if objects::are_there(&opened.start) {
             opened.rewritten(objects::lines);

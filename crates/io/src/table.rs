@@ -34,12 +34,14 @@ pub(crate) mod objects;
 #[cfg(feature = "parquet")]
 mod parquet;
 mod parts;
+pub(crate) mod programs;
 mod rewritten;
 mod stamps;
 pub(crate) mod tagged;
 #[cfg(test)]
 mod tests;
 mod text;
+mod unnamed;
 mod wanted;
 #[cfg(feature = "xlsx")]
 pub(crate) mod workbook;

@@ -118,9 +118,34 @@ impl ModelFormat {
 /// The name as it was given.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "unknown format {0:?}; available: kalibr, kf-gins, ros, px4, matlab, vins, openvins, basalt, gtsam, ardupilot, gazebo, undrift"
+    "unknown format {0:?}; {hint}available: kalibr, kf-gins, ros, px4, matlab, vins, openvins, basalt, gtsam, ardupilot, gazebo, undrift",
+    hint = taken_by(.0)
 )]
 pub struct UnknownModelFormat(pub String);
+
+/// Programs by the beginnings of their names, without blanks and strokes, and the format whose numbers they take.
+const TAKEN: [(&str, &str); 10] = [
+    ("vins", "vins"),
+    ("openvins", "openvins"),
+    ("orbslam", "kalibr"),
+    ("okvis", "kalibr"),
+    ("kimera", "kalibr"),
+    ("liosam", "kalibr"),
+    ("ekf2", "px4"),
+    ("pixhawk", "px4"),
+    ("ekf3", "ardupilot"),
+    ("arducopter", "ardupilot"),
+];
+
+/// The option for a program that takes the numbers of one of the formats.
+fn taken_by(name: &str) -> String {
+    let letters = name.chars().filter(char::is_ascii_alphanumeric);
+    let letters = String::from_iter(letters.map(|c| c.to_ascii_lowercase()));
+    let known = TAKEN
+        .iter()
+        .find(|(program, _)| letters.starts_with(program));
+    known.map_or_else(String::new, |(_, format)| format!("try --to {format}; "))
+}
 
 impl std::str::FromStr for ModelFormat {
     type Err = UnknownModelFormat;
@@ -209,5 +234,19 @@ impl ImuModel {
         self.provenance
             .rate_hz
             .or_else(|| self.axes().into_iter().find_map(of_arma))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn programs_that_take_the_numbers_of_a_format() {
+        let message = |name: &str| name.parse::<ModelFormat>().unwrap_err().to_string();
+        assert!(message("VINS-Fusion").contains("; try --to vins; available"));
+        assert!(message("ORB_SLAM3").contains("; try --to kalibr; available"));
+        assert!(message("open_vins").contains("try --to openvins; "));
+        assert!(message("kalibre").contains("\"kalibre\"; available"));
     }
 }

@@ -347,3 +347,36 @@ fn ticks_of_a_clock_are_a_time_where_their_steps_show_a_usual_unit() {
     // What is called a time is one.
     assert_eq!(unit("time", 100.0, IMU_STEP), (Some("ms"), false));
 }
+
+/// Names of DatCon, Betaflight, PX4's ulog2csv, GoPro, PlotJuggler, Android, OxTS and WitMotion.
+#[test]
+fn names_as_other_programs_spell_them() {
+    let known =
+        |name: &str| meaning(name).map(|(meaning, unit)| (meaning, unit.unwrap_or_default()));
+    for (name, expected, unit) in [
+        ("IMU_ATTI(0):accelX", Meaning::Accel(0), ""),
+        ("IMU_ATTI(0):gyroZ", Meaning::Gyro(2), ""),
+        ("gyroADC[1]", Meaning::Gyro(1), "deg/s"),
+        ("accSmooth[2]", Meaning::Accel(2), ""),
+        ("gyro_rad[0]", Meaning::Gyro(0), ""),
+        ("accelerometer_m_s2[1]", Meaning::Accel(1), "m/s^2"),
+        ("Accelerometer (y) [m/s2]", Meaning::Accel(1), "m/s^2"),
+        ("GPS (Lat.) [deg]", Meaning::Latitude, "deg"),
+        ("GPS (2D speed) [m/s]", Meaning::Speed, "m/s"),
+        ("/gps/fix/latitude", Meaning::Latitude, ""),
+        ("GX01_GYRO.Gyroscope (z) [rad/s]", Meaning::Gyro(2), "rad/s"),
+        ("TYPE_GYROSCOPE.x", Meaning::Gyro(0), ""),
+        ("UncalAccel.MeasurementZ", Meaning::Accel(2), ""),
+        ("AngleRateX (deg/s)", Meaning::Gyro(0), "deg/s"),
+        ("角速度Y(°/s)", Meaning::Gyro(1), "deg/s"),
+        ("GPS地速(km/h)", Meaning::Speed, "km/h"),
+        ("纬度(°)", Meaning::Latitude, "deg"),
+        ("片上时间()", Meaning::Time, ""),
+    ] {
+        assert_eq!(known(name), Some((expected, unit.to_owned())), "{name}");
+    }
+    // An autopilot's own solution.
+    assert_eq!(meaning("IMU_ATTI(0):Latitude"), None);
+    assert!(is_of_another_quantity("AngleHeading (deg)"));
+    assert!(!is_of_another_quantity("X (deg/s)") && !is_of_another_quantity("x_deg"));
+}

@@ -67,7 +67,15 @@ pub(super) const SUFFIXES: [(&str, &str); 63] = [
     ("_hz", "Hz"),
 ];
 
-pub(super) const TIMES: [&str; 45] = [
+pub(super) const TIMES: [&str; 53] = [
+    "xvalue",
+    "offsettime",
+    "gpstow",
+    "gnsstow",
+    "timeofweek",
+    "gpstimeofweek",
+    "itow",
+    "unixtime",
     "datenum",
     RECEIVED,
     "t",
@@ -136,7 +144,12 @@ pub(super) const TIME_ENDINGS: [(&str, &str); 6] = [
     ("us", "us"),
     ("ns", "ns"),
 ];
-pub(super) const GYROS: [&str; 35] = [
+pub(super) const GYROS: [&str; 40] = [
+    "gyroadc",
+    "rotation",
+    "anglerate",
+    "uncalgyromeasurement",
+    "motionrotationrate",
     "g",
     "gyro",
     "gyr",
@@ -189,7 +202,11 @@ pub(super) const FIELDS: [&str; 13] = [
     "compass",
     "magnetisch",
 ];
-pub(super) const ACCELS: [&str; 34] = [
+pub(super) const ACCELS: [&str; 38] = [
+    "accsmooth",
+    "accadc",
+    "uncalaccelmeasurement",
+    "motionacceleration",
     "totalacceleration",
     "a",
     "acc",
@@ -228,7 +245,8 @@ pub(super) const ACCELS: [&str; 34] = [
 pub(super) const DATES: [&str; 5] = ["date", "utcdate", "day", "datum", "fecha"];
 pub(super) const ECEFS: [&str; 3] = ["ecef", "ecefpos", "posecef"];
 pub(super) const ECEF_VELOCITIES: [&str; 4] = ["ecefv", "vecef", "ecefvel", "velecef"];
-pub(super) const LATITUDES: [&str; 16] = [
+pub(super) const LATITUDES: [&str; 17] = [
+    "poslat",
     "positionlat",
     "latit",
     "lat",
@@ -246,7 +264,9 @@ pub(super) const LATITUDES: [&str; 16] = [
     "latitud",
     "latitudine",
 ];
-pub(super) const LONGITUDES: [&str; 21] = [
+pub(super) const LONGITUDES: [&str; 23] = [
+    "poslon",
+    "poslong",
     "positionlong",
     "lon",
     "long",
@@ -269,7 +289,10 @@ pub(super) const LONGITUDES: [&str; 21] = [
     "longitud",
     "longitudine",
 ];
-pub(super) const HEIGHTS: [&str; 30] = [
+pub(super) const HEIGHTS: [&str; 33] = [
+    "heightabovewgs84ellipsoid",
+    "heightabovewgs84ellipsoidm",
+    "posalt",
     "utmz",
     "zutm",
     "hmsl",
@@ -324,7 +347,9 @@ pub(super) const GRID: [&[&str]; 2] = [
 ];
 pub(super) const VELOCITIES: [&str; 4] = ["v", "vel", "velocity", "vned"];
 pub(super) const CLIMBS: [&str; 3] = ["climb", "climbrate", "rateofclimb"];
-pub(super) const SPEEDS: [&str; 7] = [
+pub(super) const SPEEDS: [&str; 9] = [
+    "2d",
+    "2dspeed",
     "speed",
     "gspeed",
     "gpsspeed",

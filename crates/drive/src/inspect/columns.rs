@@ -344,7 +344,7 @@ impl Columns {
             return (Vec::new(), None);
         }
         let mut lines = vec![Line::new("time", self.name(place), known)];
-        if let Some(date) = self.found.date {
+        if let Some(date) = self.date_of(place) {
             lines.push(Line::new("date", self.name(date), self.found.known.clone()));
         }
         let guess = time_unit_of(name, &stamps, longest);

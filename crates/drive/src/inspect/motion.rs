@@ -38,7 +38,7 @@ use wheels::{LONGEST, Slip, is_held, side_slip};
 /// Joins an IMU in two files, looks at the first IMU and the first fixes of the files, and says how the IMU sits where a vehicle's motion shows it:
 /// in its part's lines, or why not in its notes. Positions that do not say how accurate they are get what the motion shows of it.
 pub fn motion(inspections: &mut [Inspection]) -> Motion {
-    super::join_halves(inspections);
+    super::joined::join(inspections);
     let readable = |table: &str| {
         inspections.iter().enumerate().find_map(|(at, file)| {
             let part = file.parts.iter().position(|part| part.table == table)?;

@@ -3,7 +3,9 @@
 use super::found::Found;
 use super::places;
 use super::units::{self, Force};
-use crate::columns::{Meaning, meanings};
+use crate::columns::{
+    IMU_STEP, Meaning, is_of_another_quantity, meanings, ordinary_step, time_unit,
+};
 use undrift_io::table::Preview;
 use undrift_results::inspect::Known;
 
@@ -53,25 +55,67 @@ pub(super) fn by_numbers(table: &Preview) -> Found {
     // What a name says to be something else.
     let known = meanings(&table.names);
     let is_other = |column: usize| match known.get(column) {
-        None | Some(None | Some((Meaning::Gyro(_) | Meaning::Accel(_), _))) => false,
+        _ if table.times.contains(&column) => true,
+        None => false,
+        Some(None) => is_of_another_quantity(&table.names[column]),
+        Some(Some((Meaning::Gyro(_) | Meaning::Accel(_), _))) => false,
         Some(Some(_)) => true,
     };
+    let is_of_quaternion = of_quaternions(&columns);
     // Before the time or behind it.
     let free = |from: usize| {
         let mut three = from..from + 3;
-        three.end <= width && !three.any(|column| found.uses(column) || is_other(column))
+        three.end <= width
+            && !three
+                .any(|column| found.uses(column) || is_other(column) || is_of_quaternion[column])
+    };
+    let samples = |k: usize| three_of(&table.rows, [k, k + 1, k + 2]);
+    // The number of a sensor between the values is no value.
+    let is_number = |k: usize| {
+        let column = columns.get(k).map_or(&[][..], Vec::as_slice);
+        let first = column.first().copied().unwrap_or_default();
+        first != 0.0 && first.fract() == 0.0 && column.iter().all(|x| *x == first)
     };
     let beside = |accel: usize| {
-        let before = accel.checked_sub(3).filter(|before| free(*before));
-        before.or(Some(accel + 3).filter(|behind| free(*behind)))
+        let free = |gyro: &usize| free(*gyro) && !samples(*gyro).is_empty();
+        let of = |near: Option<usize>, number: Option<usize>, far: Option<usize>| {
+            let far = far.filter(|_| number.is_some_and(is_number));
+            far.filter(free).or(near.filter(free))
+        };
+        let back = |apart: usize| accel.checked_sub(apart);
+        let before = of(back(3), back(1), back(4));
+        let behind = of(Some(accel + 3), Some(accel + 3), Some(accel + 4));
+        // A magnetometer is as steady as gravity.
+        let mut both = before.iter().chain(&behind);
+        let unsteady = both.find(|gyro| !steady(&samples(**gyro)));
+        unsteady.copied().or(before).or(behind)
     };
-    let force = (0..width).filter(|k| free(*k)).find_map(|k| {
-        let samples = three_of(&table.rows, [k, k + 1, k + 2]);
-        let steady = steady(&samples) || steady(&means(&samples));
-        Some((k, beside(k)?)).filter(|_| is_force(&samples) && steady)
+    let of_force = |is_force: &dyn Fn(&[[f64; 3]]) -> bool| {
+        (0..width).filter(|k| free(*k)).find_map(|k| {
+            let samples = samples(k);
+            let steady = steady(&samples) || steady(&means(&samples));
+            (steady && is_force(&samples)).then_some(())?;
+            Some((k, beside(k)?))
+        })
+    };
+    let interval = found.time.and_then(|time| {
+        let (_, factor) = time_unit(&columns[time], IMU_STEP)?;
+        Some(ordinary_step(&columns[time])? * factor)
     });
+    // The usual units before those whose gravity may be an angle.
+    let usual = |samples: &[[f64; 3]]| {
+        let unit = units::force(samples, None);
+        matches!(unit, Force::Rates(("m/s^2" | "g", _)))
+    };
+    let increments = |samples: &[[f64; 3]]| {
+        let unit = units::force(samples, interval);
+        matches!(unit, Force::Increments(_))
+    };
+    let force = of_force(&usual)
+        .or_else(|| of_force(&is_force))
+        .or_else(|| of_force(&increments));
     let earth_fixed = |k: &usize| {
-        let samples = three_of(&table.rows, [*k, k + 1, k + 2]);
+        let samples = samples(*k);
         let near = |v: &[f64; 3]| RADII.contains(&v.iter().map(|x| x * x).sum::<f64>().sqrt());
         samples.len() > 2 && samples.iter().all(near)
     };
@@ -107,10 +151,31 @@ pub(super) fn by_numbers(table: &Preview) -> Found {
     };
     let from = found.time.map_or(0, |time| time + 1);
     if found.place[0].is_none()
-        && let Some(lat) =
-            (from..width.saturating_sub(2)).find(|&k| within(k, 90.0) && within(k + 1, 180.0))
+        && let Some(lat) = (from..width.saturating_sub(2)).find(|&k| {
+            let other = |column: usize| known.get(column).is_some_and(Option::is_some);
+            within(k, 90.0) && within(k + 1, 180.0) && !(k..k + 3).any(other)
+        })
     {
         found.place = [0, 1, 2].map(|k| Some(lat + k));
+    }
+    found
+}
+
+/// Most that the norm of a quaternion differs from one in a text.
+const NORM: f64 = 2e-4;
+
+/// Which columns are of four that are a quaternion in every row.
+fn of_quaternions(columns: &[Vec<f64>]) -> Vec<bool> {
+    let is_unit = |four: &[Vec<f64>]| {
+        let norm = |row: usize| four.iter().map(|column| column[row].powi(2)).sum::<f64>();
+        let rows = four[0].len();
+        rows > 2 && (0..rows).all(|row| (norm(row).sqrt() - 1.0).abs() < NORM)
+    };
+    let mut found = vec![false; columns.len()];
+    for (first, four) in columns.windows(4).enumerate() {
+        if is_unit(four) {
+            found[first..first + 4].fill(true);
+        }
     }
     found
 }
@@ -163,3 +228,6 @@ pub(crate) fn three_of(rows: &[Vec<f64>], places: [usize; 3]) -> Vec<[f64; 3]> {
         .filter(|v| v.iter().all(|x| x.is_finite()))
         .collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -16,6 +16,8 @@ const REST: f64 = 2e-6;
 const LONG: f64 = 20.0;
 /// Heights \[m\].
 const HEIGHTS: std::ops::Range<f64> = -1000.0..20_000.0;
+/// Heights below this beside radians show no place \[m\].
+const LOW: f64 = 12.0;
 /// Rows on either side over which a velocity is taken, and least speed of one that counts [m/s].
 const ASIDE: usize = 2;
 const MOVING: f64 = 1.0;
@@ -57,26 +59,36 @@ pub(super) fn find(columns: Table, found: &mut Found) {
     let has_time = |k: usize| found.time.is_some_and(|time| (k..k + 3).contains(&time));
     let all = 0..columns.len().saturating_sub(2);
     let orders = |k: usize| [[k, k + 1, k + 2], [k + 1, k, k + 2]];
-    let mut all = all
-        .filter(|k| !has_time(*k))
-        .flat_map(orders)
-        .filter(|place| is_path(columns, *place));
-    let Some(place) = all.next() else { return };
+    let all = all.filter(|k| !has_time(*k)).flat_map(orders);
+    // Degrees, else radians.
+    let degree = 1f64.to_radians();
+    let mut both = [1.0, 1.0 / degree]
+        .into_iter()
+        .flat_map(|scale| all.clone().map(move |place| (place, scale)));
+    let Some((place, scale)) = both.find(|(place, scale)| is_path(columns, *place, *scale)) else {
+        return;
+    };
     found.place = place.map(Some);
-    let path = path(columns, place, found.time);
-    find_velocity(columns, &path, found);
-    find_accuracies(columns, found);
+    let path = path(columns, place, scale, found.time);
+    let course = if scale == 1.0 { degree } else { 1.0 };
+    find_velocity(columns, &path, course, found);
+    // A course in radians cannot be read.
+    if scale != 1.0 && found.polar[1].take().is_some() {
+        found.polar = [None; 2];
+    } else {
+        find_accuracies(columns, found);
+    }
 }
 
-/// Whether columns are latitude, longitude and height.
-fn is_path(columns: Table, place: [usize; 3]) -> bool {
+/// Whether columns are latitude and longitude, by so much in degrees, and height.
+fn is_path(columns: Table, place: [usize; 3], scale: f64) -> bool {
     let [Some(north), Some(east), Some(height)] = place.map(|k| columns.get(k)) else {
         return false;
     };
     let rows = north.iter().zip(east).zip(height);
     let rows = rows.filter(|((lat, lon), _)| lat.is_finite() && lon.is_finite());
     let (places, heights): (Vec<(f64, f64)>, Vec<f64>) = rows
-        .map(|((lat, lon), height)| ((*lat, *lon), *height))
+        .map(|((lat, lon), height)| ((scale * lat, scale * lon), *height))
         .unzip();
     let on_earth =
         |(lat, lon): &(f64, f64)| (1.0..=90.0).contains(&lat.abs()) && lon.abs() <= 180.0;
@@ -89,6 +101,11 @@ fn is_path(columns: Table, place: [usize; 3]) -> bool {
         .iter()
         .filter(|height| HEIGHTS.contains(height))
         .count();
+    // In radians a field or a quaternion is as small, but nothing behind it as large as most heights.
+    let low = heights.iter().filter(|height| height.abs() < LOW).count();
+    if scale != 1.0 && 2 * low > heights.len() {
+        return false;
+    }
     let whole = |of: fn(&(f64, f64)) -> f64| places.iter().all(|place| of(place).fract() == 0.0);
     if whole(|place| place.0) || whole(|place| place.1) {
         return false;
@@ -134,7 +151,7 @@ impl Moving {
 }
 
 /// The rows in which the positions move.
-fn path(columns: Table, place: [usize; 3], time: Option<usize>) -> Vec<Moving> {
+fn path(columns: Table, place: [usize; 3], angle: f64, time: Option<usize>) -> Vec<Moving> {
     let stamps = time
         .and_then(|time| columns.get(time))
         .map_or(&[][..], Vec::as_slice);
@@ -145,13 +162,9 @@ fn path(columns: Table, place: [usize; 3], time: Option<usize>) -> Vec<Moving> {
         let of = |k: usize| at(columns.get(*place.get(k)?)?);
         let dt = at(stamps)? * scale;
         let radius = SEMI_MAJOR;
-        let parallel = radius * columns.get(place[0])?.get(row)?.to_radians().cos();
-        let v = [
-            radius * of(0)?.to_radians(),
-            parallel * of(1)?.to_radians(),
-            -of(2)?,
-        ]
-        .map(|d| d / dt);
+        let angle = angle.to_radians();
+        let parallel = radius * (angle * columns.get(place[0])?.get(row)?).cos();
+        let v = [radius * angle * of(0)?, parallel * angle * of(1)?, -of(2)?].map(|d| d / dt);
         let moving = Moving { row, v };
         (moving.speed() > MOVING && moving.speed().is_finite() && v[2].is_finite())
             .then_some(moving)
@@ -159,8 +172,8 @@ fn path(columns: Table, place: [usize; 3], time: Option<usize>) -> Vec<Moving> {
     (0..stamps.len()).filter_map(moved).collect()
 }
 
-/// Finds the velocity along axes or as speed and course.
-fn find_velocity(columns: Table, path: &[Moving], found: &mut Found) {
+/// Finds the velocity along axes or as speed and course, which is by so much in radians.
+fn find_velocity(columns: Table, path: &[Moving], course: f64, found: &mut Found) {
     let value = |k: usize, at: &Moving| {
         columns
             .get(k)
@@ -207,8 +220,7 @@ fn find_velocity(columns: Table, path: &[Moving], found: &mut Found) {
             && SPEEDS.iter().any(|unit| ALIKE.contains(&(median / unit)))
     };
     let is_course = |k: &usize| {
-        let apart =
-            |at: &Moving| wrap_pi(value(*k, at).to_radians() - at.v[1].atan2(at.v[0])).abs();
+        let apart = |at: &Moving| wrap_pi(course * value(*k, at) - at.v[1].atan2(at.v[0])).abs();
         let mut apart: Vec<f64> = path.iter().map(apart).collect();
         apart.iter().all(|angle| angle.is_finite()) && upper_median(&mut apart) < COURSE
     };

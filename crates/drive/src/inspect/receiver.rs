@@ -332,6 +332,19 @@ impl Columns {
         lines
     }
 
+    /// The column of dates of these times: where others are named behind the same word, `gps_Date` and `gps_Time`, it is theirs.
+    pub(super) fn date_of(&self, time: usize) -> Option<usize> {
+        let source = |place: &usize| {
+            let name = self.table.names.get(*place)?;
+            name.rsplit_once([':', '_', '.', '/'])
+                .map(|(source, _)| source)
+        };
+        let date = self.found.date?;
+        let mut times = self.found.times.iter();
+        let is_of_another = times.any(|other| source(other) == source(&date));
+        (source(&time) == source(&date) || !is_of_another).then_some(date)
+    }
+
     /// The column of a vertical velocity beside a speed, where its unit is that of the speed.
     fn vertical(&self, speed: usize, found: Option<&Line>) -> Option<usize> {
         let place = self.found.velocity[2]?;
@@ -348,13 +361,17 @@ impl Columns {
             return line(&unit, NAMES);
         }
         let by_positions = self.speed_by_positions(place, &[speed], self.degrees(place)?)?;
-        let fits = |unit: &&'static str| {
-            unit_factor(unit, Quantity::Velocity)
-                .is_ok_and(|factor| ALIKE.contains(&(factor * by_positions)))
+        let away = |unit: &&'static str| {
+            let factor = unit_factor(unit, Quantity::Velocity).unwrap_or(f64::NAN);
+            (factor * by_positions).ln().abs()
         };
-        let unit = ["m/s", "km/h", "kn", "cm/s", "mm/s"]
+        let units = ["m/s", "km/h", "kn", "mph", "cm/s", "mm/s"];
+        let unit = units
             .into_iter()
-            .find(fits)?;
+            .min_by(|a, b| away(a).total_cmp(&away(b)))?;
+        if !ALIKE.contains(&away(&unit).exp()) {
+            return None;
+        }
         line(unit, Known::Numbers { several: false })
     }
 

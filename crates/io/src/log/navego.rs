@@ -78,7 +78,15 @@ pub(super) fn entries(source: Source, wanted: &Wanted) -> Result<Entries, ReadEr
             (None, Some(name)) => format!("no variable {name}"),
             (None, None) => format!("no {}", fields_of(kind)),
         };
-        return Err(error(problem).mend(the_file_has(&there, NAMES_SHOWN)));
+        let mut mend = the_file_has(&there, NAMES_SHOWN);
+        if !there.is_empty() && there.len() <= NAMES_SHOWN {
+            let all = there.iter().map(|name| format!("m[\"{name}\"]"));
+            let all = Vec::from_iter(all).join(", ");
+            mend += &format!(
+                "; columns of numbers become a table in Python: `import numpy, scipy.io; m = scipy.io.loadmat(\"FILE.mat\", squeeze_me=True); numpy.savetxt(\"log.csv\", numpy.column_stack([{all}]), delimiter=\",\")`"
+            );
+        }
+        return Err(error(problem).mend(mend));
     };
     let rows = (0..count).map(move |index| Entry {
         at: index as u64 + 1,

@@ -162,9 +162,35 @@ fn labelled(line: &[u8]) -> Option<Vec<(String, &[u8])>> {
     if let (Some(last), true) = (found.last_mut(), is_unit(unit)) {
         last.unit.get_or_insert(unit);
     }
+    share_stems(&mut found);
     let groups = found.iter().filter(|_| any);
     let cells = Vec::from_iter(groups.flat_map(Group::cells));
     (!cells.is_empty()).then_some(cells)
+}
+
+/// Puts the word before the first axis before the others, and the unit behind the last to all.
+fn share_stems(groups: &mut [Group]) {
+    let is_axis = |label: &str| label.len() == 1 && label.contains(['x', 'y', 'z', 'X', 'Y', 'Z']);
+    for at in 1..groups.len() {
+        if !is_axis(groups[at].label) {
+            continue;
+        }
+        let before = &mut groups[at - 1];
+        let split = before.label.len().saturating_sub(1);
+        if let (true, Some((stem, axis))) =
+            (before.stem.is_empty(), before.label.split_at_checked(split))
+            && is_axis(axis)
+            && stem.ends_with([' ', '_', '.'])
+        {
+            (before.stem, before.label) = (stem, axis);
+        }
+        groups[at].stem = groups[at - 1].stem;
+    }
+    for at in (1..groups.len()).rev() {
+        if !groups[at].stem.is_empty() && groups[at].stem == groups[at - 1].stem {
+            groups[at - 1].unit = groups[at - 1].unit.or(groups[at].unit);
+        }
+    }
 }
 
 /// A line without the sequences that colour it in a terminal.
@@ -189,6 +215,8 @@ const BETWEEN: &[char] = &[
 
 /// The numbers behind a label.
 struct Group<'a> {
+    /// What is before the axis of several: `Accel X: 1, Y: 2, Z: 3`.
+    stem: &'a str,
     label: &'a str,
     unit: Option<&'a str>,
     values: Vec<&'a [u8]>,
@@ -197,6 +225,7 @@ struct Group<'a> {
 impl<'a> Group<'a> {
     fn new(label: &'a str, value: &'a [u8]) -> Self {
         Self {
+            stem: "",
             label,
             unit: None,
             values: vec![value],
@@ -212,7 +241,7 @@ impl<'a> Group<'a> {
                 _ => format!("_{}", place + 1),
             };
             let unit = self.unit.map_or(String::new(), |unit| format!(" [{unit}]"));
-            (format!("{}{end}{unit}", self.label), *value)
+            (format!("{}{}{end}{unit}", self.stem, self.label), *value)
         })
     }
 }
@@ -332,6 +361,10 @@ mod tests {
         );
         let text = "\u{1b}[0;32mI (20) IMU: 1,2,3\u{1b}[0m\n".repeat(2);
         assert!(rows(&text).unwrap()[0].ends_with("IMU_x,IMU_y,IMU_z"));
+        // Axes behind the first without its word.
+        let text = "Accel X: 1, Y: 2, Z: 9.8 m/s^2\nRotation X: 3, Y: 4, Z: 5 rad/s\n";
+        let names = "Accel X [m/s^2],Accel Y [m/s^2],Accel Z [m/s^2],Rotation X [rad/s],Rotation Y [rad/s],Rotation Z [rad/s]";
+        assert_eq!(rows(text).unwrap(), [names, "1,2,9.8,,,", ",,,3,4,5"]);
         // In lines of their own.
         let text = "ax:1,ay:2\ngx:3,gy:4\nax:5,ay:6\n";
         assert_eq!(

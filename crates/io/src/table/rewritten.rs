@@ -4,6 +4,7 @@
 use super::cells::Cells;
 use super::json::JsonLines;
 use super::monitor::Monitor;
+use super::unnamed;
 use crate::source::without_byte_order_mark;
 
 /// Lines that are looked at for cells.
@@ -13,6 +14,8 @@ const LINES: usize = 300;
 pub(crate) struct Rewritten {
     json: Option<JsonLines>,
     monitor: Option<Monitor>,
+    /// The header of rows that have none.
+    names: Option<Vec<u8>>,
     cells: Option<Cells>,
 }
 
@@ -26,23 +29,30 @@ impl Rewritten {
         let mut found = Self {
             json: JsonLines::detect(lines()),
             monitor: None,
+            names: None,
             cells: None,
         };
         if found.json.is_none() {
             found.monitor = Monitor::detect(start);
         }
+        if found.json.is_none() && found.monitor.is_none() {
+            let first = lines().take(LINES).map(<[u8]>::trim_ascii_end);
+            found.names = unnamed::header(&Vec::from_iter(first.map(<[u8]>::to_vec)));
+        }
         let header = found.header();
         let rows = lines().take(LINES).map(|line| found.row(line));
         let rows = Vec::from_iter(header.into_iter().chain(rows));
         found.cells = Cells::detect(&rows);
-        let any = found.json.is_some() || found.monitor.is_some() || found.cells.is_some();
+        let named = found.json.is_some() || found.monitor.is_some() || found.names.is_some();
+        let any = named || found.cells.is_some();
         any.then_some(found)
     }
 
     /// The header that is no line of the text.
     pub(super) fn header(&self) -> Option<Vec<u8>> {
         let of_json = self.json.as_ref().map(JsonLines::header);
-        let header = of_json.or_else(|| self.monitor.as_ref().and_then(Monitor::header))?;
+        let of_labels = || self.monitor.as_ref().and_then(Monitor::header);
+        let header = of_json.or_else(of_labels).or_else(|| self.names.clone())?;
         let rewritten = self.cells.as_ref().and_then(|cells| cells.row(&header));
         Some(rewritten.unwrap_or(header))
     }

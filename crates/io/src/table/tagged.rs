@@ -21,6 +21,11 @@ const VALUES: usize = 5;
 /// Parts of the names of inertial sensors, of which one is to be there.
 const INERTIAL: [&str; 4] = ["imu", "acc", "gyr", "inertial"];
 
+/// What is before the names of a sensor's columns in the files of FlySight.
+const COLUMNS: &[u8] = b"$COL,";
+/// And what these begin with.
+const FLYSIGHT: &[u8] = b"$FLYS,";
+
 /// Whether a text begins with rows of at least one sensor.
 pub(crate) fn may_be(start: &[u8]) -> bool {
     let end = start.iter().rposition(|byte| *byte == b'\n');
@@ -41,6 +46,7 @@ pub(crate) fn between_sentences(source: Source, _: &[u8]) -> Source {
 fn table_of(source: Source, least: usize) -> Source {
     converted(source, |text| {
         let parts = parts(text, place_of_tags(text)?);
+        let least = if text.starts_with(FLYSIGHT) { 1 } else { least };
         (parts.len() >= least).then(|| joined(parts, true))?
     })
 }
@@ -65,9 +71,10 @@ fn place_of_tags(text: &[u8]) -> Option<(usize, Delimiter)> {
                 tags.push(tag);
             }
         }
+        let stated = text.starts_with(FLYSIGHT);
         let inertial = |tag: &&str| {
             let tag = tag.to_lowercase();
-            INERTIAL.iter().any(|word| tag.contains(word))
+            stated || INERTIAL.iter().any(|word| tag.contains(word))
         };
         let usual = count > 2 && 10 * count >= USUAL * rows.len();
         (usual && tags.len() <= MOST && tags.iter().any(inertial)).then_some((place, delimiter))
@@ -107,6 +114,8 @@ fn parts(text: &[u8], (place, delimiter): (usize, Delimiter)) -> Vec<Part> {
     let text = without_byte_order_mark(text);
     for (number, line) in text.split(|byte| *byte == b'\n').enumerate() {
         let line = without_comment(line);
+        // FlySight names the columns of a sensor in a line of its own kind.
+        let line = line.strip_prefix(COLUMNS).unwrap_or(line);
         if line.is_empty() {
             continue;
         }
@@ -148,7 +157,9 @@ fn parts(text: &[u8], (place, delimiter): (usize, Delimiter)) -> Vec<Part> {
     }
     // Of no sensor: for all.
     let all = Vec::from_iter(parts.iter().map(|part| part.name.clone()));
-    let is_common = |(tag, _): &&(String, Vec<String>)| !all.contains(tag);
+    // Where one has names of its own, each has: others are those of sensors without rows.
+    let own = headers.iter().any(|(tag, _)| all.contains(tag));
+    let is_common = |_: &&(String, Vec<String>)| !own;
     for part in &mut parts {
         let own = headers.iter().find(|(tag, _)| *tag == part.name);
         let width = part

@@ -32,9 +32,17 @@ enum Kind {
     /// `yyyymmddhhmmss.s`, `hhmmss.s`, `yyyymmdd` and `ddmmyy`.
     DateTime,
     TimeOfDay,
-    Date {
-        year_first: bool,
-    },
+    Date(Order),
+    /// An acceleration without gravity, and gravity.
+    Sum,
+}
+
+/// Where the year is in a date without separators, `yyyymmdd`, `yymmdd` or `ddmmyy`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Order {
+    Year,
+    ShortYear,
+    Day,
 }
 
 const DEGREES: [&str; 7] = ["", "d", "deg", "degs", "degree", "degrees", "dd"];
@@ -83,17 +91,21 @@ const PARTS: [(&str, usize); 12] = [
     ("milliseconds", 3),
 ];
 const WHOLES: [&str; 4] = ["seconds", "secs", "sec", "s"];
+/// The same of whole seconds directly before their part.
+const BEFORE: [&str; 7] = ["t", "time", "timestamp", "unix", "unixtime", "epoch", "utc"];
 
 impl Joined {
     pub(super) fn detect(table: &Beginning) -> Vec<Self> {
         let letters = Vec::from_iter(table.names.iter().map(|name| letters(name)));
         let angles = ["lat", "lon"].map(|angle| of_angle(table, &letters, angle));
         let times = calendar(table, &letters).or_else(|| fraction(table, &letters));
+        let times = times.or_else(|| fraction_beside(table, &letters));
         let angles = angles.into_iter().flatten();
         let mut all: Vec<Self> = angles.chain(times).collect();
         if !all.iter().any(|joined| joined.name.is_some()) {
             all.extend(compact(table, &letters));
         }
+        all.extend(sums(table, &letters));
         all
     }
 
@@ -153,10 +165,14 @@ impl Joined {
             }
             (Kind::DateTime, [text]) => {
                 let (date, time) = text.split_at_checked(8)?;
-                format!("{}T{}", dashed(date, true)?, of_day(time)?)
+                format!("{}T{}", dashed(date, Order::Year)?, of_day(time)?)
             }
             (Kind::TimeOfDay, [text]) => of_day(text)?,
-            (Kind::Date { year_first }, [text]) => dashed(text, year_first)?,
+            (Kind::Date(order), [text]) => dashed(text, order)?,
+            (Kind::Sum, [one, other]) => {
+                let number = |text: &&str| number::parse_finite(text.as_bytes());
+                format!("{:.9}", number(one)? + number(other)?)
+            }
             _ => return None,
         };
         Some(text.into_bytes())
@@ -176,25 +192,29 @@ fn time_of(parts: &[&str]) -> Option<String> {
     whole.then(|| format!("{hour:02}:{minute:02}:{second:09.6}"))
 }
 
-/// `hhmmss.s` as a time of day.
+/// `hhmmss.s`, or without the point `hhmmsscc` with hundredths of a second, as a time of day.
 fn of_day(text: &str) -> Option<String> {
     let digits = text.bytes().take_while(u8::is_ascii_digit).count();
+    let hundredths = matches!(digits, 7 | 8) && digits == text.len();
     // Leading zeros that a spreadsheet took away.
-    let padded = format!("{}{text}", "0".repeat(6_usize.checked_sub(digits)?));
+    let whole = if hundredths { 8 } else { 6 };
+    let padded = format!("{}{text}", "0".repeat(usize::checked_sub(whole, digits)?));
     let at = |range| padded.get(range);
-    let time = format!("{}:{}:{}", at(0..2)?, at(2..4)?, padded.get(4..)?);
+    let mut time = format!("{}:{}:{}", at(0..2)?, at(2..4)?, padded.get(4..)?);
+    if hundredths {
+        time.insert(time.len() - 2, '.');
+    }
     time::time_of_day(time.as_bytes()).map(|_| time)
 }
 
-/// `yyyymmdd`, or with the year last `ddmmyy`, as a date.
-fn dashed(text: &str, year_first: bool) -> Option<String> {
-    let date = match year_first {
-        true => format!("{}-{}-{}", text.get(..4)?, text.get(4..6)?, text.get(6..8)?),
-        false => {
-            let padded = format!("{text:0>6}");
-            let at = |range| padded.get(range);
-            format!("20{}-{}-{}", at(4..6)?, at(2..4)?, at(0..2)?)
-        }
+/// `yyyymmdd`, `yymmdd` or `ddmmyy` as a date.
+fn dashed(text: &str, order: Order) -> Option<String> {
+    let padded = format!("{text:0>6}");
+    let [long, short] = [text, padded.as_str()].map(|text| move |range| text.get(range));
+    let date = match order {
+        Order::Year => format!("{}-{}-{}", long(0..4)?, long(4..6)?, long(6..8)?),
+        Order::ShortYear => format!("20{}-{}-{}", short(0..2)?, short(2..4)?, short(4..6)?),
+        Order::Day => format!("20{}-{}-{}", short(4..6)?, short(2..4)?, short(0..2)?),
     };
     time::date(date.as_bytes(), b'-').map(|_| date)
 }
@@ -344,7 +364,7 @@ fn compact(table: &Beginning, letters: &[String]) -> Vec<Joined> {
     let date_time = |text: &str| {
         let parts = text.split_at_checked(8);
         let is_both = |(date, time): (&str, &str)| {
-            digits(time) == 6 && dashed(date, true).is_some() && of_day(time).is_some()
+            digits(time) == 6 && dashed(date, Order::Year).is_some() && of_day(time).is_some()
         };
         digits(text) == 14 && parts.is_some_and(is_both)
     };
@@ -360,26 +380,118 @@ fn compact(table: &Beginning, letters: &[String]) -> Vec<Joined> {
         let shows = table
             .column(place)
             .any(|cell| std::str::from_utf8(cell).is_ok_and(shows));
-        let is = (is_utc && shows || name.contains("hhmmss")) && all(place, &is_time);
+        // With a date of digits beside it.
+        let beside = name == "time" && letters.iter().any(|other| other == "date");
+        let dated = |place: usize| {
+            let orders = [Order::Year, Order::ShortYear, Order::Day];
+            orders
+                .iter()
+                .any(|order| all(place, &|text| is_date(text, *order)))
+        };
+        let dated =
+            beside && (0..letters.len()).any(|place| letters[place] == "date" && dated(place));
+        let is = (is_utc && shows || name.contains("hhmmss") || dated) && all(place, &is_time);
         is.then(|| joined(Kind::TimeOfDay, place))
     };
     let width = table.rows.first().map_or(0, Vec::len);
     let time = (0..width).find_map(times);
     let date = (0..letters.len()).find_map(|place| {
         let name = letters.get(place).filter(|name| name.contains("date"))?;
-        let year_first = |text: &str| digits(text) == 8 && dashed(text, true).is_some();
-        let year_last = |text: &str| digits(text) == text.len() && dashed(text, false).is_some();
         let beside = time
             .as_ref()
             .is_some_and(|time| time.kind == Kind::TimeOfDay);
-        let kind = if all(place, &year_first) {
-            Some(Kind::Date { year_first: true })
-        } else if (beside || name.contains("ddmmyy")) && all(place, &year_last) {
-            Some(Kind::Date { year_first: false })
-        } else {
-            None
+        let is = |order| all(place, &|text| is_date(text, order));
+        // Of this century's receivers.
+        let recent = |order| {
+            let mut cells = table.column(place);
+            cells.all(|cell| {
+                let date = std::str::from_utf8(cell)
+                    .ok()
+                    .and_then(|text| dashed(text, order));
+                date.is_some_and(|date| ("2010".."2045").contains(&&date[..4]))
+            })
         };
+        let short = [Order::Day, Order::ShortYear]
+            .into_iter()
+            .filter(|order| is(*order));
+        let short = Vec::from_iter(short);
+        let order = match is(Order::Year) {
+            true => Some(Order::Year),
+            false if beside || name.contains("ddmmyy") => {
+                let likely = short.iter().find(|order| recent(**order));
+                likely.or(short.first()).copied()
+            }
+            false => None,
+        };
+        let kind = order.map(Kind::Date);
         kind.map(|kind| joined(kind, place))
     });
     time.into_iter().chain(date).collect()
+}
+
+/// Whether a text is a date of digits alone.
+fn is_date(text: &str, order: Order) -> bool {
+    let digits = text.bytes().all(|byte| byte.is_ascii_digit());
+    let length = match order {
+        Order::Year => text.len() == 8,
+        Order::ShortYear => text.len() == 6,
+        Order::Day => (1..=6).contains(&text.len()),
+    };
+    digits && length && dashed(text, order).is_some()
+}
+
+/// Whole seconds and, in the column behind them, the part of a second, which begins anew when these count on.
+fn fraction_beside(table: &Beginning, letters: &[String]) -> Option<Joined> {
+    let of_part = |part: usize| {
+        let seconds = part.checked_sub(1)?;
+        let (whole, name) = (letters.get(seconds)?, letters.get(part)?);
+        let words = PARTS.iter().chain(&[("us", 6), ("ns", 9), ("ms", 3)]);
+        let (_, decimals) = words.clone().find(|(word, _)| word == name)?;
+        let (wholes, parts) = (table.numbers(seconds)?, table.numbers(part)?);
+        let fits = whole_within(&wholes, 0.0..1e11)
+            && whole_within(&parts, 0.0..10_f64.powi(*decimals as i32));
+        let steps = wholes.windows(2).zip(parts.windows(2));
+        let mut restarts = steps.clone().filter(|(_, part)| part[1] < part[0]);
+        let restarts =
+            restarts.clone().next().is_some() && restarts.all(|(whole, _)| whole[1] > whole[0]);
+        let name = |place: usize| table.names.get(place).map(|name| name.trim());
+        let name = format!("{} + {}", name(seconds)?, name(part)?);
+        (BEFORE.contains(&whole.as_str()) && fits && restarts).then(|| Joined {
+            kind: Kind::Fraction {
+                decimals: *decimals,
+            },
+            places: vec![seconds, part],
+            name: Some(name),
+        })
+    };
+    (1..letters.len()).find_map(of_part)
+}
+
+/// Accelerations of a phone in two parts, that of the user and gravity, as their sum, where the whole is in no column.
+fn sums(table: &Beginning, letters: &[String]) -> Vec<Joined> {
+    let whole = |name: &String| name.starts_with("acc") || name.contains("accelerometer");
+    if letters.iter().any(whole) {
+        return Vec::new();
+    }
+    let of_axis = |axis: char| {
+        let place = |words: [&str; 2]| {
+            let is = |name: &String| {
+                let mut ends = words.iter().filter_map(|word| name.split_once(*word));
+                ends.any(|(_, end)| end.starts_with(axis))
+            };
+            letters.iter().position(is)
+        };
+        let own = place(["useracceleration", "useracc"])?;
+        let gravity = place(["gravity", "grav"])?;
+        let name = table.names.get(own)?;
+        let unit = name.find(['(', '[']).and_then(|at| name.get(at..));
+        table.numbers(own).and(table.numbers(gravity))?;
+        Some(Joined {
+            kind: Kind::Sum,
+            places: vec![own, gravity],
+            name: Some(format!("acceleration_{axis} {}", unit.unwrap_or_default())),
+        })
+    };
+    let all: Option<Vec<Joined>> = ['x', 'y', 'z'].into_iter().map(of_axis).collect();
+    all.unwrap_or_default()
 }
