@@ -12,7 +12,7 @@ use undrift_noise::{ImuModel, temperature::ZERO_CELSIUS};
 /// Rows that tell kelvins from degrees Celsius where the header does not.
 const ROWS: usize = 100;
 /// A temperature above this is in kelvins.
-const KELVIN: f64 = 200.0;
+const LOWEST_KELVIN: f64 = 200.0;
 
 /// The column of a table's beginning that has the temperature, by its name.
 pub(crate) fn of_beginning(beginning: &Preview) -> Option<TemperatureColumn> {
@@ -25,7 +25,8 @@ pub(crate) fn of_beginning(beginning: &Preview) -> Option<TemperatureColumn> {
         Some(unit) => unit == "K",
         None => {
             let mut rows = beginning.rows.iter().filter_map(|row| row.get(place));
-            rows.find(|t| t.is_finite()).is_some_and(|t| *t > KELVIN)
+            rows.find(|t| t.is_finite())
+                .is_some_and(|t| *t > LOWEST_KELVIN)
         }
     };
     Some(TemperatureColumn {
@@ -53,7 +54,7 @@ fn of_table(opened: &mut Opened) -> Result<Option<TemperatureColumn>, ReadError>
 /// Mean of a table's column of temperatures [°C], if its header names one.
 ///
 /// # Errors
-/// If the table cannot be read.
+/// If the table cannot be read, or none of its rows has a temperature.
 pub fn mean(path: &Path) -> Result<Option<f64>, ReadError> {
     let mut opened = Opened::open(path)?;
     let Some(column) = of_table(&mut opened)? else {
@@ -69,10 +70,10 @@ pub fn mean(path: &Path) -> Result<Option<f64>, ReadError> {
         sum += row[0];
         count += 1;
     }
-    Ok((count > 0).then(|| sum / count as f64 - column.zero))
+    Ok(Some(sum / count as f64 - column.zero))
 }
 
-/// A reader that takes out what the model knows of the temperature, where the log has one.
+/// A reader that subtracts the model's bias over temperature, where the log has a temperature.
 pub(crate) fn corrected(
     mut opened: Opened,
     format: &ImuFormat,

@@ -18,7 +18,7 @@ use tiny_http::{Header, Request, Response, Server};
 use undrift_io::{epoch::Epoch, write::solution::SolutionRow};
 
 const PAGE: &str = include_str!("page/page.html");
-/// From one row to the next, by the clock \[s\].
+/// Least time between rows that are sent \[s\].
 const EVERY: f64 = 0.1;
 /// Notices and places that are kept for whoever opens the page later.
 const MOST_NOTICES: usize = 200;
@@ -29,6 +29,7 @@ pub struct Page {
     readers: Arc<Broadcast>,
     history: Arc<Mutex<History>>,
     address: SocketAddr,
+    /// When a row was sent.
     last: Option<Instant>,
 }
 
@@ -123,7 +124,6 @@ impl View for Page {
         if history.notices.len() > MOST_NOTICES {
             history.notices.pop_front();
         }
-        drop(history);
         self.readers.give(event.into_bytes());
     }
 
@@ -133,14 +133,15 @@ impl View for Page {
     }
 }
 
-/// What whoever opens the page later sees of before.
+/// What a page that is opened later is sent first.
 #[derive(Default)]
 struct History {
     notices: VecDeque<String>,
     /// Latitude, longitude \[deg\], and 1 without GNSS.
     track: Vec<[f64; 3]>,
-    /// Each so many rows are kept, and how many came since the last.
+    /// Of how many rows one is kept; doubles when there are [`MOST_PLACES`].
     each: usize,
+    /// Rows since the last one that was kept.
     since: usize,
 }
 
@@ -173,11 +174,10 @@ impl History {
 fn answer(request: Request, readers: &Broadcast, history: &Mutex<History>) {
     match request.url() {
         "/events" => {
-            let before = history
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .events();
-            let queue = readers.join(before);
+            // Held until the reader has joined: a notice in between would be lost to it, or come twice.
+            let history = history.lock().unwrap_or_else(PoisonError::into_inner);
+            let queue = readers.join(history.events());
+            drop(history);
             thread::spawn(move || stream(request, &queue));
         }
         "/" => {

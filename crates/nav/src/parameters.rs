@@ -100,7 +100,7 @@ impl Parameter {
         Self::VelocityError,
     ];
 
-    /// Its name in results and drive files, in snake case: `gyro_scale`.
+    /// Its name in snake case, as in models and events: `gyro_scale`. In results its key is the variant's name, `GyroScale`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::GyroScale => "gyro_scale",

@@ -2,7 +2,6 @@
 //! [`html`] file of it, its tables as Markdown, LaTeX or CSV ([`ReportFormat`]), and its [`figures`] as SVG.
 
 mod compare;
-mod constants;
 mod data;
 mod date;
 mod demo;
@@ -19,6 +18,7 @@ mod navigate;
 mod numbers;
 mod outages;
 mod paper;
+mod parameters;
 mod parts;
 mod plain;
 mod read;

@@ -62,7 +62,7 @@
 //! longer ones on files (`identify`, `navigate`, `outages`).
 //!
 //! A log's way through the house: [`drive`] names files and columns, [`align`] finds the first
-//! attitude, [`replay`] merges samples and fixes through the filter of `undrift-nav`, and
+//! attitude, [`replay`] merges samples and fixes through the navigator of `undrift-engine`, and
 //! [`mod@navigate`] or [`outages`] collect what comes out. [`mod@simulate`] makes logs with a known truth.
 
 pub mod simulate;

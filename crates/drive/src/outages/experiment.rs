@@ -4,7 +4,7 @@ use super::{
     Logs,
     compared::ComparedModel,
     errors::ModelOutcome,
-    left_out::{Needs, WhyLeftOut},
+    left_out::{Coverage, WhyLeftOut},
     run::run_one,
 };
 use crate::rejected::{Reference, Rejected, withheld};
@@ -127,10 +127,10 @@ impl Logs {
             .as_ref()
             .ok()
             .and_then(|report| report.summary.started);
-        let needs = Needs::new(&self.imu, &self.aiding, &self.truth, rejected, started);
+        let coverage = Coverage::new(&self.imu, &self.aiding, &self.truth, rejected, started);
         let (mut counted, mut left_out) = (Vec::new(), Vec::new());
         for cut in cuts {
-            match needs.lacks(cut) {
+            match coverage.why_left_out(cut) {
                 Some(why) => left_out.push((*cut, why)),
                 None => counted.push(*cut),
             }

@@ -6,11 +6,11 @@ use undrift_base::order_statistics::median;
 use undrift_nav::sample::{GnssFix, ImuSample, TruthSample};
 pub use undrift_results::findings::WhyLeftOut;
 
-/// Intervals without a fix or a reference that are no gap yet.
+/// A gap of the fixes or references is longer than so many usual intervals …
 const INTERVALS: f64 = 2.5;
-/// Nor is this share of an outage.
+/// … and than this share of the outage.
 const SHARE: f64 = 0.1;
-/// Inertial samples that are further apart are missing \[s\].
+/// Samples further apart than this have a gap between them \[s\].
 const NO_SAMPLES: f64 = 1.0;
 
 /// Times \[s\], in order, and their usual interval.
@@ -30,9 +30,9 @@ impl Times {
     }
 
     /// The last one until `time` \[s\].
-    fn until(&self, time: f64) -> Option<f64> {
-        let behind = self.at.partition_point(|t| *t <= time + STAMP_ROUNDING);
-        behind.checked_sub(1).map(|last| self.at[last])
+    fn last_until(&self, time: f64) -> Option<f64> {
+        let count = self.at.partition_point(|t| *t <= time + STAMP_ROUNDING);
+        count.checked_sub(1).map(|last| self.at[last])
     }
 
     /// How long there may be none in an outage \[s\].
@@ -41,19 +41,19 @@ impl Times {
     }
 }
 
-/// What the outages of a drive need.
-pub(super) struct Needs {
+/// What the logs of a drive have to judge outages by.
+pub(super) struct Coverage {
     /// Times of the fixes that are not rejected.
     fixes: Times,
     /// Times of the references.
     references: Times,
-    /// First and last sample before and after each gap of the samples, and of the log \[s\].
+    /// First and last time of each stretch of samples without a gap \[s\].
     samples: Vec<(f64, f64)>,
-    /// When the solution begins \[s\].
+    /// When the solution of the run without outages begins \[s\]; `None` where there is none, which leaves out nothing.
     started: Option<f64>,
 }
 
-impl Needs {
+impl Coverage {
     pub(super) fn new(
         imu: &[ImuSample],
         aiding: &[Measurement],
@@ -90,7 +90,7 @@ impl Needs {
     }
 
     /// Why an outage is left out, if it is.
-    pub(super) fn lacks(&self, cut: &Outage) -> Option<WhyLeftOut> {
+    pub(super) fn why_left_out(&self, cut: &Outage) -> Option<WhyLeftOut> {
         if self.started.is_some_and(|time| cut.start < time) {
             return Some(WhyLeftOut::NotStarted);
         }
@@ -100,12 +100,12 @@ impl Needs {
         if !self.samples.iter().any(has_samples) {
             return Some(WhyLeftOut::NoSamples);
         }
-        let before = self.fixes.until(cut.start);
+        let before = self.fixes.last_until(cut.start);
         if before.is_none_or(|time| cut.start - time > self.fixes.patience(cut)) {
             return Some(WhyLeftOut::InGap);
         }
         let earliest = cut.start.max(cut.end - self.references.patience(cut));
-        let last = self.references.until(cut.end);
+        let last = self.references.last_until(cut.end);
         last.is_none_or(|time| time <= earliest)
             .then_some(WhyLeftOut::NoReference)
     }
@@ -134,7 +134,7 @@ mod tests {
     #[test]
     fn an_outage_needs_a_solution_a_fix_before_it_a_reference_at_its_end_and_samples() {
         let fixes = every(1.0, &[(0.0, 100.0), (130.0, 300.0)]);
-        let mut needs = Needs {
+        let mut coverage = Coverage {
             references: Times::new(fixes.clone()),
             fixes: Times::new(fixes),
             samples: vec![(0.0, 200.0), (205.0, 300.0)],
@@ -157,18 +157,24 @@ mod tests {
             (290.0, None),
             (292.0, Some(WhyLeftOut::NoSamples)),
         ] {
-            assert_eq!(needs.lacks(&cut(start, 10.0)), why, "{start}");
+            assert_eq!(coverage.why_left_out(&cut(start, 10.0)), why, "{start}");
         }
         // A truth goes on through the gap of the fixes.
-        needs.references = Times::new(every(0.5, &[(0.0, 300.0)]));
-        assert_eq!(needs.lacks(&cut(95.0, 10.0)), None);
-        assert_eq!(needs.lacks(&cut(110.0, 10.0)), Some(WhyLeftOut::InGap));
+        coverage.references = Times::new(every(0.5, &[(0.0, 300.0)]));
+        assert_eq!(coverage.why_left_out(&cut(95.0, 10.0)), None);
+        assert_eq!(
+            coverage.why_left_out(&cut(110.0, 10.0)),
+            Some(WhyLeftOut::InGap)
+        );
         // Of fixes far apart ten seconds are no gap.
         let far = every(30.0, &[(0.0, 300.0)]);
-        (needs.fixes, needs.references) = (Times::new(far.clone()), Times::new(far));
-        assert_eq!(needs.lacks(&cut(100.0, 60.0)), None);
+        (coverage.fixes, coverage.references) = (Times::new(far.clone()), Times::new(far));
+        assert_eq!(coverage.why_left_out(&cut(100.0, 60.0)), None);
         // Shorter than from fix to fix, and none in it.
-        assert_eq!(needs.lacks(&cut(65.0, 10.0)), Some(WhyLeftOut::NoReference));
+        assert_eq!(
+            coverage.why_left_out(&cut(65.0, 10.0)),
+            Some(WhyLeftOut::NoReference)
+        );
     }
 
     #[test]
@@ -195,17 +201,17 @@ mod tests {
         };
         let aiding = [fix(0.0), velocity(2.0), fix(3.0), fix(7.0), nothing].map(Measurement::Gnss);
         let rejected = Rejected::default();
-        let needs = Needs::new(&imu, &aiding, &[], &rejected, Some(2.0));
-        assert_eq!(needs.samples, [(0.0, 1.5), (2.6, 3.0), (4.5, 4.5)]);
+        let coverage = Coverage::new(&imu, &aiding, &[], &rejected, Some(2.0));
+        assert_eq!(coverage.samples, [(0.0, 1.5), (2.6, 3.0), (4.5, 4.5)]);
         assert_eq!(
-            (needs.fixes.at, needs.fixes.interval),
+            (coverage.fixes.at, coverage.fixes.interval),
             (vec![0.0, 2.0, 3.0, 7.0], 2.0)
         );
         assert_eq!(
-            (needs.references.at, needs.references.interval),
+            (coverage.references.at, coverage.references.interval),
             (vec![0.0, 3.0, 7.0], 3.5)
         );
-        assert_eq!(needs.started, Some(2.0));
+        assert_eq!(coverage.started, Some(2.0));
     }
 
     #[test]
@@ -219,7 +225,7 @@ mod tests {
             (3.9, Some(2.0)),
             (9.0, Some(4.0)),
         ] {
-            assert_eq!(times.until(time), last, "{time}");
+            assert_eq!(times.last_until(time), last, "{time}");
         }
         // Two and a half intervals of 1.5 s, or a tenth of the outage.
         assert_eq!(times.patience(&cut(5.0, 10.0)), 3.75);

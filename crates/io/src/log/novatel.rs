@@ -1,9 +1,9 @@
-//! NovAtel OEM: fixes of BESTPOS and BESTVEL and their like, headings of HEADING2 and its like, raw inertial samples, and the inertial system's
-//! own solutions as reference, from ASCII or binary messages, mixed or not.
+//! NovAtel OEM: fixes of BESTPOS, BESTVEL and similar, headings of HEADING2 and similar, raw inertial samples, and the inertial
+//! system's own solutions as reference, from ASCII or binary messages, mixed or not.
 //!
-//! By NovAtel's documentation of the OEM7 and OEM6. Messages with the same time make one fix; what is
+//! Follows NovAtel's documentation of OEM7 and OEM6. Messages with the same time make one fix; what is
 //! between the messages is passed over. Times are GPS seconds of the week in which the file starts.
-//! CORRIMUDATA and its like are no inertial samples: the receiver has taken gravity and the Earth's rate
+//! CORRIMUDATA and similar are not read as inertial samples: the receiver has taken gravity and the Earth's rate
 //! out of them.
 
 mod fields;
@@ -425,7 +425,7 @@ impl Imu {
         Ok(Some(Some(())))
     }
 
-    /// Whether the type of the IMU became known.
+    /// Fails where samples came and their type never became known.
     fn end(&self) -> Result<(), ReadError> {
         match (self.untyped, self.given) {
             (Some(at), false) => Err(ReadError::nameless(

@@ -23,7 +23,7 @@ pub(super) fn known(known: &Known) -> String {
             );
         }
         Known::Increments => "guessed: the accelerometers' magnitude is gravity times the interval",
-        Known::LargestRate(largest) => return format!("guessed: rates reach {largest:.1}"),
+        Known::LargestRate(largest) => return format!("guessed: rates reach {largest:.1}, beyond any gyro's in rad/s"),
         Known::LargeScatter(scatter) => {
             return format!(
                 "guessed: the lowest scatter is {scatter:.2e}; in rad/s it would be {:.1} deg/s",
@@ -66,7 +66,7 @@ pub(super) fn known(known: &Known) -> String {
             "one log counts GPS seconds since 1980, the other Unix time, which is without leap seconds"
         }
         Known::TimesOfDay { leap } => {
-            let leap = if *leap { " and the 18 s between GPS time and UTC" } else { "" };
+            let leap = if *leap { " and the leap seconds between GPS time and UTC" } else { "" };
             return format!(
                 "guessed: the times are times of day without a date; whole days{leap} for the logs to overlap"
             );
@@ -93,7 +93,7 @@ pub(super) fn known(known: &Known) -> String {
         Known::Exchanged => {
             "from their values: the columns named as gyroscopes measure gravity, so gyroscopes and accelerometers are exchanged"
         }
-        Known::Counts => "guessed: raw counts of a range of 250 deg/s, as the accelerometers have",
+        Known::Counts => "guessed: raw counts, as the accelerometers have, of the usual range of 250 deg/s",
         Known::Reversed => {
             "guessed: the gyros turn against the GNSS course unless specific force has the opposite sign"
         }
@@ -121,7 +121,7 @@ pub(super) fn known(known: &Known) -> String {
                 "estimated from {duration_s:.0} s of this drive; \"auto\" estimates it in each drive"
             );
         }
-        Known::LessCertain => "one standard deviation; so uncertain is the vehicle's attitude",
+        Known::LessCertain => "one standard deviation; the vehicle's attitude is that uncertain",
         Known::Uncalibrated => {
             "one standard deviation, of accelerometers that nobody calibrated"
         }
@@ -129,15 +129,15 @@ pub(super) fn known(known: &Known) -> String {
             "estimated from forces, speeds and turns of this drive; \"auto\" is more accurate on a longer drive"
         }
         Known::Field(strength) => return format!("by the strength of the field, {strength:.0} uT"),
-        Known::FieldTurns => "so the field turns against the gyros",
-        Known::VehicleHeading => "assumed: the message is the heading of the vehicle; \"90 deg\" where it is that from the left antenna to the right one",
+        Known::FieldTurns => "with these axes its turns fit those of the gyros",
+        Known::VehicleHeading => "assumed: the message is the heading of the vehicle; set \"90 deg\" if it is the direction from the left antenna to the right one",
         Known::Withheld { spans } => {
             return format!(
                 "estimated from {spans} spans of 10 s of this drive without fixes; set the receiver's accuracy if it is known"
             );
         }
         Known::Smooths { .. } => {
-            "the positions are so far inside the turns: about the time constant of the receiver's own filter"
+            "the positions lie inside the turns, as behind a filter of this time constant in the receiver"
         }
         Known::Antennas { std_deg } => return format!("from the motion, to {} deg", short(*std_deg)),
         Known::HandEye {
@@ -157,8 +157,8 @@ pub(super) fn known(known: &Known) -> String {
                 short(*std_m)
             );
         }
-        Known::Scatter => "from what the turns of the poses differ by from those of the gyros",
-        Known::Thinned => "poses that follow at once err alike: one in this time is used",
+        Known::Scatter => "from how far the turns of the poses differ from those of the gyros",
+        Known::Thinned => "poses that follow at once err alike: one in each such interval is used",
         Known::Lasting => "usual: part of their error lasts; `undrift tune` finds how much",
         Known::SensorName => "from the sensor's name in the log, or in its file or folder name",
         Known::Steps => "from the quantisation steps of its values",

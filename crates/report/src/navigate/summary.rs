@@ -1,10 +1,9 @@
 //! What was done and how it went, in words and counts.
 
 use crate::{
-    Cell, Section, Table,
-    constants::{Constant, constant},
-    date,
+    Cell, Section, Table, date,
     numbers::{bounded, count, error, get, short, span},
+    parameters::{Wording, wording},
     parts::{Run, named, of_which, prefixed, text, verdict_of, warnings},
 };
 use undrift_results::{Aid, Navigate, Nis, Number, Numbers, Parameter};
@@ -169,27 +168,27 @@ fn updates(runs: &[Run<'_, Navigate>]) -> Table {
 fn parameters(runs: &[Run<'_, Navigate>]) -> Table {
     let parameters = runs.iter().flat_map(|(name, run)| {
         let parameters = run.summary.parameters.iter();
-        parameters.map(move |(kind, parameter)| (name, constant(kind), parameter))
+        parameters.map(move |(kind, parameter)| (name, wording(kind), parameter))
     });
     let list = |numbers: &[Number], factor: f64, text: fn(f64) -> String| -> Cell {
         let texts: Vec<String> = numbers.iter().map(|n| text(factor * n.0)).collect();
         texts.join(", ").into()
     };
-    type Row<'a> = (&'a String, Constant<'a>, &'a Parameter);
+    type Row<'a> = (&'a String, Wording<'a>, &'a Parameter);
     Table::from_rows(
         "parameters",
         "Constants estimated in addition to the sensor errors, with their final standard deviations.",
         parameters,
         &[
-            ("constant", &|(name, constant, _): &Row<'_>| {
-                named(name, &constant.named()).into()
+            ("constant", &|(name, wording, _): &Row<'_>| {
+                named(name, &wording.named()).into()
             }),
-            ("unit", &|(_, constant, _)| constant.unit.into()),
-            ("estimate", &|(_, constant, of)| {
-                list(&of.value, constant.factor, short)
+            ("unit", &|(_, wording, _)| wording.unit.into()),
+            ("estimate", &|(_, wording, of)| {
+                list(&of.value, wording.factor, short)
             }),
-            ("standard deviation", &|(_, constant, of)| {
-                list(&of.std, constant.factor, error)
+            ("standard deviation", &|(_, wording, of)| {
+                list(&of.std, wording.factor, error)
             }),
         ],
     )

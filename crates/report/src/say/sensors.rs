@@ -2,8 +2,8 @@
 
 use super::words::{at, many};
 use crate::{
-    constants::{Constant, constant},
     numbers::short,
+    parameters::{Wording, wording},
 };
 use undrift_events::{ChangeOf, DisturbedField, Mismatch, RejectedHeadings, SensorChange};
 use undrift_results::findings::{Finding, TemperatureUse, WrappedAxis};
@@ -374,9 +374,9 @@ pub(super) fn too_optimistic(tuned: bool, others: &str) -> String {
 }
 
 pub(super) fn far_parameter(parameter: &str, value: f64, sigmas: f64) -> String {
-    let Constant {
+    let Wording {
         name, unit, factor, ..
-    } = constant(parameter);
+    } = wording(parameter);
     let what = match parameter {
         "GyroScale" => {
             "check the units and signs of imu.gyro, imu.axes and imu.mounting, or run `undrift inspect` on the logs again"

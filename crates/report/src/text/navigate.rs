@@ -1,9 +1,9 @@
 //! A navigated drive as text.
 
 use crate::{
-    constants::constant,
     date,
     numbers::{error, get, short},
+    parameters::wording,
     parts::COMPONENTS,
     say,
 };
@@ -63,17 +63,17 @@ pub fn navigate(result: &Navigate) -> String {
         ));
     }
     for (kind, parameter) in &s.parameters {
-        let constant = constant(kind);
+        let wording = wording(kind);
         let pairs = parameter.value.iter().zip(&parameter.std);
         let pairs = pairs.map(|(value, std)| {
-            let [value, std] = [value, std].map(|number| constant.factor * number.0);
+            let [value, std] = [value, std].map(|number| wording.factor * number.0);
             format!("{} ± {}", short(value), error(std))
         });
         lines.push(format!(
             "{}: {} {}",
-            constant.named(),
+            wording.named(),
             Vec::from_iter(pairs).join(", "),
-            constant.unit
+            wording.unit
         ));
     }
     if let (Some(errors), Some(n)) = (&result.rms_error, result.compared_samples) {

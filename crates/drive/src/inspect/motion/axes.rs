@@ -1,4 +1,5 @@
-//! Axes that a table has with other signs or in another order than its names say, by what fits the fixes.
+//! Finds wrong signs or a wrong order of the IMU's axes: tries each that people get wrong, and keeps the one with which samples and
+//! fixes fit together.
 
 use crate::{
     drive::Drive,
@@ -11,8 +12,8 @@ use undrift_io::imu::ImuSource;
 use undrift_nav::Vector3;
 use undrift_noise::BiasModel;
 
-/// Signs of the axes of gyros and accelerometers that people get wrong, and that no rotation of the sensor makes right: one axis
-/// of either, all gyros, and one of both, as of left-handed axes, where all that differ by a rotation are one.
+/// Combinations of signs of gyros and accelerometers that no rotation of the sensor makes right: one axis of one sensor, all gyros, or
+/// one axis of both (left-handed axes; any one serves for all, since they differ by a rotation).
 const REVERSED: [[[f64; 3]; 2]; 8] = {
     const AS_THEY_ARE: [f64; 3] = [1.0, 1.0, 1.0];
     const X: [f64; 3] = [-1.0, 1.0, 1.0];
@@ -30,13 +31,14 @@ const REVERSED: [[[f64; 3]; 2]; 8] = {
     ]
 };
 
-/// NIS per degree of freedom of the velocities, or of positions alone, up to which samples and fixes fit together, and how many
-/// times as large it is with any other axis reversed.
-const FITTING: (f64, f64) = (2.0, 1.3);
-/// Share of rejected fixes up to which they do.
+/// NIS per degree of freedom of the velocities, or of positions alone, up to which samples and fixes fit together \[–\].
+const MOST_NIS: f64 = 2.0;
+/// How many times as large it is, at least, with the next best axes \[–\].
+const CLEARLY: f64 = 1.3;
+/// Largest share of rejected fixes with which they fit together \[–\].
 const REJECTED: f64 = 0.02;
 
-/// A drive without the samples behind so many seconds; `None` without samples.
+/// The drive cut to its first `length` \[s\]; `None` without samples.
 pub(super) fn beginning(mut drive: Drive, length: f64) -> Option<Drive> {
     let first = drive.open_imu().ok()?.next()?.ok()?.time;
     let span = drive.imu.1.span.unwrap_or((first, f64::INFINITY));
@@ -45,7 +47,8 @@ pub(super) fn beginning(mut drive: Drive, length: f64) -> Option<Drive> {
 }
 
 /// The mounting of a drive where that was found, and the NIS per degree of freedom of the solution with it in the first
-/// [`LONGEST_PASS`] of the log; `None` where no mounting was found, or its units, axes, signs or times are implausible.
+/// [`LONGEST_PASS`] of the log; `None` where no mounting was found, the drive cannot be
+/// navigated, more than [`REJECTED`] of the fixes are rejected, or units, axes, signs or times are implausible.
 pub(super) fn fit((drive, mounting): (Drive, Option<Mounting>)) -> Option<(Mounting, f64)> {
     let drive = beginning(drive, LONGEST_PASS)?;
     let summary = navigate(&drive, BiasModel::Arma, Wanted::default())
@@ -60,7 +63,7 @@ pub(super) fn fit((drive, mounting): (Drive, Option<Mounting>)) -> Option<(Mount
 
 /// Whether samples and fixes fit together with the mounting that was found.
 pub(super) fn is_fitting(resolved: (Drive, Option<Mounting>)) -> bool {
-    fit(resolved).is_some_and(|(_, nis)| nis < FITTING.0)
+    fit(resolved).is_some_and(|(_, nis)| nis <= MOST_NIS)
 }
 
 /// Reverses axes of a log that does not fit together as it is where it does so with them reversed, and with no others.
@@ -76,7 +79,7 @@ pub(super) fn reversed_axes(imu: &mut Part, drive: &Drive) -> Option<Mounting> {
     let fits = REVERSED
         .iter()
         .filter_map(|signs| Some((signs, with(signs)?)));
-    let (signs, found) = only(fits.collect())?;
+    let (signs, found) = clear_best(fits.collect())?;
     let keys = [("gyro_unit", "rad/s"), ("accel_unit", "m/s^2")];
     for ((key, si), signs) in keys.into_iter().zip(signs) {
         if !signs.contains(&-1.0) {
@@ -109,7 +112,7 @@ const ORDERS: [(&str, [usize; 3]); 8] = [
     ("accel", [0, 2, 1]),
 ];
 
-/// Reorders the columns of one sensor of a table that does not fit together as it is where it does so in that order alone.
+/// Reorders the columns of one sensor, where a table that does not fit together as it is does so in exactly one order.
 pub(super) fn exchanged_axes(imu: &mut Part, drive: &Drive) -> Option<Mounting> {
     let with = |(sensor, order): &(&str, [usize; 3])| {
         let mut drive = drive.clone();
@@ -128,7 +131,7 @@ pub(super) fn exchanged_axes(imu: &mut Part, drive: &Drive) -> Option<Mounting> 
     let fits = ORDERS
         .iter()
         .filter_map(|order| Some((order, with(order)?)));
-    let ((sensor, order), mounting) = only(fits.collect())?;
+    let ((sensor, order), mounting) = clear_best(fits.collect())?;
     let line = imu.lines.iter_mut().find(|line| line.key == *sensor)?;
     let columns = line.value.as_array()?;
     let columns: Option<Vec<_>> = order
@@ -139,10 +142,10 @@ pub(super) fn exchanged_axes(imu: &mut Part, drive: &Drive) -> Option<Mounting> 
     Some(mounting)
 }
 
-/// The best fit, where it is one and no other comes near.
-fn only<T: Copy>(mut fits: Vec<(T, (Mounting, f64))>) -> Option<(T, Mounting)> {
+/// The best fit, where it is good and clearly better than the next.
+fn clear_best<T: Copy>(mut fits: Vec<(T, (Mounting, f64))>) -> Option<(T, Mounting)> {
     fits.sort_by(|(_, (_, a)), (_, (_, b))| a.total_cmp(b));
     let (which, (found, nis)) = *fits.first()?;
     let next = fits.get(1).map_or(f64::INFINITY, |(_, (_, nis))| *nis);
-    (nis <= FITTING.0 && next >= FITTING.1 * nis).then_some((which, found))
+    (nis <= MOST_NIS && next >= CLEARLY * nis).then_some((which, found))
 }
