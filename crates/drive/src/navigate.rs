@@ -269,8 +269,8 @@ pub fn resolve_mounting(drive: &Drive) -> Result<(Drive, Option<Mounting>), Navi
     } else {
         2
     };
-    let as_read = drive.open_gnss()?.collect::<Result<Vec<_>, _>>()?;
-    let fixes = with_velocities(as_read.clone());
+    let fixes = drive.open_gnss()?.collect::<Result<Vec<_>, _>>()?;
+    let fixes = with_velocities(fixes);
     for _ in 0..passes {
         let mut settings = settings(drive, BiasModel::Arma)?;
         settings.find_mounting = false;
@@ -282,21 +282,12 @@ pub fn resolve_mounting(drive: &Drive) -> Result<(Drive, Option<Mounting>), Navi
         (settings.fix_errors, settings.from_fixes) = (FixErrors::default(), None);
         settings.constraints = Constraints::default();
         settings.lever_arm = found.map_or(Vector3::zeros(), |m| m.q_vb.inverse() * drive.lever_arm);
-        let estimate = |fixes: &[GnssFix], settings: &Settings| -> Result<_, NavigateError> {
-            let mut fixes = fixes.iter().map(|fix| Ok(Measurement::Gnss(*fix)));
-            let found = mounting::estimate(&mut drive.open_imu()?, &mut fixes, settings);
-            Ok(found?)
-        };
-        found = Some(match estimate(&fixes, &settings) {
-            // By the errors that the fixes show, as the solution starts with positions that are better than stated.
-            Err(NavigateError::Mounting(EstimateError::Replay(ReplayError::NotAligned(_)))) => {
-                settings.from_fixes = Some(stated(drive));
-                let shown = study(drive, as_read.iter().copied().map(Ok::<_, ReplayError>))?;
-                look_ahead(&mut settings, shown.as_ref());
-                estimate(&as_read, &settings)?
-            }
-            found => found?,
-        });
+        let mut fixes = fixes.iter().map(|fix| Ok(Measurement::Gnss(*fix)));
+        found = Some(mounting::estimate(
+            &mut drive.open_imu()?,
+            &mut fixes,
+            &settings,
+        )?);
     }
     resolved.estimate_mounting = false;
     if let Some(mounting) = &found {
