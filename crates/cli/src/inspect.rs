@@ -121,6 +121,9 @@ pub fn complete(inspections: &[Inspection], drive: Option<&Path>) -> Result<()> 
     let unknown = |table| report::unknown_log(inspections, table);
     let fixes = inspect::fixes_table(inspections);
     let is_reference = |file: &&Inspection| file.parts.iter().any(|part| part.table == "truth");
+    if let (None, Some(why)) = (drive, report::without_gravity(inspections)) {
+        bail!("{why}");
+    }
     let reference = inspections
         .iter()
         .find(is_reference)

@@ -37,6 +37,18 @@ const SHEET: Foreign = foreign(
     "extract it, or save the sheet as CSV",
 );
 const EXCEL: Foreign = foreign("an Excel workbook (.xlsx)", "save the sheet as CSV");
+const FIT: Foreign = foreign(
+    "a list of the messages of a FIT file (FitCSVTool)",
+    "convert the FIT file with GPSBabel, `gpsbabel -i garmin_fit -f FILE.fit -o gpx -F track.gpx`",
+);
+const TELEMETRY: Foreign = foreign(
+    "a list of the messages of a telemetry log",
+    "give the .tlog file itself, or the log of the autopilot (.bin)",
+);
+const DUMP: Foreign = foreign(
+    "a list of the messages of a log of ArduPilot",
+    "give the log itself (.bin)",
+);
 const PICKLE: Foreign = foreign(
     "an array of numpy that is not one table of numbers",
     "save one in Python: `numpy.savetxt(\"log.csv\", rows, delimiter=\",\")`",
@@ -118,7 +130,17 @@ pub fn known(start: &[u8]) -> Option<Foreign> {
     if start.get(257..262) == Some(b"ustar") {
         return Some(ARCHIVE);
     }
+    if begins(b"Type,Local Number,Message,") {
+        return Some(FIT);
+    }
     let first = first_line(start);
+    let has = |name: &[u8]| first.windows(name.len()).any(|part| part == name);
+    if has(b",mavlink_") {
+        return Some(TELEMETRY);
+    }
+    if has(b" {TimeUS : ") || has(b" {time_boot_ms : ") {
+        return Some(DUMP);
+    }
     if first
         .windows(20)
         .any(|part| part == b"RINEX VERSION / TYPE")
@@ -213,6 +235,18 @@ mod tests {
                 "a drive file",
             ),
             (b"format = \"undrift-imu\"\n", "a model file"),
+            (
+                b"Type,Local Number,Message,Field 1,Value 1\n",
+                "a list of the messages of a FIT",
+            ),
+            (
+                b"2024-05-06T12:00:00,FD,1C,0,mavlink_raw_imu_t,time_usec,5\n",
+                "a list of the messages of a telemetry",
+            ),
+            (
+                b"2024-05-06 12:00:00.00: IMU {TimeUS : 12, I : 0}\n",
+                "a list of the messages of a log of ArduPilot",
+            ),
             (rinex.as_bytes(), "a RINEX file"),
             (&tar, "an archive"),
         ] {

@@ -174,6 +174,16 @@ fn note(note: &Note, cut: bool) -> String {
     }
 }
 
+/// Why a drive cannot be navigated whose accelerometers have no gravity, and their file.
+pub fn without_gravity(inspections: &[Inspection]) -> Option<String> {
+    let of = |file: &Inspection| {
+        let mut notes = file.found.iter();
+        let found = notes.find(|found| matches!(found, Note::NoGravity { .. }))?;
+        Some(format!("{}: {}", file.file.display(), note(found, false)))
+    };
+    inspections.iter().find_map(of)
+}
+
 fn counter(counter: &CounterRestarts) -> String {
     let CounterRestarts {
         line,

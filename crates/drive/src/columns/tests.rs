@@ -52,7 +52,14 @@ fn units_of_time() {
 #[test]
 fn names_of_many_programs() {
     use Meaning::*;
-    let rows: [(&str, Option<Meaning>, Option<&str>); 49] = [
+    let rows: [(&str, Option<Meaning>, Option<&str>); 56] = [
+        ("ax_mm_s2", Some(Accel(0)), Some("mm/s^2")),
+        ("lla[0]", Some(Latitude), None),
+        ("lla[2]", Some(Height), None),
+        ("altHAE", Some(Height), None),
+        ("GCrs", Some(Course), None),
+        ("Geschwindigkeit (km/h)", Some(Speed), Some("km/h")),
+        ("Kurs (°)", Some(Course), Some("deg")),
         ("ms", Some(Time), Some("ms")),
         ("acel_x", Some(Accel(0)), None),
         ("velocidade angular z (rad/s)", Some(Gyro(2)), Some("rad/s")),
@@ -169,6 +176,8 @@ fn every_ending_and_spelling_is_the_unit_that_it_says() {
         ("_m_s2", Acceleration, 1.0),
         ("_mps", Velocity, 1.0),
         ("_m_s", Velocity, 1.0),
+        ("_mm_s2", Acceleration, 1e-3),
+        ("_cm_s2", Acceleration, 1e-2),
         ("_mg", Acceleration, 1e-3 * g),
         ("_g", Acceleration, g),
         ("_deg", Angle, degree),

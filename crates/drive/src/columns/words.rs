@@ -1,7 +1,9 @@
 //! The words and units that name columns.
 
 /// Endings of names that are units.
-pub(super) const SUFFIXES: [(&str, &str); 63] = [
+pub(super) const SUFFIXES: [(&str, &str); 65] = [
+    ("_mm_s2", "mm/s^2"),
+    ("_cm_s2", "cm/s^2"),
     ("_days", "d"),
     ("_dege7", "LSB/1e7 deg"),
     ("_deg_1e7", "LSB/1e7 deg"),
@@ -245,7 +247,9 @@ pub(super) const ACCELS: [&str; 38] = [
 pub(super) const DATES: [&str; 5] = ["date", "utcdate", "day", "datum", "fecha"];
 pub(super) const ECEFS: [&str; 3] = ["ecef", "ecefpos", "posecef"];
 pub(super) const ECEF_VELOCITIES: [&str; 4] = ["ecefv", "vecef", "ecefvel", "velecef"];
-pub(super) const LATITUDES: [&str; 17] = [
+/// Of `lla[0]` and the like, an index is read as an axis.
+pub(super) const LATITUDES: [&str; 18] = [
+    "llax",
     "poslat",
     "positionlat",
     "latit",
@@ -264,7 +268,8 @@ pub(super) const LATITUDES: [&str; 17] = [
     "latitud",
     "latitudine",
 ];
-pub(super) const LONGITUDES: [&str; 23] = [
+pub(super) const LONGITUDES: [&str; 24] = [
+    "llay",
     "poslon",
     "poslong",
     "positionlong",
@@ -289,7 +294,9 @@ pub(super) const LONGITUDES: [&str; 23] = [
     "longitud",
     "longitudine",
 ];
-pub(super) const HEIGHTS: [&str; 33] = [
+pub(super) const HEIGHTS: [&str; 35] = [
+    "llaz",
+    "althae",
     "heightabovewgs84ellipsoid",
     "heightabovewgs84ellipsoidm",
     "posalt",
@@ -347,7 +354,12 @@ pub(super) const GRID: [&[&str]; 2] = [
 ];
 pub(super) const VELOCITIES: [&str; 4] = ["v", "vel", "velocity", "vned"];
 pub(super) const CLIMBS: [&str; 3] = ["climb", "climbrate", "rateofclimb"];
-pub(super) const SPEEDS: [&str; 9] = [
+pub(super) const SPEEDS: [&str; 14] = [
+    "geschwindigkeit",
+    "vitesse",
+    "velocidad",
+    "velocidade",
+    "velocita",
     "2d",
     "2dspeed",
     "speed",
@@ -358,7 +370,11 @@ pub(super) const SPEEDS: [&str; 9] = [
     "sog",
     "spd",
 ];
-pub(super) const COURSES: [&str; 7] = [
+pub(super) const COURSES: [&str; 11] = [
+    "gcrs",
+    "kurs",
+    "rumbo",
+    "rotta",
     "course",
     "cog",
     "courseoverground",

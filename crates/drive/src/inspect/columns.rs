@@ -82,6 +82,7 @@ pub(super) fn parts_of(mut table: Preview, notes: &mut Vec<Note>) -> Vec<Part> {
     if let Some(field) = all(&columns.found.field) {
         parts.extend(columns.field(field));
     }
+    units::share_unit_of_time(&mut parts);
     let names = &columns.table.names;
 
     if parts.is_empty() {

@@ -5,6 +5,7 @@ mod antennas;
 mod axes;
 mod compass;
 mod flight;
+mod gravity;
 mod smoothing;
 mod wheels;
 
@@ -22,12 +23,13 @@ use crate::{
     navigate::{NavigateError, Wanted, navigate, resolve_mounting},
     vehicle::Profile,
 };
+pub(super) use gravity::removed_gravity;
+
 use axes::{beginning, exchanged_axes, is_fitting, reversed_axes};
 use std::path::Path;
 use undrift_nav::{
     Vector3,
     attitude::{from_rotation_vector, from_rpy, to_rpy},
-    earth::STANDARD_GRAVITY,
     parameters::{Parameter, Prior},
     sample::{GnssFix, ImuSample},
     units::{Quantity, unit_factor},
@@ -39,6 +41,7 @@ use wheels::{LONGEST, Slip, is_held, side_slip};
 /// in its part's lines, or why not in its notes. Positions that do not say how accurate they are get what the motion shows of it.
 pub fn motion(inspections: &mut [Inspection]) -> Motion {
     super::joined::join(inspections);
+    super::joined::forget_guesses(inspections);
     let readable = |table: &str| {
         inspections.iter().enumerate().find_map(|(at, file)| {
             let part = file.parts.iter().position(|part| part.table == table)?;
@@ -394,19 +397,6 @@ fn other_clock(gnss: &mut Part, drive: &Drive) -> Option<Option<Note>> {
     gnss.lines
         .push(Line::new("time_offset", format!("{offset:.2} s"), known));
     Some(None)
-}
-
-/// Accelerometers that measure less than this times gravity on average have it removed.
-const REMOVED: f64 = 0.5;
-
-/// Times gravity that the mean specific force is, of accelerometers that measure too little at each instant.
-fn removed_gravity(imu: &Part) -> Option<f64> {
-    let measured = imu.measured.as_ref()?;
-    let Some(Content::Force(mean)) = measured.content else {
-        return None;
-    };
-    let removed = measured.size_of_force? < REMOVED * STANDARD_GRAVITY;
-    removed.then_some(Vector3::from(mean).norm() / STANDARD_GRAVITY)
 }
 
 /// Counts of the most usual range per deg/s.

@@ -231,7 +231,10 @@ impl Columns {
             lines.extend(self.height_unit(place));
         }
         let [across, up, fast] = self.found.accuracy;
-        let accuracy = across.map(|across| [across, across, up.unwrap_or(across)]);
+        // Accuracies across and up are along no axis of the Earth.
+        let is_level = all(&self.found.place).is_some() || self.is_grid();
+        let accuracy = across.filter(|_| is_level);
+        let accuracy = accuracy.map(|across| [across, across, up.unwrap_or(across)]);
         let std = all(&self.found.position_std).or(accuracy);
         lines.extend(match std {
             _ if is_flat(place) => vec![Line::new("position_std", FLAT_STD, Known::NoHeights)],

@@ -5,7 +5,7 @@ use undrift_nav::{
     earth::STANDARD_GRAVITY,
     units::{Quantity, unit_factor},
 };
-use undrift_results::inspect::Known;
+use undrift_results::inspect::{Known, Part};
 
 /// A unit and why.
 pub(super) type Guess = (&'static str, Known);
@@ -140,9 +140,26 @@ pub(super) fn field(rows: &[[f64; 3]]) -> Option<(&'static str, f64)> {
 const EARTHS: f64 = 45.0;
 const MOST_AWAY: f64 = 1.25;
 
+/// Gives the fixes the unit that the steps of the samples show of the same column of times: rows that hold a fix are no steps of it.
+pub(super) fn share_unit_of_time(parts: &mut [Part]) {
+    let [imu, rest @ ..] = parts else { return };
+    let line = |part: &Part, key| part.lines.iter().find(|line| line.key == key).cloned();
+    let unit = line(imu, "time_unit").filter(|unit| unit.known == Known::StampStep);
+    let (Some(time), Some(unit)) = (line(imu, "time"), unit) else {
+        return;
+    };
+    for part in rest.iter_mut().filter(|_| imu.table == "imu") {
+        let same = line(part, "time").is_some_and(|of| of.value == time.value);
+        if same && line(part, "date").is_none() && line(part, "time_unit").is_none() {
+            part.lines.insert(1, unit.clone());
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use undrift_results::inspect::Line;
 
     #[test]
     fn gravity_tells_the_unit() {
@@ -231,5 +248,30 @@ mod tests {
         assert_eq!(rate(&samples(0.0005)).0, "rad/s");
         assert_eq!(rate(&[[120.0, 0.0, 0.0]; 3]).0, "deg/s");
         assert_eq!(rate(&[[0.0; 3]; 100]).1, Known::TooFew);
+    }
+
+    /// Rows that hold a fix of a second ago are every 20 ms: as seconds of fixes they would be 20 s apart.
+    #[test]
+    fn fixes_have_the_unit_of_the_samples_times() {
+        let line = |key, value: &str, known| Line::new(key, value, known);
+        let part = |table, time: &str| {
+            let name = Known::Name { several: false };
+            Part::new(
+                table,
+                vec![
+                    line("time", time, name.clone()),
+                    line("position", "p", name),
+                ],
+            )
+        };
+        let unit_of = |known: Known, time: &str| {
+            let mut parts = [part("imu", "T"), part("gnss", time)];
+            parts[0].lines.push(line("time_unit", "ms", known));
+            share_unit_of_time(&mut parts);
+            let mut lines = parts[1].lines.iter();
+            lines.any(|line| line.key == "time_unit")
+        };
+        assert!(unit_of(Known::StampStep, "T"));
+        assert!(!unit_of(Known::StampStep, "T2") && !unit_of(Known::Guessed, "T"));
     }
 }

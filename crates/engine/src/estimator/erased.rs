@@ -417,7 +417,7 @@ impl<const N: usize> Estimator for Erased<N> {
         self.filter
             .set_position_velocity_covariance(position, velocity);
         self.filter
-            .correlate_with_fix_errors(&correlated[0], &correlated[1]);
+            .correlate_with_fix_errors([position, velocity], correlated.each_ref());
     }
 
     fn without_earth_rate(&mut self) {

@@ -214,7 +214,7 @@ fn same_run<const N: usize>(states: usize) {
     assert_same(&*own, &filter);
     own.set_position_velocity_covariance(&r, &velocity, &[LEVER, -LEVER]);
     filter.set_position_velocity_covariance(&r, &velocity);
-    filter.correlate_with_fix_errors(&LEVER, &-LEVER);
+    filter.correlate_with_fix_errors([&r, &velocity], [&LEVER, &-LEVER]);
     assert_same(&*own, &filter);
     own.set_nav(start());
     filter.set_nav(start());

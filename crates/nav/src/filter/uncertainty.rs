@@ -47,17 +47,31 @@ impl<const N: usize> Filter<N> {
         }
     }
 
-    /// States that position and velocity were taken from a fix whose errors have time-correlated parts, of these standard
-    /// deviations north, east, down [m, m/s]: the solution then has those errors, too. To be called after
-    /// [`Filter::set_position_velocity_covariance`]; it does nothing where [`Parameter::PositionError`] and
-    /// [`Parameter::VelocityError`] are not estimated.
-    pub fn correlate_with_fix_errors(&mut self, position: &Vector3, velocity: &Vector3) {
+    /// States that position and velocity were taken from a fix whose errors have time-correlated parts: the solution then has those
+    /// errors, too. Of position and velocity the `stated` covariance, with which [`Filter::set_position_velocity_covariance`] was
+    /// called before [m², m²/s²], and the standard deviations `std` of the correlated parts north, east, down [m, m/s]. It does
+    /// nothing where [`Parameter::PositionError`] and [`Parameter::VelocityError`] are not estimated.
+    ///
+    /// The correlated parts of the axes are independent: of a stated correlation between axes the white parts' share is left, or
+    /// the covariance of axes and parts together would not be positive definite.
+    pub fn correlate_with_fix_errors(&mut self, stated: [&Matrix3; 2], std: [&Vector3; 2]) {
         let kinds = [Parameter::PositionError, Parameter::VelocityError];
-        for (k, (kind, std)) in kinds.into_iter().zip([position, velocity]).enumerate() {
+        for (k, (kind, (stated, std))) in kinds
+            .into_iter()
+            .zip(stated.into_iter().zip(std))
+            .enumerate()
+        {
             let Some(at) = self.parameter_start(kind) else {
                 continue;
             };
+            let white: [f64; 3] = core::array::from_fn(|i| {
+                let lasting = std[i] * std[i] * self.p[(at + i, at + i)];
+                libm::sqrt((1.0 - lasting / stated[(i, i)]).max(0.0))
+            });
             for i in 0..3 {
+                for j in (0..3).filter(|j| *j != i) {
+                    self.p[(3 * k + i, 3 * k + j)] += (white[i] * white[j] - 1.0) * stated[(i, j)];
+                }
                 let across = std[i] * self.p[(at + i, at + i)];
                 self.p[(3 * k + i, at + i)] = across;
                 self.p[(at + i, 3 * k + i)] = across;

@@ -344,8 +344,9 @@ fn a_correlated_error_fades() {
     let mut filter = Filter::<STATES>::new(nav, &std, [white; AXES], parameters).unwrap();
     let five = Vector3::repeat(5.0);
     let stated = undrift_nav::Matrix3::identity() * 26.0;
-    filter.set_position_velocity_covariance(&stated, &(stated * 1e-4));
-    filter.correlate_with_fix_errors(&five, &Vector3::zeros());
+    let of_velocity = stated * 1e-4;
+    filter.set_position_velocity_covariance(&stated, &of_velocity);
+    filter.correlate_with_fix_errors([&stated, &of_velocity], [&five, &Vector3::zeros()]);
     // What the fix was off by, the start is off by: a second fix of the same error agrees to the white part.
     let observe = |filter: &Filter<STATES>| {
         let fix = Position::Geodetic(filter.nav().position);

@@ -143,3 +143,35 @@ fn a_filter_that_goes_on_in_another_size_moves_as_before() {
         Some(FilterError::TooManyStates { needed, capacity })
     );
 }
+
+/// Of a start from a fix with correlations between axes, as RTKLIB states them: against a second fix of the same error only the white part
+/// is left, and the whole covariance is positive definite.
+#[test]
+fn a_start_from_a_fix_whose_axes_are_correlated_is_positive_definite() {
+    let prior = lasting(1.0).prior;
+    let parameters = Parameters::none().with(Parameter::PositionError, prior);
+    let white = ShapingFilter::white(1e-4, 0.1).unwrap();
+    let std = InitialStd {
+        position: Vector3::repeat(1.0),
+        velocity: Vector3::repeat(0.1),
+        attitude: Vector3::repeat(0.01),
+    };
+    let nav = *filter().nav();
+    let mut started = Filter::<12>::new(nav, &std, [white; AXES], parameters).unwrap();
+    let share = 0.99;
+    let variances = STD.component_mul(&STD) / share;
+    let mut stated = Matrix3::from_diagonal(&variances);
+    for (i, j, correlation) in [(0, 1, 0.5), (0, 2, -0.3), (1, 2, 0.4)] {
+        stated[(i, j)] = correlation * (variances[i] * variances[j]).sqrt();
+        stated[(j, i)] = stated[(i, j)];
+    }
+    let of_velocity = Matrix3::identity();
+    started.set_position_velocity_covariance(&stated, &of_velocity);
+    started.correlate_with_fix_errors([&stated, &of_velocity], [&STD, &Vector3::zeros()]);
+    assert!((again(&started) - stated * (1.0 - share)).norm() < 1e-9);
+    assert!(started.covariance().cholesky().is_some());
+    // As far off as it is stated to be.
+    for i in 0..3 {
+        assert_eq!(started.covariance()[(i, i)], stated[(i, i)]);
+    }
+}

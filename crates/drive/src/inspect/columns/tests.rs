@@ -581,3 +581,22 @@ fn increments_are_known_by_name_and_size() {
     assert_eq!(value(&found, "data").as_deref(), Some("increments"));
     assert_eq!(value(&found, "accel_unit").as_deref(), Some("m/s"));
 }
+
+/// Accuracies across and up are those of latitude and longitude, and along no axis of the Earth.
+#[test]
+fn accuracies_across_and_up_are_not_those_of_earth_fixed_places() {
+    let columns = |names: [&str; 3]| {
+        let names = [&["t"][..], &names, &["hAcc", "vAcc"]].concat();
+        let row = |k: u32| {
+            let k = f64::from(k);
+            vec![k, 47.0 + 1e-5 * k, 8.0, 400.0, 1.5, 2.5]
+        };
+        let (_, found) = lines(&names, (0..50).map(row).collect());
+        value(&found, "position_std_columns")
+    };
+    assert_eq!(
+        columns(["lla[0]", "lla[1]", "lla[2]"]).as_deref(),
+        Some("[hAcc, hAcc, vAcc]")
+    );
+    assert_eq!(columns(["ecef[0]", "ecef[1]", "ecef[2]"]), None);
+}

@@ -5,6 +5,7 @@ use super::axes::fit;
 use super::*;
 use std::fmt::Write as _;
 use undrift_io::Memory;
+use undrift_nav::earth::STANDARD_GRAVITY;
 use undrift_nav::sample::Position;
 use undrift_nav::shaping::ShapingFilter;
 use undrift_results::inspect::Flight as Flies;
