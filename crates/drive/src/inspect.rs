@@ -4,6 +4,7 @@ mod clocks;
 mod columns;
 mod file;
 mod found;
+mod gravity;
 mod joined;
 mod measure;
 mod motion;

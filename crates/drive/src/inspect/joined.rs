@@ -60,7 +60,7 @@ pub(super) fn join(files: &mut [Inspection]) {
     // An app writes accelerations without gravity, and in a file of their own those with it.
     let imu_of =
         |joined: &Inspection| first(std::slice::from_ref(joined), "imu").map(|of| of.1.clone());
-    let lacks = |part: &Part| super::motion::removed_gravity(part).is_some();
+    let lacks = |part: &Part| super::gravity::removed_gravity(part).is_some();
     if imu_of(&found.1).is_some_and(|part| lacks(&part)) {
         let is_whole = |part: Part| part.lines.iter().any(named) && !lacks(&part);
         let whole = pairs

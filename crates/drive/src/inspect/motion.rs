@@ -5,13 +5,12 @@ mod antennas;
 mod axes;
 mod compass;
 mod flight;
-mod gravity;
 mod smoothing;
 mod wheels;
 
 use super::{
-    Content, Inspection, Known, Line, Measured, Motion, Note, Part, SITS, Wheels, clocks, logs,
-    sensor::GUESS, table, units::COUNTS_OF_RATE,
+    Content, Inspection, Known, Line, Measured, Motion, Note, Part, SITS, Wheels, clocks,
+    gravity::removed_gravity, logs, sensor::GUESS, table, units::COUNTS_OF_RATE,
 };
 use crate::{
     align::Heading,
@@ -23,8 +22,6 @@ use crate::{
     navigate::{NavigateError, Wanted, navigate, resolve_mounting},
     vehicle::Profile,
 };
-pub(super) use gravity::removed_gravity;
-
 use axes::{beginning, exchanged_axes, is_fitting, reversed_axes};
 use std::path::Path;
 use undrift_nav::{

@@ -1,6 +1,6 @@
 //! Accelerometers whose numbers are without gravity.
 
-use super::super::{Content, Known, Line, Part};
+use super::{Content, Known, Line, Part};
 use undrift_nav::{Vector3, earth::STANDARD_GRAVITY};
 
 /// Accelerometers that measure less than this times gravity on average have it removed.
@@ -9,7 +9,7 @@ const REMOVED: f64 = 0.5;
 /// Times gravity that the mean specific force is, of accelerometers that measure too little at each instant. Where only the size of the numbers
 /// shows the unit, also of those that measure too little on average: what a car adds and loses in speed may be as large in one unit as gravity in
 /// another, but not its mean.
-pub(in super::super) fn removed_gravity(imu: &Part) -> Option<f64> {
+pub(super) fn removed_gravity(imu: &Part) -> Option<f64> {
     let measured = imu.measured.as_ref()?;
     let Some(Content::Force(mean)) = measured.content else {
         return None;
@@ -24,7 +24,7 @@ pub(in super::super) fn removed_gravity(imu: &Part) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::Measured;
+    use super::super::Measured;
     use super::*;
 
     #[test]
