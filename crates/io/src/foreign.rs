@@ -141,10 +141,7 @@ pub fn known(start: &[u8]) -> Option<Foreign> {
     if has(b" {TimeUS : ") || has(b" {time_boot_ms : ") {
         return Some(DUMP);
     }
-    if first
-        .windows(20)
-        .any(|part| part == b"RINEX VERSION / TYPE")
-    {
+    if has(b"RINEX VERSION / TYPE") {
         return Some(RINEX);
     }
     let line_is = |wanted: &[u8]| {

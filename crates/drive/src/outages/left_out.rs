@@ -49,7 +49,7 @@ pub(super) struct Coverage {
     references: Times,
     /// First and last time of each stretch of samples without a gap \[s\].
     samples: Vec<(f64, f64)>,
-    /// When the solution of the run without outages begins \[s\]; `None` where there is none, which leaves out nothing.
+    /// Start time of the run without outages \[s\]; where there is none, no outage is excluded by it.
     started: Option<f64>,
 }
 

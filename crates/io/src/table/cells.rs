@@ -12,6 +12,7 @@ mod vectors;
 use super::fields::Delimiter;
 use super::wanted::starts_a_row;
 use joined::Joined;
+pub(super) use joined::of_day;
 use numbers::Notation;
 use vectors::Vectors;
 

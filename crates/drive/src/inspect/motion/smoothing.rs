@@ -11,6 +11,8 @@ use undrift_results::inspect::Known;
 
 /// Time constant of a filter that is looked for \[s\], one standard deviation.
 const LOOKED_FOR: f64 = 0.3;
+/// The least that is written \[s\]: it is no more than a prior, and one of zero would be refused.
+const LEAST: f64 = 0.1;
 /// Standard deviations by which it has to show.
 const SHOWN: f64 = 5.0;
 
@@ -32,10 +34,26 @@ pub(super) fn write(inspections: &mut [Inspection], places: [At; 2], logs: Logs,
     if value[0] < SHOWN * std[0] {
         return;
     }
-    let time = (2.0 * value[0]).sqrt();
     let known = Known::Smooths {
         variance_s2: [value[0], std[0]],
     };
     let lines = &mut inspections[file].parts[part].lines;
-    lines.push(Line::new("smoothing", format!("{time:.1} s"), known));
+    lines.push(Line::new("smoothing", written(value[0]), known));
+}
+
+/// The time constant `τ` for a drive file, from `½ τ²` \[s²\].
+fn written(variance: f64) -> String {
+    format!("{:.1} s", (2.0 * variance).sqrt().max(LEAST))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_short_time_constant_is_not_written_as_none() {
+        for (time, text) in [(0.01, "0.1 s"), (0.32, "0.3 s"), (1.5, "1.5 s")] {
+            assert_eq!(written(0.5 * time * time), text);
+        }
+    }
 }

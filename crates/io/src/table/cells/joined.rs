@@ -193,7 +193,7 @@ fn time_of(parts: &[&str]) -> Option<String> {
 }
 
 /// `hhmmss.s`, or without the point `hhmmsscc` with hundredths of a second, as a time of day.
-fn of_day(text: &str) -> Option<String> {
+pub(crate) fn of_day(text: &str) -> Option<String> {
     let digits = text.bytes().take_while(u8::is_ascii_digit).count();
     let hundredths = matches!(digits, 7 | 8) && digits == text.len();
     // Leading zeros that a spreadsheet took away.
@@ -440,7 +440,7 @@ fn is_date(text: &str, order: Order) -> bool {
     digits && length && dashed(text, order).is_some()
 }
 
-/// Whole seconds and, in the column behind them, the part of a second, which begins anew when these count on.
+/// Whole seconds, and in the next column the fraction of a second, which wraps when the seconds increase.
 fn fraction_beside(table: &Beginning, letters: &[String]) -> Option<Joined> {
     let of_part = |part: usize| {
         let seconds = part.checked_sub(1)?;

@@ -1,14 +1,7 @@
 //! Positions: `.vbo` of Racelogic's VBOX, IGC flights, `gx:Track` of KML. Those with times of day alone are moved to the day of the IMU.
 
 use super::{below, lines};
-
-/// `hhmmss.ss` as `hh:mm:ss.ss`.
-fn time_of_day(digits: &str) -> Option<String> {
-    let is = |c: char| c.is_ascii_digit() || c == '.';
-    let at = |range| digits.get(range);
-    let time = format!("{}:{}:{}", at(0..2)?, at(2..4)?, digits.get(4..)?);
-    (digits.len() >= 6 && digits.chars().all(is)).then_some(time)
-}
+use crate::table::cells::of_day;
 
 pub(super) fn is_vbo(start: &[u8]) -> bool {
     let has = |line: &str| lines(start).any(|other| other.eq_ignore_ascii_case(line));
@@ -30,7 +23,7 @@ pub(super) fn of_vbo(text: &[u8]) -> Option<String> {
         let fields = Vec::from_iter(line.split_whitespace());
         let minutes = |place: usize| fields.get(place)?.parse::<f64>().ok();
         let (lat, lon) = (minutes(lat)? / 60.0, -minutes(lon)? / 60.0);
-        let time = time_of_day(fields.get(time)?)?;
+        let time = of_day(fields.get(time)?)?;
         let other = |place: &Option<usize>| {
             let field = place.and_then(|place| fields.get(place));
             field.copied().unwrap_or_default().to_owned()
@@ -64,7 +57,7 @@ pub(super) fn of_igc(text: &[u8]) -> Option<String> {
         };
         let is_fix = line.starts_with('B') && at(24..25)? == "A";
         let (lat, lon) = (angle(7, 2)?, angle(15, 3)?);
-        let (time, height) = (time_of_day(at(1..7)?)?, at(30..35)?);
+        let (time, height) = (of_day(at(1..7)?)?, at(30..35)?);
         is_fix.then(|| format!("{time},{lat:.7},{lon:.7},{height}"))
     };
     below("time,lat,lon,height_m", lines(text).filter_map(row))

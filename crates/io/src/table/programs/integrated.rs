@@ -3,11 +3,10 @@
 
 use super::{below, lines};
 
-/// Places of week, second, three rates and three forces, latitude, longitude and height, velocities east, north, up in a
-/// sentence; `None` of those that it does not have.
+/// A sentence's name, and where its rates with forces and its position with the velocity begin; `None` of what it does not have. Week and second
+/// are behind the name.
 type Places = (&'static str, Option<usize>, Option<usize>);
 
-/// First places of rates with forces and of the position with the velocity.
 const SENTENCES: [Places; 3] = [
     ("$GTIMU", Some(3), None),
     ("$GPFPD", None, Some(6)),
